@@ -1,0 +1,23 @@
+# One room of the house: a folder is a target hotblade_<room> and a namespace hotblade::<room>.
+
+add_library(hotblade_options INTERFACE)
+target_compile_options(hotblade_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Wpedantic)
+# Same decisions on every machine: no fused multiply-add chosen by the compiler.
+target_compile_options(hotblade_options INTERFACE -ffp-contract=off)
+if(HOTBLADE_WERROR)
+  target_compile_options(hotblade_options INTERFACE -Werror)
+endif()
+if(HOTBLADE_SANITIZE)
+  target_compile_options(hotblade_options INTERFACE -fsanitize=${HOTBLADE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(hotblade_options INTERFACE -fsanitize=${HOTBLADE_SANITIZE})
+endif()
+
+# hotblade_room(<room> SOURCES ... HEADERS ... [PUBLIC targets...] [PRIVATE targets...])
+function(hotblade_room room)
+  cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
+  add_library(hotblade_${room} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
+  target_include_directories(hotblade_${room} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(hotblade_${room} PUBLIC Eigen3::Eigen ${ARG_PUBLIC} PRIVATE hotblade_options ${ARG_PRIVATE})
+  list(TRANSFORM ARG_HEADERS PREPEND "${room}/")
+  set_property(GLOBAL APPEND PROPERTY HOTBLADE_HEADERS ${ARG_HEADERS})
+endfunction()

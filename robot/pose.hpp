@@ -1,0 +1,21 @@
+// Where a clamp is: position and orientation.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace hotblade::robot {
+
+// p in mm. q turns the frame's axes to (blade tangent from A to B, in-plane normal, plane normal); unit length.
+struct Pose {
+  Eigen::Vector3d p{0, 0, 0};
+  Eigen::Quaterniond q{1, 0, 0, 0};
+};
+
+// q and -q are one orientation; the largest component (lowest index on ties, order w x y z) is made positive.
+[[nodiscard]] Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
+
+// The same clamp seen from another frame: p' = R p + t.
+[[nodiscard]] Pose transformed(const Pose& frame_to_other, const Pose& pose);
+
+}  // namespace hotblade::robot

@@ -1,0 +1,61 @@
+// Sections of the design by parallel planes, and the pieces linked from plane to plane into strips of ribs.
+//
+// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh; pieces of neighbouring
+// planes that overlap (nearest-point distance within a few plane spacings, same side, same sense) form chains.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "surface/design_surface.hpp"
+
+namespace hotblade::surface {
+
+// One point of a section with what the later stages need of the design there.
+struct SectionPoint {
+  Eigen::Vector3d p;       // mm, design frame, on the plane to rounding
+  Eigen::Vector3d normal;  // unit, interpolated between the design's vertices, on the face's front side
+};
+
+struct SectionPiece {
+  std::vector<SectionPoint> points;  // no two consecutive points equal; at least 2
+  bool closed = false;               // a loop; the first point is not repeated
+  double length_mm = 0;
+};
+
+struct Section {
+  double offset_mm = 0;
+  std::vector<SectionPiece> pieces;
+};
+
+// One rib's place in the graph: section index and piece index.
+struct RibRef {
+  int section = 0, piece = 0;
+};
+
+// A run of pieces through consecutive sections, all running in the same sense: a strip before it is split.
+struct Chain {
+  std::vector<RibRef> ribs;
+};
+
+struct RibGraph {
+  Eigen::Vector3d normal;  // unit
+  std::vector<Section> sections;
+  std::vector<Chain> chains;           // disjoint; ordered by first section, then position along the section
+  std::vector<std::string> warnings;   // pieces dropped because they were too short, with place and length
+};
+
+struct SliceOptions {
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
+  double spacing_mm = 20;       // largest distance between planes
+  double end_inset_mm = 0.05;   // the first and last plane lie this far inside the design's extent
+  double min_piece_mm = 5;      // shorter pieces are dropped, with a warning
+};
+
+// Section planes are spread evenly from the first to the last. Closed loops are cut open into two open pieces where
+// the loop is extreme across its longest extent, at the same side in every section. Throws std::logic_error when
+// options are not finite or the design's health has blockers.
+[[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
+
+}  // namespace hotblade::surface
