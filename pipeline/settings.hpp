@@ -1,0 +1,94 @@
+// The resolved configuration: built-in defaults < --config files in order < --set key=value < flags.
+// TOML sections and keys carry the member names below; unknown keys are errors. docs/configuration.md lists them.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace hotblade::pipeline {
+
+struct DesignSettings {
+  std::string units;           // mm, cm, m, in, ft; required, no default
+  std::string up = "z";        // z or y
+  std::string keep = "below";  // below, above, back, front: the foam that stays
+  std::string group;           // OBJ group to cut; empty: the whole file. Not cut selectively yet: must be empty
+  double tolerance_mm = 1.0;   // accepted deviation between cut and design
+  double max_uncut_share = 0.01;  // of the design's area that no strip reaches
+};
+
+struct SliceSettings {
+  std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
+  double spacing_mm = 20;                          // largest distance between rib planes
+};
+
+struct FitSettings {
+  double lambda_threshold = 0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
+  double deviation_share = 0.5;    // of the tolerance that one rib's elastica may deviate from its target
+  int max_splits = 12;             // along a rib
+};
+
+struct BladeSettings {
+  std::vector<double> free_lengths_mm{400, 600, 800, 1000, 1200, 1500};
+  double width_mm = 8, thickness_mm = 0.5;
+  double youngs_modulus_mpa = 190000, yield_strength_mpa = 1010, safety = 1.5, density_kg_m3 = 7900;
+  double kerf_mm = 1.0;    // melted band of a blade that moves square to its width, thickness included
+  double min_margin = 1.0; // smallest accepted eigenvalue of the second variation times length^2
+};
+
+struct StockSettings {
+  std::array<double, 3> max_size_mm{1200, 1200, 600};
+  double base_mm = 50;     // foam left under the lowest kept point
+  double border_mm = 10;   // foam around the design on the other sides
+  double clearance_mm = 40;  // clamps and table stay at least this far from the stock
+};
+
+struct MotionSettings {
+  double feed_mm_s = 7, min_feed_mm_s = 1;
+  double travel_mm_s = 100, accel_mm_s2 = 500, jerk_mm_s3 = 5000;
+  double angular_rad_s = 1, angular_accel_rad_s2 = 2;
+  double waypoint_s = 0.05;  // 0.005 to 0.05
+  double preheat_s = 2;
+  double approach_mm = 60;   // the blade is formed this far above the stock
+  double lead_mm = 20;       // lead_in and lead_out run this far outside the stock
+};
+
+struct MachineSettings {
+  std::array<double, 3> envelope_mm{4000, 4000, 3000};  // centred on the table in x and y, z from 0
+  double plinth_mm = 150;                               // the stock stands this far above the table
+};
+
+struct Settings {
+  DesignSettings design;
+  SliceSettings slice;
+  FitSettings fit;
+  BladeSettings blade;
+  StockSettings stock;
+  MotionSettings motion;
+  MachineSettings machine;
+};
+
+// Where settings come from, in the order they are applied.
+struct SettingsSources {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string> assignments;  // "design.keep=back", value in TOML syntax, bare words taken as strings
+};
+
+// Throws CommandError: exit 7 for a file that cannot be read, 2 for syntax, unknown keys, wrong types and values out
+// of range, each with `file:line: key (value, limit): hint`. Units are not required here.
+[[nodiscard]] Settings resolve(const SettingsSources& sources);
+
+// Checks ranges and that the parts fit together (kerf above thickness, lengths sorted); throws as resolve does.
+void validate(const Settings& settings);
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);
+[[nodiscard]] std::string to_toml(const Settings& settings);  // commented, round-trips through resolve
+
+// Bending strain limit: largest curvature the blade may take, 2 yield / (safety E thickness), 1/mm.
+[[nodiscard]] double max_curvature_per_mm(const BladeSettings& blade);
+
+}  // namespace hotblade::pipeline
