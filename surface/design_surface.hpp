@@ -1,4 +1,5 @@
-// The design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health measured.
+// The design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health
+// measured.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +25,8 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;  // indices into vertices, counter-clockwise seen from the front
 };
 
-// What was found in the file and in the mesh; every count is of the mesh as used (after triangulation and repair).
+// What was found in the file and in the mesh; every count is of the mesh as used (after triangulation and
+// repair).
 struct Health {
   std::size_t file_vertices = 0, file_faces = 0;  // as written in the OBJ
   std::size_t vertices = 0, triangles = 0;
@@ -61,8 +63,8 @@ struct ReadOptions {
 [[nodiscard]] double scale_to_mm(const std::string& units);
 
 // Reads an OBJ: text checked line by line, then the mesh is built in OpenMesh and counted again.
-// Throws FileError, or MeshError for the first bad line. Geometry that can be read but not sliced is reported in
-// health.blockers, not thrown. Face normals are made to agree within a component where that is possible.
+// Throws FileError, or MeshError for the first bad line. Geometry that can be read but not sliced is reported
+// in health.blockers, not thrown. Face normals are made to agree within a component where that is possible.
 [[nodiscard]] DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace hotblade::surface

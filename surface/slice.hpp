@@ -1,7 +1,8 @@
 // Sections of the design by parallel planes, and the pieces linked from plane to plane into strips of ribs.
 //
-// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh; pieces of neighbouring
-// planes that overlap (nearest-point distance within a few plane spacings, same side, same sense) form chains.
+// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh; pieces of
+// neighbouring planes that overlap (nearest-point distance within a few plane spacings, same side, same
+// sense) form chains.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,20 +43,20 @@ struct Chain {
 struct RibGraph {
   Eigen::Vector3d normal;  // unit
   std::vector<Section> sections;
-  std::vector<Chain> chains;           // disjoint; ordered by first section, then position along the section
-  std::vector<std::string> warnings;   // pieces dropped because they were too short, with place and length
+  std::vector<Chain> chains;          // disjoint; ordered by first section, then position along the section
+  std::vector<std::string> warnings;  // pieces dropped because they were too short, with place and length
 };
 
 struct SliceOptions {
   Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
-  double spacing_mm = 20;       // largest distance between planes
-  double end_inset_mm = 0.05;   // the first and last plane lie this far inside the design's extent
-  double min_piece_mm = 5;      // shorter pieces are dropped, with a warning
+  double spacing_mm = 20;      // largest distance between planes
+  double end_inset_mm = 0.05;  // the first and last plane lie this far inside the design's extent
+  double min_piece_mm = 5;     // shorter pieces are dropped, with a warning
 };
 
-// Section planes are spread evenly from the first to the last. Closed loops are cut open into two open pieces where
-// the loop is extreme across its longest extent, at the same side in every section. Throws std::logic_error when
-// options are not finite or the design's health has blockers.
+// Section planes are spread evenly from the first to the last. Closed loops are cut open into two open pieces
+// where the loop is extreme across its longest extent, at the same side in every section. Throws
+// std::logic_error when options are not finite or the design's health has blockers.
 [[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
 
 }  // namespace hotblade::surface

@@ -1,0 +1,340 @@
+#include "surface/mesh_repair.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+#include "surface/face_links.hpp"
+#include "surface/polygon.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+std::string counted(std::size_t n, const std::string& one, const std::string& many) {
+  return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+std::string place(const Eigen::Vector3d& p) {
+  char text[96];
+  std::snprintf(text, sizeof text, "(%.3f, %.3f, %.3f) mm", p.x(), p.y(), p.z());
+  return text;
+}
+
+std::uint64_t hash_of(const Eigen::Vector3d& p) {
+  std::uint64_t h = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    h = (h ^ std::bit_cast<std::uint64_t>(p[axis])) * 0x9e3779b97f4a7c15ULL;
+    h ^= h >> 32;
+  }
+  return h;
+}
+
+// For each vertex the first one with exactly its coordinates. -0 and 0 are equal. Open addressing: no
+// allocation a vertex.
+std::vector<int> first_of_equals(std::span<Eigen::Vector3d> positions) {
+  constexpr int kEmpty = -1;
+  std::vector<int> slots(std::bit_ceil(2 * positions.size() + 1), kEmpty);
+  const std::uint64_t mask = slots.size() - 1;
+  std::vector<int> first(positions.size());
+  for (std::size_t v = 0; v < positions.size(); ++v) {
+    positions[v].array() += 0.0;  // turns -0 into 0, so that equal numbers have equal bits
+    std::uint64_t slot = hash_of(positions[v]) & mask;
+    while (slots[slot] != kEmpty && positions[static_cast<std::size_t>(slots[slot])] != positions[v]) {
+      slot = (slot + 1) & mask;
+    }
+    if (slots[slot] == kEmpty) slots[slot] = static_cast<int>(v);
+    first[v] = slots[slot];
+  }
+  return first;
+}
+
+class Repair {
+ public:
+  Repair(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const std::string& name, Health& health)
+      : obj_(obj), name_(name), health_(health) {
+    mesh_.vertices = std::move(positions);
+  }
+
+  RepairedMesh run() {
+    const std::vector<int> first = first_of_equals(mesh_.vertices);
+    cut_into_triangles(first);
+    drop_duplicates();
+    drop_unused(first);
+    FaceLinks links = link_faces(mesh_.triangles);
+    report_crowded_edges(links);
+    turn_to_agree(links);
+    if (links.crowded_edges == 0) part_touching_sheets(links);
+    return {std::move(mesh_), links.edges};
+  }
+
+ private:
+  const Eigen::Vector3d& at(int v) const { return mesh_.vertices[static_cast<std::size_t>(v)]; }
+
+  void cut_into_triangles(std::span<const int> first) {
+    std::vector<int> corners;
+    std::vector<std::array<int, 3>> pieces;
+    std::size_t crossing = 0, crossing_line = 0;
+    mesh_.triangles.reserve(obj_.faces());
+    line_.reserve(obj_.faces());
+    for (std::size_t f = 0; f < obj_.faces(); ++f) {
+      clean_corners(obj_.face(f), first, corners);
+      pieces.clear();
+      if (corners.size() >= 3 && !triangulate_polygon(mesh_.vertices, corners, pieces) && crossing++ == 0) {
+        crossing_line = obj_.face_line[f];
+      }
+      const std::size_t before = mesh_.triangles.size();
+      for (const auto& t : pieces) keep_if_it_has_area(t, obj_.face_line[f]);
+      if (mesh_.triangles.size() == before) ++health_.degenerate_faces;
+    }
+    if (crossing > 0) {
+      health_.warnings.push_back(counted(crossing, "face is", "faces are") +
+                                 " not a simple polygon and cut as a fan, the first in line " +
+                                 std::to_string(crossing_line));
+    }
+    if (health_.degenerate_faces > 0) {
+      health_.repairs.push_back("dropped " + counted(health_.degenerate_faces, "face", "faces") +
+                                " without area");
+    }
+    if (mesh_.triangles.empty()) {
+      throw MeshError(name_ + ":" + std::to_string(obj_.face_line[0]) + ": no face has an area (" +
+                      counted(obj_.faces(), "face", "faces") + "): check the units and export again");
+    }
+  }
+
+  // The face's corners after merging, without repetitions of a neighbour.
+  static void clean_corners(std::span<const int> face, std::span<const int> first,
+                            std::vector<int>& corners) {
+    corners.clear();
+    for (const int c : face) {
+      const int v = first[static_cast<std::size_t>(c)];
+      if (corners.empty() || corners.back() != v) corners.push_back(v);
+    }
+    while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+  }
+
+  void keep_if_it_has_area(const std::array<int, 3>& t, std::uint32_t line) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
+    const Eigen::Vector3d a = at(t[1]) - at(t[0]), b = at(t[2]) - at(t[0]);
+    // The cross product of vectors of double coordinates is exact to about 2^-50 of |a| |b|: less is no area
+    // at all.
+    constexpr double kRounding = 1e-15;
+    if (a.cross(b).norm() <= kRounding * a.norm() * b.norm()) return;
+    mesh_.triangles.push_back(t);
+    line_.push_back(line);
+  }
+
+  // Of faces over the same three vertices the first stays, whichever way round the others are.
+  void drop_duplicates() {
+    const auto key = [](std::array<int, 3> t) {
+      std::sort(t.begin(), t.end());
+      return t;
+    };
+    std::vector<int> order(mesh_.triangles.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto face = [&](int f) { return key(mesh_.triangles[static_cast<std::size_t>(f)]); };
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      const auto ka = face(a), kb = face(b);
+      return ka != kb ? ka < kb : a < b;
+    });
+    std::vector<bool> drop(order.size(), false);
+    for (std::size_t k = 1; k < order.size(); ++k) {
+      if (face(order[k]) != face(order[k - 1])) continue;
+      drop[static_cast<std::size_t>(order[k])] = true;
+      ++health_.duplicate_faces;
+    }
+    if (health_.duplicate_faces == 0) return;
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < drop.size(); ++f) {
+      if (drop[f]) continue;
+      mesh_.triangles[kept] = mesh_.triangles[f];
+      line_[kept++] = line_[f];
+    }
+    mesh_.triangles.resize(kept);
+    line_.resize(kept);
+    health_.repairs.push_back("dropped " + counted(health_.duplicate_faces, "face", "faces") +
+                              " lying on another with the same corners");
+  }
+
+  // Vertices keep their order. Merged ones are said as a repair, ones without a face are counted.
+  void drop_unused(std::span<const int> first) {
+    std::size_t merged = 0;
+    for (std::size_t v = 0; v < first.size(); ++v) merged += first[v] != static_cast<int>(v) ? 1U : 0U;
+    std::vector<int> renamed(first.size(), -1);
+    for (const auto& t : mesh_.triangles) {
+      for (const int v : t) renamed[static_cast<std::size_t>(v)] = 0;
+    }
+    int kept = 0;
+    for (std::size_t v = 0; v < renamed.size(); ++v) {
+      if (renamed[v] < 0) continue;
+      mesh_.vertices[static_cast<std::size_t>(kept)] = mesh_.vertices[v];
+      obj_number_.push_back(static_cast<int>(v) + 1);
+      renamed[v] = kept++;
+    }
+    for (auto& t : mesh_.triangles) {
+      for (int& v : t) v = renamed[static_cast<std::size_t>(v)];
+    }
+    health_.unused_vertices = first.size() - merged - static_cast<std::size_t>(kept);
+    mesh_.vertices.resize(static_cast<std::size_t>(kept));
+    mesh_.vertices.shrink_to_fit();
+    if (merged > 0) {
+      health_.repairs.push_back("merged " + counted(merged, "vertex", "vertices") +
+                                " with another of exactly the same coordinates");
+    }
+  }
+
+  void report_crowded_edges(const FaceLinks& links) {
+    health_.non_manifold_edges = links.crowded_edges;
+    if (links.crowded_edges == 0) return;
+    const auto [a, b] = links.crowded_edge;
+    health_.blockers.push_back(
+        counted(links.crowded_edges, "edge has", "edges have") + " more than two faces, the first with " +
+        std::to_string(links.crowded_edge_faces) + " between vertex " + number(a) + " " + place(at(a)) +
+        " and vertex " + number(b) + " " + place(at(b)) + ": part or trim the sheets that meet there");
+  }
+
+  std::string number(int v) const { return std::to_string(obj_number_[static_cast<std::size_t>(v)]); }
+
+  // Do the two faces of this edge run round it in opposite senses, as faces of one side do?
+  bool agree(int corner, int other) const {
+    const auto vertex = [&](int c) {
+      return mesh_.triangles[static_cast<std::size_t>(c / 3)][static_cast<std::size_t>(c % 3)];
+    };
+    return vertex(corner) != vertex(other);
+  }
+
+  // Spreads a sense from face to face. In each component the sense that turns fewer faces wins.
+  void turn_to_agree(FaceLinks& links) {
+    enum : unsigned char { kUnseen, kAsIs, kTurn };
+    std::vector<unsigned char> state(mesh_.triangles.size(), kUnseen);
+    std::vector<int> component;
+    std::size_t turned = 0;
+    for (std::size_t seed = 0; seed < state.size(); ++seed) {
+      if (state[seed] != kUnseen) continue;
+      ++health_.components;
+      component.assign(1, static_cast<int>(seed));
+      state[seed] = kAsIs;
+      for (std::size_t k = 0; k < component.size(); ++k) {
+        const int f = component[k];
+        for (int c = 3 * f; c < 3 * f + 3; ++c) {
+          const int other = links.beyond[static_cast<std::size_t>(c)];
+          if (other == FaceLinks::kNone) continue;
+          const unsigned char mine = state[static_cast<std::size_t>(f)];
+          const unsigned char wanted =
+              agree(c, other) ? mine : static_cast<unsigned char>(kAsIs + kTurn - mine);
+          unsigned char& theirs = state[static_cast<std::size_t>(other / 3)];
+          if (theirs == kUnseen) {
+            theirs = wanted;
+            component.push_back(other / 3);
+          } else if (theirs != wanted && health_.orientable) {
+            report_moebius(f, other / 3);
+          }
+        }
+      }
+      turned += turn_fewer(component, state, kAsIs, kTurn);
+    }
+    if (!health_.orientable || turned == 0) return;
+    for (std::size_t f = 0; f < state.size(); ++f) {
+      if (state[f] == kTurn) std::swap(mesh_.triangles[f][1], mesh_.triangles[f][2]);
+    }
+    links = link_faces(mesh_.triangles);
+    health_.repairs.push_back("turned " + counted(turned, "face", "faces") +
+                              " over to agree with their neighbours");
+  }
+
+  static std::size_t turn_fewer(std::span<const int> component, std::vector<unsigned char>& state,
+                                unsigned char as_is, unsigned char turn) {
+    const auto count = static_cast<std::size_t>(std::count_if(component.begin(), component.end(), [&](int f) {
+      return state[static_cast<std::size_t>(f)] == turn;
+    }));
+    if (2 * count <= component.size()) return count;
+    for (const int f : component) {
+      unsigned char& s = state[static_cast<std::size_t>(f)];
+      s = s == turn ? as_is : turn;
+    }
+    return component.size() - count;
+  }
+
+  void report_moebius(int face, int other) {
+    health_.orientable = false;
+    const auto& t = mesh_.triangles[static_cast<std::size_t>(face)];
+    const Eigen::Vector3d centre = (at(t[0]) + at(t[1]) + at(t[2])) / 3;
+    health_.blockers.push_back("the surface has one side only, like a Moebius strip: the faces of lines " +
+                               std::to_string(line_[static_cast<std::size_t>(face)]) + " and " +
+                               std::to_string(line_[static_cast<std::size_t>(other)]) + " near " +
+                               place(centre) + " cannot be made to agree: cut the strip open");
+  }
+
+  // Gives every fan of faces round a vertex a vertex of its own, at the same place.
+  void part_touching_sheets(const FaceLinks& links) {
+    std::vector<int> fan = fans(links);
+    std::vector<bool> claimed(mesh_.vertices.size(), false);
+    std::vector<int> fan_vertex(fan.size(), -1);
+    std::vector<int> parted;
+    for (std::size_t c = 0; c < fan.size(); ++c) {
+      int& v = mesh_.triangles[c / 3][c % 3];
+      int& own = fan_vertex[static_cast<std::size_t>(fan[c])];
+      if (own < 0 && !claimed[static_cast<std::size_t>(v)]) {
+        claimed[static_cast<std::size_t>(v)] = true;
+        own = v;
+      } else if (own < 0) {
+        own = static_cast<int>(mesh_.vertices.size());
+        parted.push_back(v);
+        mesh_.vertices.push_back(Eigen::Vector3d(at(v)));
+      }
+      v = own;
+    }
+    if (parted.empty()) return;
+    const int shown = parted.front();
+    std::sort(parted.begin(), parted.end());
+    parted.erase(std::unique(parted.begin(), parted.end()), parted.end());
+    health_.non_manifold_vertices = parted.size();
+    health_.repairs.push_back("parted the sheets that touch only in a point at " +
+                              counted(parted.size(), "vertex", "vertices") + ", the first vertex " +
+                              number(shown) + " " + place(at(shown)));
+  }
+
+  // For each corner the smallest corner of its fan: corners at one vertex, reached across edges.
+  static std::vector<int> fans(const FaceLinks& links) {
+    std::vector<int> parent(links.beyond.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int c) {
+      while (parent[static_cast<std::size_t>(c)] != c) {
+        int& p = parent[static_cast<std::size_t>(c)];
+        p = parent[static_cast<std::size_t>(p)];
+        c = p;
+      }
+      return c;
+    };
+    const auto join = [&](int a, int b) {
+      const int ra = root(a), rb = root(b);
+      parent[static_cast<std::size_t>(std::max(ra, rb))] = std::min(ra, rb);
+    };
+    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
+      const int other = links.beyond[static_cast<std::size_t>(c)];
+      if (other < c) continue;
+      join(c, next_corner(other));
+      join(next_corner(c), other);
+    }
+    for (int c = 0; c < static_cast<int>(parent.size()); ++c) parent[static_cast<std::size_t>(c)] = root(c);
+    return parent;
+  }
+
+  const ObjText& obj_;
+  const std::string& name_;
+  Health& health_;
+  TriangleMesh mesh_;
+  std::vector<std::uint32_t> line_;  // per triangle
+  std::vector<int> obj_number_;      // per vertex, before sheets are parted
+};
+
+}  // namespace
+
+RepairedMesh repair_mesh(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const std::string& name,
+                         Health& health) {
+  return Repair(obj, std::move(positions), name, health).run();
+}
+
+}  // namespace hotblade::surface
