@@ -2,14 +2,15 @@
 //
 // An elastica is the shape of a thin blade bent in its plane: its curvature is affine in position,
 //   theta' = kappa - lambda1 (y - y0) + lambda2 (x - x0),  x' = cos theta,  y' = sin theta,
-// by arc length s from the start state (x0, y0, theta, kappa). The state form is smooth through lines, circles,
-// and curves with and without inflections (docs/elastica.md; Brander, Gravesen, Nørbjerg 2017).
+// by arc length s from the start state (x0, y0, theta, kappa). The state form is smooth through lines,
+// circles, and curves with and without inflections (docs/elastica.md; Brander, Gravesen, Nørbjerg 2017).
 // Units: any length unit; kappa 1/length, lambda 1/length^2, angles in rad.
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 #include <vector>
+
+#include "elastica/taylor.hpp"
 
 namespace hotblade::elastica {
 
@@ -32,8 +33,8 @@ struct CurvePoint {
 // (1e-13 of the length, tested against closed forms and high-order quadrature).
 class ElasticaCurve {
  public:
-  // Throws std::logic_error when a parameter is not finite, length is negative, or the curve winds so tightly that
-  // it would need more than kMaxPieces pieces.
+  // Throws std::logic_error when a parameter is not finite, length is negative, or the curve winds so tightly
+  // that it would need more than kMaxPieces pieces.
   explicit ElasticaCurve(const Elastica& elastica);
 
   // The point at arc length s; s is clamped to [0, length].
@@ -42,14 +43,11 @@ class ElasticaCurve {
   // Largest |kappa| on the segment, exact to 1e-6 relative.
   [[nodiscard]] double max_abs_curvature() const;
 
-  static constexpr int kOrder = 18;
   static constexpr int kMaxPieces = 4096;
 
  private:
   struct Piece {
-    double c[kOrder + 1];  // Taylor coefficients of cos(theta), sin(theta), theta about the piece's start
-    double s[kOrder + 1];
-    double t[kOrder + 1];
+    TaylorPiece<double> series;
     double x0, y0;
   };
   Elastica elastica_;
@@ -60,7 +58,11 @@ class ElasticaCurve {
 // n >= 2 points, evenly spaced by arc length, both ends included.
 [[nodiscard]] std::vector<CurvePoint> sample(const Elastica& elastica, int n);
 
-// The same curve from arc length s0 to s1; either may lie outside [0, length], which extends the curve along itself.
+// The point at any arc length, also before 0 and beyond length: the curve extended along itself.
+[[nodiscard]] CurvePoint point_at(const Elastica& elastica, double s);
+
+// The same curve from arc length s0 to s1 >= s0; either may lie outside [0, length], which extends it along
+// itself.
 [[nodiscard]] Elastica segment(const Elastica& elastica, double s0, double s1);
 
 // The same points run through from the end to the start.

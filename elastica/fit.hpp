@@ -1,0 +1,58 @@
+// A true elastica near a curve given by points, and the distances between a Bezier and an elastica.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "elastica/bezier.hpp"
+#include "elastica/elastica.hpp"
+
+namespace hotblade::elastica {
+
+// The state of an elastica at its middle, in its own tangent frame there. Fits and interpolation work on it:
+// it is far better conditioned than the start state, whose errors grow along the whole curve.
+struct MidState {
+  double x = 0, y = 0, theta = 0, kappa = 0;  // at arc length length/2
+  double tension1 = 0,
+         tension2 = 0;  // (lambda1, lambda2) turned by -theta: along and across the tangent, 1/unit^2
+  double length = 0;
+};
+
+[[nodiscard]] MidState mid_state(const Elastica& elastica);
+[[nodiscard]] Elastica from_mid_state(const MidState& mid);
+
+struct FitOptions {
+  // Weight of the prior that pulls kappa and tensions (scaled by the curve's length to pure numbers) towards
+  // `prior`; in shares of the length per unit. The prior decides only what the points leave open: 1e-6 moves
+  // a fit by less than 1e-5 of the length.
+  double prior_weight = 1e-6;
+  // Absent (nullptr): towards zero tension.
+  const MidState* prior = nullptr;
+};
+
+struct ElasticaFit {
+  Elastica elastica;
+  double rms = 0;  // proportional-parameter distance to the points, unit of the input
+  double max = 0;  // largest distance from a point to the elastica, foot points refined
+  int starts_tried = 0;
+  bool converged = false;
+};
+
+// Least squares over the seven state parameters, points at proportional arc length, from each start and from
+// two of its own (affine curvature of the points, mean circular arc); the best is returned. `points` must be
+// evenly spaced by arc length; at least 8 (std::logic_error).
+[[nodiscard]] ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points,
+                                       std::span<const Elastica> starts, const FitOptions& options);
+
+// Largest distance from the points to the elastica; each foot point by search over samples and Newton steps.
+[[nodiscard]] double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& elastica);
+
+// The paper's distances between a Bezier and an elastica traversed proportionally; pure numbers, relative to
+// length.
+struct CurveDistance {
+  double l2 = 0, h1 = 0;
+  double hausdorff = 0;  // both ways, unit of the input, sampled at 200 points with refined foot points
+};
+[[nodiscard]] CurveDistance distance(const Bezier& bezier, const Elastica& elastica);
+
+}  // namespace hotblade::elastica
