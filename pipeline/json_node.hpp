@@ -1,0 +1,67 @@
+// A JSON value that knows its place in the file, for readers that check everything and name what is wrong.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hotblade::pipeline {
+
+// An interval a number has to lie in; `above` excludes the lower end.
+struct Range {
+  double low, high;
+  bool above = false;
+};
+
+// A cheap view: it refers to the JSON value and to its parent node, both of which have to outlive it. Every function
+// throws CommandError with exit code 3 and `file: place: what (value, limit): hint`.
+class JsonNode {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  JsonNode(const Json& value, const std::string& file) : value_(value), file_(file) {}
+
+  // A temporary parent would be gone before its child is used.
+  [[nodiscard]] JsonNode field(const char* key) const&;
+  [[nodiscard]] JsonNode item(std::size_t index) const&;
+  JsonNode field(const char* key) const&& = delete;
+  JsonNode item(std::size_t index) const&& = delete;
+
+  // An object with exactly these keys, in any order.
+  void expect_keys(std::span<const char* const> keys) const;
+  // The number of items of an array that has at least `least` of them, and exactly `least` when `exact`.
+  [[nodiscard]] std::size_t items(std::size_t least, bool exact = false) const;
+
+  [[nodiscard]] bool is_null() const { return value_.is_null(); }
+  [[nodiscard]] double number() const;
+  [[nodiscard]] double number(Range range) const;
+  [[nodiscard]] std::size_t count() const;
+  [[nodiscard]] bool boolean() const;
+  [[nodiscard]] const std::string& text() const;
+  [[nodiscard]] const std::string& one_of(std::span<const char* const> choices) const;
+  [[nodiscard]] std::vector<double> numbers(std::size_t least, Range range) const;
+  [[nodiscard]] const Json& json() const { return value_; }
+
+  [[noreturn]] void fail(const std::string& what_and_hint) const;
+
+ private:
+  JsonNode(const Json& value, const JsonNode& parent, const char* key, std::size_t index)
+      : value_(value), file_(parent.file_), parent_(&parent), key_(key), index_(index) {}
+  [[nodiscard]] std::string place() const;
+  // The value as the file has it, shortened for a message.
+  [[nodiscard]] std::string shown() const;
+
+  const Json& value_;
+  const std::string& file_;
+  const JsonNode* parent_ = nullptr;
+  const char* key_ = nullptr;
+  std::size_t index_ = 0;
+};
+
+// Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws CommandError
+// with exit code 3 and `file:line: what`.
+[[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file);
+
+}  // namespace hotblade::pipeline

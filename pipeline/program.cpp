@@ -1,0 +1,44 @@
+#include "pipeline/program.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "pipeline/command_error.hpp"
+
+namespace hotblade::pipeline {
+
+Program read_program(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    throw CommandError(Exit::kFile, file.string() + ": is a directory: give its program.json");
+  }
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";
+    throw CommandError(Exit::kFile, file.string() + ": cannot be read" + reason);
+  }
+  return parse_program(text, file.string());
+}
+
+std::vector<robot::Waypoint> waypoints(const Strip& strip) {
+  constexpr double kMicrosecondsPerSecond = 1e6;
+  const auto in_cell = [&](const Pose& pose) {
+    Pose moved = robot::transformed(strip.design_to_cell, pose);
+    moved.q = robot::canonical(moved.q);
+    return moved;
+  };
+  std::vector<robot::Waypoint> out;
+  out.reserve(strip.poses.size());
+  for (const BladePose& pose : strip.poses) {
+    const auto t_us = static_cast<std::uint32_t>(std::llround(pose.t * kMicrosecondsPerSecond));
+    out.push_back({t_us, pose.heat, in_cell(pose.a), in_cell(pose.b)});
+  }
+  return out;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,325 @@
+// Reading a program back: every number is checked before anything uses it.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "pipeline/json_node.hpp"
+#include "pipeline/program.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using elastica::Elastica;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr Range kAny{-kInfinity, kInfinity};
+constexpr Range kPositive{0, kInfinity, true};
+constexpr Range kNotNegative{0, kInfinity};
+// Unit vectors and quaternions written by other programs may carry nine digits or so.
+constexpr double kUnitError = 1e-6;
+// The controller counts microseconds in 32 bits.
+constexpr Range kTime{0, 4294.967295};
+long long microseconds(double seconds) { return std::llround(seconds * 1e6); }
+// Lengths that have to agree are sums and differences of a few doubles; a micrometre per metre is far above rounding
+// and far below anything a clamp can do.
+constexpr double kLengthErrorRel = 1e-6;
+
+constexpr std::array kUnits{"mm", "cm", "m", "in", "ft"};
+constexpr std::array kUps{"z", "y"};
+constexpr std::array kKeeps{"below", "above", "back", "front"};
+constexpr std::array kPhases{"form", "preheat", "approach", "lead_in", "cut", "lead_out", "retract", "travel"};
+constexpr std::array kStatuses{"passed", "failed", "refused"};
+
+double number(const JsonNode& node, const char* key, Range range = kAny) { return node.field(key).number(range); }
+std::string text(const JsonNode& node, const char* key) { return node.field(key).text(); }
+
+template <int N>
+Eigen::Matrix<double, N, 1> vector(const JsonNode& node, Range range = kAny) {
+  [[maybe_unused]] const std::size_t size = node.items(N, true);
+  Eigen::Matrix<double, N, 1> v;
+  for (int i = 0; i < N; ++i) v[i] = node.item(static_cast<std::size_t>(i)).number(range);
+  return v;
+}
+
+template <int N>
+Eigen::Matrix<double, N, 1> vector(const JsonNode& node, const char* key, Range range = kAny) {
+  return vector<N>(node.field(key), range);
+}
+
+void expect_unit(const JsonNode& node, double norm) {
+  if (std::abs(norm - 1) > kUnitError) node.fail(fmt::format("is not of length 1 ({}, +-{})", norm, kUnitError));
+}
+
+Eigen::Vector3d unit_vector(const JsonNode& node, const char* key) {
+  const JsonNode field = node.field(key);
+  const Eigen::Vector3d v = vector<3>(field);
+  expect_unit(field, v.norm());
+  return v;
+}
+
+Frame frame(const JsonNode& node) {
+  node.expect_keys(std::array{"origin", "x", "y"});
+  const Frame frame{vector<3>(node, "origin"), unit_vector(node, "x"), unit_vector(node, "y")};
+  const double dot = frame.x.dot(frame.y);
+  if (std::abs(dot) > kUnitError) node.fail(fmt::format("x and y are not square ({}, +-{})", dot, kUnitError));
+  return frame;
+}
+
+Pose pose(const JsonNode& node) {
+  node.expect_keys(std::array{"p", "q"});
+  const JsonNode q = node.field("q");
+  const Eigen::Vector4d wxyz = vector<4>(q);
+  expect_unit(q, wxyz.norm());
+  return {vector<3>(node, "p"), Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3])};
+}
+
+Elastica elastica_of(const JsonNode& node) {
+  node.expect_keys(std::array{"x", "y", "theta", "kappa", "lambda1", "lambda2", "length"});
+  return {number(node, "x"),       number(node, "y"),       number(node, "theta"),           number(node, "kappa"),
+          number(node, "lambda1"), number(node, "lambda2"), number(node, "length", kPositive)};
+}
+
+std::vector<std::string> strings(const JsonNode& node) {
+  std::vector<std::string> values(node.items(0));
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = node.item(i).text();
+  return values;
+}
+
+std::string sha256_of(const JsonNode& node) {
+  const std::string& digits = node.text();
+  const bool hex = digits.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (digits.size() != 64 || !hex) node.fail("is not a SHA-256 (64 lower-case hex digits)");
+  return digits;
+}
+
+DesignData design_of(const JsonNode& node) {
+  node.expect_keys(std::array{"file", "sha256", "source_units", "scale_to_mm", "up", "keep", "vertices", "faces",
+                              "bbox_mm"});
+  DesignData design;
+  const JsonNode file = node.field("file");
+  design.file = file.text();
+  if (design.file.empty() || design.file.find('/') != std::string::npos) {
+    file.fail(fmt::format("is not a base name (\"{}\"): the path is in run.json", design.file));
+  }
+  design.sha256 = sha256_of(node.field("sha256"));
+  design.source_units = node.field("source_units").one_of(kUnits);
+  design.scale_to_mm = number(node, "scale_to_mm", kPositive);
+  design.up = node.field("up").one_of(kUps)[0];
+  design.keep = node.field("keep").one_of(kKeeps);
+  design.vertices = node.field("vertices").count();
+  design.faces = node.field("faces").count();
+  const JsonNode box = node.field("bbox_mm");
+  [[maybe_unused]] const std::size_t corners = box.items(2, true);
+  design.bbox_mm = {vector<3>(box.item(0)), vector<3>(box.item(1))};
+  if ((design.bbox_mm[0].array() > design.bbox_mm[1].array()).any()) {
+    box.fail("the first corner is above the second");
+  }
+  return design;
+}
+
+BladeData blade_of(const JsonNode& node) {
+  node.expect_keys(std::array{"free_lengths_mm", "width_mm", "thickness_mm", "youngs_modulus_mpa",
+                              "yield_strength_mpa", "safety", "max_curvature_per_mm", "kerf_mm", "density_kg_m3"});
+  BladeData blade;
+  const JsonNode lengths = node.field("free_lengths_mm");
+  blade.free_lengths_mm = lengths.numbers(1, kPositive);
+  for (std::size_t i = 1; i < blade.free_lengths_mm.size(); ++i) {
+    if (blade.free_lengths_mm[i] <= blade.free_lengths_mm[i - 1]) {
+      lengths.item(i).fail(fmt::format("is not above the one before ({}, above {})", blade.free_lengths_mm[i],
+                                       blade.free_lengths_mm[i - 1]));
+    }
+  }
+  blade.width_mm = number(node, "width_mm", kPositive);
+  blade.thickness_mm = number(node, "thickness_mm", kPositive);
+  blade.youngs_modulus_mpa = number(node, "youngs_modulus_mpa", kPositive);
+  blade.yield_strength_mpa = number(node, "yield_strength_mpa", kPositive);
+  blade.safety = number(node, "safety", kPositive);
+  blade.max_curvature_per_mm = number(node, "max_curvature_per_mm", kPositive);
+  blade.kerf_mm = number(node, "kerf_mm", kPositive);
+  blade.density_kg_m3 = number(node, "density_kg_m3", kPositive);
+  return blade;
+}
+
+Rib rib_of(const JsonNode& node) {
+  node.expect_keys(std::array{"id", "frame", "target", "bezier", "lambda_residual", "elastica", "l2", "h1",
+                              "hausdorff_mm", "design_deviation_mm"});
+  Rib rib;
+  rib.id = text(node, "id");
+  rib.frame = frame(node.field("frame"));
+  const JsonNode target = node.field("target");
+  rib.target.resize(target.items(2));
+  for (std::size_t i = 0; i < rib.target.size(); ++i) rib.target[i] = vector<2>(target.item(i));
+  const JsonNode bezier = node.field("bezier");
+  [[maybe_unused]] const std::size_t points = bezier.items(rib.bezier.size(), true);
+  for (std::size_t i = 0; i < rib.bezier.size(); ++i) rib.bezier[i] = vector<2>(bezier.item(i));
+  rib.lambda_residual = number(node, "lambda_residual", kNotNegative);
+  rib.elastica = elastica_of(node.field("elastica"));
+  rib.l2 = number(node, "l2", kNotNegative);
+  rib.h1 = number(node, "h1", kNotNegative);
+  rib.hausdorff_mm = number(node, "hausdorff_mm", kNotNegative);
+  rib.design_deviation_mm = number(node, "design_deviation_mm", kNotNegative);
+  return rib;
+}
+
+std::optional<std::array<double, 2>> foam_of(const JsonNode& node, double length) {
+  if (node.is_null()) return std::nullopt;
+  const double slack = length * kLengthErrorRel;
+  const Eigen::Vector2d foam = vector<2>(node, {-slack, length + slack});
+  if (foam[0] >= foam[1]) node.fail(fmt::format("ends before it starts ({} to {})", foam[0], foam[1]));
+  return std::array{foam[0], foam[1]};
+}
+
+void expect_chord(const JsonNode& node, const BladePose& pose, double length) {
+  const double chord = (pose.a.p - pose.b.p).norm();
+  if (chord > length * (1 + kLengthErrorRel)) {
+    node.fail(fmt::format("clamps a and b are farther apart than the blade is long ({} mm, {})", chord, length));
+  }
+}
+
+BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
+  node.expect_keys(std::array{"t", "phase", "heat", "frame", "blade", "foam", "a", "b", "margin", "margin_mm", "rib"});
+  BladePose out;
+  out.t = number(node, "t", kTime);
+  out.phase = node.field("phase").one_of(kPhases);
+  out.heat = node.field("heat").boolean();
+  out.frame = frame(node.field("frame"));
+  const JsonNode blade = node.field("blade");
+  out.blade = elastica_of(blade);
+  const double length = strip.blade_length_mm;
+  if (std::abs(out.blade.length - length) > length * kLengthErrorRel) {
+    blade.fail(fmt::format("length is not the strip's blade length ({}, {})", out.blade.length, length));
+  }
+  out.foam = foam_of(node.field("foam"), length);
+  out.a = pose(node.field("a"));
+  out.b = pose(node.field("b"));
+  expect_chord(node, out, length);
+  out.margin = number(node, "margin");
+  const JsonNode margin_mm = node.field("margin_mm");
+  if (!margin_mm.is_null()) out.margin_mm = margin_mm.number(kNotNegative);
+  const JsonNode rib = node.field("rib");
+  if (rib.is_null()) return out;
+  if (rib.count() >= strip.ribs.size()) {
+    rib.fail(fmt::format("no such rib ({}, the strip has {})", rib.count(), strip.ribs.size()));
+  }
+  out.rib = static_cast<int>(rib.count());
+  return out;
+}
+
+Stock stock_of(const JsonNode& node) {
+  node.expect_keys(std::array{"frame", "size_mm"});
+  return {frame(node.field("frame")), vector<3>(node, "size_mm", kPositive)};
+}
+
+double blade_length_of(const JsonNode& node, const BladeData& blade) {
+  const double length = node.number(kPositive);
+  for (const double free_length : blade.free_lengths_mm) {
+    if (length == free_length) return length;
+  }
+  node.fail(fmt::format("no such blade ({}, one of {})", length, fmt::join(blade.free_lengths_mm, ", ")));
+}
+
+// A strip starts and ends formed in air, so it has at least two poses.
+std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
+  std::vector<BladePose> poses;
+  const std::size_t size = node.items(2);
+  poses.reserve(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    const JsonNode item = node.item(i);
+    poses.push_back(blade_pose_of(item, strip));
+    if (i > 0 && microseconds(poses[i].t) <= microseconds(poses[i - 1].t)) {
+      item.field("t").fail(
+          fmt::format("is not a microsecond after the pose before ({} s, above {})", poses[i].t, poses[i - 1].t));
+    }
+  }
+  return poses;
+}
+
+Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
+  node.expect_keys(std::array{"id", "blade_length_mm", "design_to_cell", "stock", "ribs", "poses"});
+  const auto expect_new = [&](const JsonNode& owner, const std::string& id) {
+    const JsonNode field = owner.field("id");
+    if (id.empty()) field.fail("is empty");
+    if (!ids.insert(id).second) field.fail(fmt::format("stands twice ({})", id));
+  };
+  Strip strip;
+  strip.id = text(node, "id");
+  expect_new(node, strip.id);
+  strip.blade_length_mm = blade_length_of(node.field("blade_length_mm"), blade);
+  strip.design_to_cell = pose(node.field("design_to_cell"));
+  strip.stock = stock_of(node.field("stock"));
+  const JsonNode ribs = node.field("ribs");
+  const std::size_t rib_count = ribs.items(1);
+  for (std::size_t i = 0; i < rib_count; ++i) {
+    const JsonNode rib = ribs.item(i);
+    strip.ribs.push_back(rib_of(rib));
+    expect_new(rib, strip.ribs.back().id);
+  }
+  strip.poses = poses_of(node.field("poses"), strip);
+  return strip;
+}
+
+Verification verification_of(const JsonNode& node) {
+  node.expect_keys(
+      std::array{"status", "tolerance_mm", "deviation_mm", "uncut_mm2", "budget_mm", "samples", "not_checked"});
+  Verification out;
+  out.status = node.field("status").one_of(kStatuses);
+  out.tolerance_mm = number(node, "tolerance_mm", kPositive);
+  const JsonNode deviation = node.field("deviation_mm");
+  deviation.expect_keys(std::array{"max", "p99", "rms", "mean", "at"});
+  out.deviation_mm.max = number(deviation, "max", kNotNegative);
+  const double most = out.deviation_mm.max * (1 + kLengthErrorRel);
+  out.deviation_mm.p99 = number(deviation, "p99", {0, most});
+  out.deviation_mm.rms = number(deviation, "rms", {0, most});
+  out.deviation_mm.mean = number(deviation, "mean", {-most, most});
+  out.deviation_mm.at = vector<3>(deviation, "at");
+  out.uncut_mm2 = number(node, "uncut_mm2", kNotNegative);
+  const JsonNode budget = node.field("budget_mm");
+  if (!budget.json().is_object()) budget.fail("is not an object of name: mm");
+  for (const auto& [name, value] : budget.json().items()) {
+    out.budget_mm.emplace_back(name, number(budget, name.c_str(), kNotNegative));
+  }
+  out.samples = node.field("samples").count();
+  out.not_checked = strings(node.field("not_checked"));
+  return out;
+}
+
+void expect_format(const JsonNode& root) {
+  const JsonNode format = root.field("format");
+  if (format.text() != "hotblade-program") {
+    format.fail(fmt::format("is not a cut program (\"{}\", hotblade-program)", format.text()));
+  }
+  const JsonNode version = root.field("version");
+  if (version.count() != 1) {
+    version.fail(fmt::format("unknown version ({}, 1): use the hotblade that wrote it", version.count()));
+  }
+}
+
+}  // namespace
+
+Program parse_program(const std::string& text_of_file, const std::string& file_name) {
+  const nlohmann::ordered_json json = parse_json(text_of_file, file_name);
+  const JsonNode root(json, file_name);
+  expect_format(root);
+  root.expect_keys(std::array{"format", "version", "created_by", "design", "settings", "blade", "strips",
+                              "verification", "overrides"});
+  Program program;
+  program.created_by = text(root, "created_by");
+  program.design = design_of(root.field("design"));
+  const JsonNode settings = root.field("settings");
+  if (!settings.json().is_object()) settings.fail("is not an object");
+  program.settings_json = settings.json().dump();
+  program.blade = blade_of(root.field("blade"));
+  const JsonNode strips = root.field("strips");
+  const std::size_t strip_count = strips.items(1);
+  std::set<std::string> ids;
+  for (std::size_t i = 0; i < strip_count; ++i) {
+    program.strips.push_back(strip_of(strips.item(i), program.blade, ids));
+  }
+  program.verification = verification_of(root.field("verification"));
+  program.overrides = strings(root.field("overrides"));
+  return program;
+}
+
+}  // namespace hotblade::pipeline
