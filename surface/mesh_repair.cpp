@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 #include <numeric>
 
 #include <Eigen/Geometry>
 
 #include "surface/face_links.hpp"
+#include "surface/place_text.hpp"
 #include "surface/polygon.hpp"
 
 namespace hotblade::surface {
@@ -15,12 +15,6 @@ namespace {
 
 std::string counted(std::size_t n, const std::string& one, const std::string& many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
-}
-
-std::string place(const Eigen::Vector3d& p) {
-  char text[96];
-  std::snprintf(text, sizeof text, "(%.3f, %.3f, %.3f) mm", p.x(), p.y(), p.z());
-  return text;
 }
 
 std::uint64_t hash_of(const Eigen::Vector3d& p) {
@@ -191,8 +185,8 @@ class Repair {
     const auto [a, b] = links.crowded_edge;
     health_.blockers.push_back(
         counted(links.crowded_edges, "edge has", "edges have") + " more than two faces, the first with " +
-        std::to_string(links.crowded_edge_faces) + " between vertex " + number(a) + " " + place(at(a)) +
-        " and vertex " + number(b) + " " + place(at(b)) + ": part or trim the sheets that meet there");
+        std::to_string(links.crowded_edge_faces) + " between vertex " + number(a) + " " + place_text(at(a)) +
+        " and vertex " + number(b) + " " + place_text(at(b)) + ": part or trim the sheets that meet there");
   }
 
   std::string number(int v) const { return std::to_string(obj_number_[static_cast<std::size_t>(v)]); }
@@ -264,7 +258,7 @@ class Repair {
     health_.blockers.push_back("the surface has one side only, like a Moebius strip: the faces of lines " +
                                std::to_string(line_[static_cast<std::size_t>(face)]) + " and " +
                                std::to_string(line_[static_cast<std::size_t>(other)]) + " near " +
-                               place(centre) + " cannot be made to agree: cut the strip open");
+                               place_text(centre) + " cannot be made to agree: cut the strip open");
   }
 
   // Gives every fan of faces round a vertex a vertex of its own, at the same place.
@@ -293,7 +287,7 @@ class Repair {
     health_.non_manifold_vertices = parted.size();
     health_.repairs.push_back("parted the sheets that touch only in a point at " +
                               counted(parted.size(), "vertex", "vertices") + ", the first vertex " +
-                              number(shown) + " " + place(at(shown)));
+                              number(shown) + " " + place_text(at(shown)));
   }
 
   // For each corner the smallest corner of its fan: corners at one vertex, reached across edges.

@@ -1,0 +1,185 @@
+#include "surface/slice.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <tuple>
+
+#include "surface/place_text.hpp"
+#include "surface/rib_links.hpp"
+#include "surface/section_march.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+// More planes than this are a slip in the options: a 10 m part at 0.1 mm.
+constexpr double kMostPlanes = 100'000;
+
+void check(const DesignSurface& design, const SliceOptions& options) {
+  if (!design.health.blockers.empty()) {
+    throw std::logic_error("slice: the design cannot be sliced: " + design.health.blockers.front());
+  }
+  if (design.mesh.triangles.empty()) throw std::logic_error("slice: the design has no faces");
+  if (!options.normal.allFinite() || !(options.normal.norm() > 0)) {
+    throw std::logic_error("slice: the plane normal must be finite and not zero");
+  }
+  if (!std::isfinite(options.spacing_mm) || options.spacing_mm <= 0) {
+    throw std::logic_error("slice: spacing_mm must be finite and greater than 0");
+  }
+  if (!std::isfinite(options.end_inset_mm) || options.end_inset_mm < 0) {
+    throw std::logic_error("slice: end_inset_mm must be finite and not less than 0");
+  }
+  if (!std::isfinite(options.min_piece_mm) || options.min_piece_mm < 0) {
+    throw std::logic_error("slice: min_piece_mm must be finite and not less than 0");
+  }
+}
+
+// In-plane axes: u is level (or along x for level planes), v = normal x u.
+std::array<Eigen::Vector3d, 2> plane_axes(const Eigen::Vector3d& normal) {
+  constexpr double kNearlyUpright =
+      0.9;  // far from both ends of the choice: any value between 0.7 and 1 would do
+  const Eigen::Vector3d up =
+      std::abs(normal.z()) > kNearlyUpright ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d u = up.cross(normal).normalized();
+  return {u, normal.cross(u)};
+}
+
+std::vector<double> spread_planes(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+                                  const SliceOptions& options) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const auto& t : mesh.triangles) {
+    for (const int v : t) {
+      const double h = normal.dot(mesh.vertices[static_cast<std::size_t>(v)]);
+      low = std::min(low, h);
+      high = std::max(high, h);
+    }
+  }
+  low += options.end_inset_mm;
+  high -= options.end_inset_mm;
+  if (!(high > low)) return {};
+  const double steps = std::max(1.0, std::ceil((high - low) / options.spacing_mm));
+  if (steps >= kMostPlanes) {
+    throw std::logic_error("slice: too many planes (" + std::to_string(steps + 1) +
+                           ", limit 100000): make spacing_mm larger");
+  }
+  std::vector<double> offsets;
+  for (double k = 0; k <= steps; ++k) offsets.push_back(low + (high - low) * (k / steps));
+  offsets.back() = high;
+  return offsets;
+}
+
+// Loops become two pieces, so they must be twice as long.
+void drop_short_pieces(std::vector<std::vector<MarchedPiece>>& sections, const std::vector<double>& offsets,
+                       double min_piece_mm, std::vector<std::string>& warnings) {
+  constexpr std::size_t kShown = 20;
+  std::size_t dropped = 0;
+  for (std::size_t k = 0; k < sections.size(); ++k) {
+    std::erase_if(sections[k], [&](const MarchedPiece& m) {
+      const double limit = m.piece.closed ? 2 * min_piece_mm : min_piece_mm;
+      if (m.piece.length_mm >= limit) return false;
+      if (++dropped > kShown) return true;
+      char text[200];
+      std::snprintf(text, sizeof text,
+                    "section %zu (normal . p = %.3f mm): piece too short (%.3f mm, limit %.3f mm)", k,
+                    offsets[k], m.piece.length_mm, limit);
+      warnings.push_back(text + (" near " + place_text(m.piece.points.front().p)) + ": dropped");
+      return true;
+    });
+  }
+  if (dropped > kShown) warnings.push_back(std::to_string(dropped - kShown) + " more short pieces dropped");
+}
+
+// Does this piece start at its end with the smaller coordinate along u, or along v where u does not tell?
+bool runs_forward(const SectionPiece& piece, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+  const Eigen::Vector3d chord = piece.points.back().p - piece.points.front().p;
+  // Less is rounding of coordinates, and may not decide.
+  constexpr double kAcross = 1e-9;
+  const double along = chord.dot(u);
+  return std::abs(along) > kAcross * piece.length_mm ? along > 0 : chord.dot(v) >= 0;
+}
+
+class Graph {
+ public:
+  Graph(std::vector<RibNode> nodes, const Eigen::Vector3d& u, const Eigen::Vector3d& v)
+      : nodes_(std::move(nodes)), u_(u), v_(v) {}
+
+  RibGraph build(const Eigen::Vector3d& normal, const std::vector<double>& offsets) {
+    turn_chains();
+    RibGraph graph;
+    graph.normal = normal;
+    for (const double offset : offsets) graph.sections.push_back({offset, {}});
+    const std::vector<std::size_t> order = ordered();
+    std::vector<RibRef> place(nodes_.size());
+    for (const std::size_t n : order) {
+      auto& pieces = graph.sections[static_cast<std::size_t>(nodes_[n].section)].pieces;
+      place[n] = {nodes_[n].section, static_cast<int>(pieces.size())};
+      pieces.push_back(std::move(nodes_[n].piece));
+    }
+    for (const std::size_t n : order) {
+      if (nodes_[n].previous != RibNode::kNone) continue;
+      Chain& chain = graph.chains.emplace_back();
+      for (int m = static_cast<int>(n); m != RibNode::kNone; m = nodes_[static_cast<std::size_t>(m)].next) {
+        chain.ribs.push_back(place[static_cast<std::size_t>(m)]);
+      }
+    }
+    return graph;
+  }
+
+ private:
+  // The pieces of a chain have one sense already, that of the surface; the first one decides which.
+  void turn_chains() {
+    for (const RibNode& first : nodes_) {
+      if (first.previous != RibNode::kNone || runs_forward(first.piece, u_, v_)) continue;
+      int n = static_cast<int>(&first - nodes_.data());
+      for (; n != RibNode::kNone; n = nodes_[static_cast<std::size_t>(n)].next) {
+        auto& points = nodes_[static_cast<std::size_t>(n)].piece.points;
+        std::reverse(points.begin(), points.end());
+      }
+    }
+  }
+
+  // By section, then by the pieces' middles along u, then along v.
+  [[nodiscard]] std::vector<std::size_t> ordered() const {
+    std::vector<std::tuple<int, double, double, double, std::size_t>> keys;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const SectionPoint& q : nodes_[n].piece.points) sum += q.p;
+      sum /= static_cast<double>(nodes_[n].piece.points.size());
+      keys.emplace_back(nodes_[n].section, sum.dot(u_), sum.dot(v_), nodes_[n].piece.length_mm, n);
+    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<std::size_t> order;
+    for (const auto& key : keys) order.push_back(std::get<4>(key));
+    return order;
+  }
+
+  std::vector<RibNode> nodes_;
+  Eigen::Vector3d u_, v_;
+};
+
+}  // namespace
+
+RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
+  check(design, options);
+  const Eigen::Vector3d normal = options.normal.normalized();
+  const auto [u, v] = plane_axes(normal);
+  const std::vector<double> offsets = spread_planes(design.mesh, normal, options);
+  if (offsets.empty()) {
+    RibGraph flat;
+    flat.normal = normal;
+    flat.warnings.push_back("the design has no extent along the plane normal: no sections");
+    return flat;
+  }
+  auto sections = march_sections(design.mesh, normal, offsets);
+  std::vector<std::string> warnings;
+  drop_short_pieces(sections, offsets, options.min_piece_mm, warnings);
+  std::vector<RibNode> nodes = link_pieces(std::move(sections), offsets[1] - offsets[0]);
+  cut_loops_open(nodes, u, v);
+  RibGraph graph = Graph(std::move(nodes), u, v).build(normal, offsets);
+  graph.warnings = std::move(warnings);
+  return graph;
+}
+
+}  // namespace hotblade::surface
