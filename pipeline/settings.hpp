@@ -1,8 +1,8 @@
 // The resolved configuration: built-in defaults < --config files in order < --set key=value < flags.
-// TOML sections and keys carry the member names below; unknown keys are errors. docs/configuration.md lists them.
+// TOML sections and keys carry the member names below; unknown keys are errors. docs/configuration.md lists
+// them.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
@@ -16,8 +16,8 @@ struct DesignSettings {
   std::string units;           // mm, cm, m, in, ft; required, no default
   std::string up = "z";        // z or y
   std::string keep = "below";  // below, above, back, front: the foam that stays
-  std::string group;           // OBJ group to cut; empty: the whole file. Not cut selectively yet: must be empty
-  double tolerance_mm = 1.0;   // accepted deviation between cut and design
+  std::string group;  // OBJ group to cut; empty: the whole file. Not cut selectively yet: must be empty
+  double tolerance_mm = 1.0;      // accepted deviation between cut and design
   double max_uncut_share = 0.01;  // of the design's area that no strip reaches
 };
 
@@ -27,23 +27,24 @@ struct SliceSettings {
 };
 
 struct FitSettings {
-  double lambda_threshold = 0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
-  double deviation_share = 0.5;    // of the tolerance that one rib's elastica may deviate from its target
-  int max_splits = 12;             // along a rib
+  double lambda_threshold =
+      0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
+  double deviation_share = 0.5;  // of the tolerance that one rib's elastica may deviate from its target
+  int max_splits = 12;           // along a rib
 };
 
 struct BladeSettings {
   std::vector<double> free_lengths_mm{400, 600, 800, 1000, 1200, 1500};
   double width_mm = 8, thickness_mm = 0.5;
   double youngs_modulus_mpa = 190000, yield_strength_mpa = 1010, safety = 1.5, density_kg_m3 = 7900;
-  double kerf_mm = 1.0;    // melted band of a blade that moves square to its width, thickness included
-  double min_margin = 1.0; // smallest accepted eigenvalue of the second variation times length^2
+  double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
+  double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
 };
 
 struct StockSettings {
   std::array<double, 3> max_size_mm{1200, 1200, 600};
-  double base_mm = 50;     // foam left under the lowest kept point
-  double border_mm = 10;   // foam around the design on the other sides
+  double base_mm = 50;       // foam left under the lowest kept point
+  double border_mm = 10;     // foam around the design on the other sides
   double clearance_mm = 40;  // clamps and table stay at least this far from the stock
 };
 
@@ -53,8 +54,8 @@ struct MotionSettings {
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
   double waypoint_s = 0.05;  // 0.005 to 0.05
   double preheat_s = 2;
-  double approach_mm = 60;   // the blade is formed this far above the stock
-  double lead_mm = 20;       // lead_in and lead_out run this far outside the stock
+  double approach_mm = 60;  // the blade is formed this far above the stock
+  double lead_mm = 20;      // lead_in and lead_out run this far outside the stock
 };
 
 struct MachineSettings {
@@ -72,17 +73,37 @@ struct Settings {
   MachineSettings machine;
 };
 
+// A setting given by a flag of its own; errors name the flag.
+struct SettingsFlag {
+  std::string flag;   // "--units"
+  std::string key;    // "design.units"
+  std::string value;  // as for assignments
+};
+
 // Where settings come from, in the order they are applied.
 struct SettingsSources {
   std::vector<std::filesystem::path> files;
-  std::vector<std::string> assignments;  // "design.keep=back", value in TOML syntax, bare words taken as strings
+  std::vector<std::string>
+      assignments;  // "design.keep=back", value in TOML syntax, bare words taken as strings
+  std::vector<SettingsFlag> flags;
 };
 
-// Throws CommandError: exit 7 for a file that cannot be read, 2 for syntax, unknown keys, wrong types and values out
-// of range, each with `file:line: key (value, limit): hint`. Units are not required here.
+// One key as users see it: what docs/configuration.md and `hotblade config defaults` say about it.
+struct SettingInfo {
+  std::string key;            // "blade.kerf_mm"
+  std::string unit;           // empty: none
+  std::string default_value;  // TOML; "absent" for a key without a default
+  std::string range;          // "0.1 to 100", or the words allowed
+  std::string description;
+};
+[[nodiscard]] std::vector<SettingInfo> describe_settings();
+
+// Throws CommandError: exit 7 for a file that cannot be read, 2 for syntax, unknown keys, wrong types and
+// values out of range, each with `file:line: key (value, limit): hint`. Units are not required here.
 [[nodiscard]] Settings resolve(const SettingsSources& sources);
 
-// Checks ranges and that the parts fit together (kerf above thickness, lengths sorted); throws as resolve does.
+// Checks ranges and that the parts fit together (kerf at least the thickness, lengths ascending, feed at most
+// travel); throws as resolve does.
 void validate(const Settings& settings);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);

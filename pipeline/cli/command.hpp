@@ -13,24 +13,32 @@ class App;
 
 namespace hotblade::pipeline {
 
-// What every command shares.
+// What every command shares. Everything here goes to stderr (stdout carries results only), and every line but
+// the progress to the log file too, when there is one. One thread at a time.
 struct Console {
   bool quiet = false;
   int verbose = 0;
   std::string progress = "auto";  // auto, bar, json or none
-  std::string log_file;
+  std::string log_file;           // appended to; empty: none
 
-  // Progress to stderr: a bar on a terminal, NDJSON {"progress": 0..1, "stage": "..."} with --progress json; the
-  // fraction never goes back. Safe to call from one thread at a time.
+  // Progress: a bar on a terminal, NDJSON {"stage": "...", "progress": 0..1} with --progress json. `fraction`
+  // is of the whole command; a value below one already shown is raised to it, so what is shown never goes
+  // back.
   void report_progress(const std::string& stage, double fraction) const;
-  // One line to stderr unless quiet.
+  // One line, only with -v.
+  void detail(const std::string& line) const;
+  // One line unless quiet.
   void note(const std::string& line) const;
-  // One line to stderr, always.
+  // One line, always.
   void warn(const std::string& line) const;
+  // Ends a half-drawn bar, so that what follows starts on a line of its own.
+  void end_progress() const;
 
  private:
+  void write(const std::string& line, bool show) const;
   mutable double shown_ = -1;
   mutable std::string shown_stage_;
+  mutable bool bar_open_ = false;
 };
 
 // Registers a subcommand; when it was called, `action` holds what to run.
@@ -41,7 +49,8 @@ void add_verify(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);
 void add_preview(CLI::App& app, const Console& console, Action& action);
 
-// Set by SIGINT and SIGTERM; long work looks at it and ends with Exit::kInterrupted.
+// Set by SIGINT and SIGTERM; long work looks at it and ends with Exit::kInterrupted. A second signal ends the
+// program at once.
 [[nodiscard]] bool interrupted();
 
 // Splits argv, runs one command, prints errors; returns the exit code.

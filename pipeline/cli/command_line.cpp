@@ -1,0 +1,108 @@
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <new>
+
+#include "pipeline/cli/command.hpp"
+#include "pipeline/version.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Registrar = void (*)(CLI::App&, const Console&, Action&);
+constexpr Registrar kCommands[] = {
+    add_config,
+};
+
+std::atomic<bool> g_interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+void on_signal(int) {
+  g_interrupted = true;
+}
+
+void install_signal_handlers() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void add_global_options(CLI::App& app, Console& console) {
+  app.add_flag("-q,--quiet", console.quiet, "Only warnings and errors on stderr");
+  app.add_flag("-v,--verbose", console.verbose, "More on stderr");
+  app.add_option("--log-file", console.log_file, "Append what goes to stderr to this file")
+      ->type_name("FILE");
+  app.add_option("--progress", console.progress, "auto: a bar on a terminal; json: one JSON object a line")
+      ->check(CLI::IsMember({"auto", "bar", "json", "none"}))
+      ->type_name("auto|bar|json|none");
+  app.set_version_flag("--version", "hotblade " + version(), "Print the version and exit");
+}
+
+// The log is opened once up front: a wrong path shows before any work is done.
+void check_log_file(const Console& console) {
+  if (console.log_file.empty()) return;
+  if (!std::ofstream(console.log_file, std::ios::app)) {
+    throw CommandError(Exit::kFile, console.log_file + ": cannot write the log: choose a writable place");
+  }
+}
+
+Exit run_action(const Action& action, const Console& console) {
+  try {
+    check_log_file(console);
+    const Exit code = action();
+    console.end_progress();
+    std::cout.flush();
+    if (!std::cout) throw CommandError(Exit::kFile, "stdout: cannot write the result: is the disk full?");
+    return code;
+  } catch (const CommandError& error) {
+    console.warn(error.what());
+    return error.code;
+  } catch (const surface::MeshError& error) {
+    console.warn(error.what());
+    return Exit::kBadInput;
+  } catch (const surface::FileError& error) {
+    console.warn(error.what());
+    return Exit::kFile;
+  } catch (const std::bad_alloc&) {
+    console.warn("internal error: out of memory");
+  } catch (const std::exception& error) {
+    console.warn(std::string("internal error: ") + error.what());
+  }
+  return Exit::kInternal;
+}
+
+}  // namespace
+
+bool interrupted() {
+  return g_interrupted;
+}
+
+int run_command_line(int argc, char** argv) {
+  install_signal_handlers();
+  Console console;
+  Action action;
+  CLI::App app("hotblade: from a design surface to a program for a hot-blade cutting cell", "hotblade");
+  app.fallthrough();
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 ok, 1 internal, 2 usage or configuration, 3 bad input, 4 not cuttable as asked,\n"
+      "5 deviation over the tolerance, 6 controller, 7 file, 130 interrupted.");
+  add_global_options(app, console);
+  for (const Registrar add : kCommands) add(app, console, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Error& error) {
+    // The parser has codes of its own (105 and up) for what is one thing to the caller: wrong usage.
+    const int parser_code = app.exit(error, std::cout, std::cerr);
+    return static_cast<int>(parser_code == 0 ? Exit::kOk : Exit::kUsage);
+  }
+  return static_cast<int>(run_action(action, console));
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,82 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/cli/command.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+constexpr int kBarWidth = 30;
+
+// Finer steps are not shown: they would cost more than the work they tell of.
+constexpr double kProgressStep = 0.005;
+
+bool shows_bar(const Console& console) {
+  if (console.progress == "bar") return true;
+  return console.progress == "auto" && isatty(STDERR_FILENO) == 1;
+}
+
+void draw_bar(const std::string& stage, double fraction) {
+  const int filled = static_cast<int>(std::floor(fraction * kBarWidth));
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), '.');
+  std::fprintf(stderr, "\r\033[K[%s] %3d%%  %s", bar.c_str(), static_cast<int>(std::floor(100 * fraction)),
+               stage.c_str());
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+void Console::report_progress(const std::string& stage, double fraction) const {
+  const bool json = progress == "json";
+  if (quiet || (!json && !shows_bar(*this))) return;
+  if (!(fraction >= shown_)) fraction = std::max(shown_, 0.0);
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  const bool reached_end = fraction >= 1 && shown_ < 1;
+  if (stage == shown_stage_ && fraction < shown_ + kProgressStep && !reached_end) return;
+  shown_ = fraction;
+  shown_stage_ = stage;
+  if (json) {
+    nlohmann::ordered_json line;
+    line["stage"] = stage;
+    line["progress"] = fraction;
+    std::fprintf(stderr, "%s\n", line.dump().c_str());
+    return;
+  }
+  draw_bar(stage, fraction);
+  bar_open_ = true;
+  if (fraction >= 1) end_progress();
+}
+
+void Console::end_progress() const {
+  if (!bar_open_) return;
+  std::fputc('\n', stderr);
+  bar_open_ = false;
+}
+
+void Console::write(const std::string& line, bool show) const {
+  if (show) {
+    end_progress();
+    std::fprintf(stderr, "%s\n", line.c_str());
+  }
+  if (!log_file.empty()) std::ofstream(log_file, std::ios::app | std::ios::binary) << line << '\n';
+}
+
+void Console::detail(const std::string& line) const {
+  if (verbose > 0) write(line, !quiet);
+}
+
+void Console::note(const std::string& line) const {
+  write(line, !quiet);
+}
+
+void Console::warn(const std::string& line) const {
+  write(line, true);
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,47 @@
+#include "pipeline/cli/settings_options.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "pipeline/command_error.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+// One value per flag: without this, the parser would take the words that follow for more values.
+CLI::Option* one_each(CLI::Option* option) {
+  return option->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_settings_options(CLI::App& command, SettingsSources& sources) {
+  one_each(command.add_option("--config", sources.files, "Settings in TOML; later files win"))
+      ->type_name("FILE");
+  one_each(
+      command.add_option("--set", sources.assignments, "One setting, as design.keep=back; wins over files"))
+      ->type_name("KEY=VALUE");
+}
+
+void add_design_options(CLI::App& command, DesignOptions& options) {
+  command.add_option("design", options.file, "The design surface, an OBJ file")->required()->type_name("OBJ");
+  command.add_option("--units", options.units, "Unit of the OBJ's numbers; required here or as design.units")
+      ->type_name("mm|cm|m|in|ft");
+  command.add_option("--up", options.up, "Axis of the OBJ that points up")->type_name("z|y");
+  add_settings_options(command, options.sources);
+}
+
+Settings resolve_design(const DesignOptions& options) {
+  SettingsSources sources = options.sources;
+  if (!options.units.empty()) sources.flags.push_back({"--units", "design.units", options.units});
+  if (!options.up.empty()) sources.flags.push_back({"--up", "design.up", options.up});
+  Settings settings = resolve(sources);
+  if (settings.design.units.empty()) {
+    throw CommandError(Exit::kUsage,
+                       options.file +
+                           ": no unit given: an OBJ carries none: say --units mm, cm, m, in or ft, or "
+                           "set design.units in a --config file");
+  }
+  return settings;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,331 @@
+#include "pipeline/settings.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <sstream>
+
+#include "pipeline/command_error.hpp"
+#include "pipeline/settings_fields.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+// More blade lengths than this are a slip of the pen, and the plan tries each.
+constexpr std::size_t kMaxLengths = 100;
+// Direction components are rounded to doubles by hand; a vector below this is meant as zero.
+constexpr double kMinDirection = 1e-3;
+
+// Where a key's value came from, "job.toml:12", "--set" or "--units"; keys at their default are not in here.
+using Origins = std::map<std::string, std::string>;
+
+[[noreturn]] void fail(const std::string& where, const std::string& what) {
+  throw CommandError(Exit::kUsage, where + ": " + what);
+}
+
+[[noreturn]] void fail_key(const Origins& origins, const std::string& key, const std::string& what) {
+  const auto origin = origins.find(key);
+  fail(origin == origins.end() ? "settings" : origin->second, key + " " + what);
+}
+
+// ---- did you mean ----
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+// The hint for an unknown "section.key": the nearest known key, in its own section or in another.
+std::string key_hint(const std::string& section, const std::string& key) {
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, key.size() / 3) + 1;
+  for (const SettingField& field : setting_fields()) {
+    // The same distance in the section asked for counts for more.
+    const std::size_t distance = 2 * edit_distance(key, field.key) + (field.section == section ? 0 : 1);
+    if (distance < 2 * best) {
+      best = (distance + 1) / 2;
+      nearest = full_key(field);
+    }
+  }
+  return nearest.empty() ? "`hotblade config defaults` lists every key" : "did you mean " + nearest + "?";
+}
+
+std::string section_hint(const std::string& section) {
+  std::string nearest, all;
+  std::size_t best = std::max<std::size_t>(2, section.size() / 3) + 1;
+  for (const SettingField& field : setting_fields()) {
+    const std::string name(field.section);
+    if (all.find(name) == std::string::npos) all += (all.empty() ? "" : ", ") + name;
+    const std::size_t distance = edit_distance(section, name);
+    if (distance < best) {
+      best = distance;
+      nearest = name;
+    }
+  }
+  return nearest.empty() ? "sections are " + all : "did you mean [" + nearest + "]?";
+}
+
+// ---- reading values ----
+
+std::string type_name(const toml::node& node) {
+  std::ostringstream text;
+  text << node.type();
+  return text.str();
+}
+
+struct Reader {
+  const toml::node& node;
+  const SettingField& field;
+  const std::string& where;
+
+  [[noreturn]] void wrong_type(const std::string& wanted) const {
+    fail(where, full_key(field) + " (" + type_name(node) + ", must be " + wanted + ")");
+  }
+
+  double number(const toml::node& n, const std::string& wanted) const {
+    if (const auto integer = n.value_exact<std::int64_t>()) return static_cast<double>(*integer);
+    if (const auto real = n.value_exact<double>()) return *real;
+    wrong_type(wanted);
+  }
+
+  std::vector<double> numbers(const std::string& wanted) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) wrong_type(wanted);
+    std::vector<double> values;
+    for (const toml::node& element : *array) values.push_back(number(element, wanted));
+    return values;
+  }
+
+  std::array<double, 3> triple() const {
+    const std::string wanted = "a list of 3 numbers";
+    const std::vector<double> values = numbers(wanted);
+    if (values.size() != 3) {
+      fail(where,
+           full_key(field) + " (" + std::to_string(values.size()) + " numbers, must be " + wanted + ")");
+    }
+    return {values[0], values[1], values[2]};
+  }
+
+  void operator()(double* place) const { *place = number(node, "a number"); }
+  void operator()(int* place) const {
+    const auto integer = node.value_exact<std::int64_t>();
+    if (!integer) wrong_type("a whole number");
+    // Out of int is out of range whatever the range; the check that follows says so.
+    *place = static_cast<int>(
+        std::clamp<std::int64_t>(*integer, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  }
+  void operator()(std::string* place) const {
+    const auto text = node.value_exact<std::string>();
+    if (!text) wrong_type("a string");
+    *place = *text;
+  }
+  void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
+  void operator()(std::array<double, 3>* place) const { *place = triple(); }
+  void operator()(std::optional<std::array<double, 3>>* place) const { *place = triple(); }
+};
+
+// ---- checking ----
+
+struct RangeCheck {
+  const SettingField& field;
+  const Origins& origins;
+
+  void check(double value) const {
+    // A NaN fails both comparisons.
+    if (value >= field.min && value <= field.max) return;
+    fail_key(origins, full_key(field), "(" + number_text(value) + ", must be " + range_text(field) + ")");
+  }
+  void operator()(const double* v) const { check(*v); }
+  void operator()(const int* v) const { check(*v); }
+  void operator()(const std::string* v) const {
+    const auto words = choices(field);
+    if (std::find(words.begin(), words.end(), *v) != words.end()) return;
+    fail_key(origins, full_key(field), "(\"" + *v + "\", must be " + range_text(field) + ")");
+  }
+  void operator()(const std::vector<double>* v) const {
+    if (v->empty() || v->size() > kMaxLengths) {
+      fail_key(origins, full_key(field),
+               "(" + std::to_string(v->size()) + " numbers, must be " + range_text(field) + ")");
+    }
+    for (const double value : *v) check(value);
+  }
+  void operator()(const std::array<double, 3>* v) const {
+    for (const double value : *v) check(value);
+  }
+  void operator()(const std::optional<std::array<double, 3>>* v) const {
+    if (v->has_value()) (*this)(&**v);
+  }
+};
+
+void check_together(const Settings& s, const Origins& origins) {
+  const auto at_most = [&](const char* key, double value, const char* limit_key, double limit) {
+    if (value <= limit) return;
+    fail_key(origins, key,
+             "(" + number_text(value) + ", must be at most " + limit_key + ", " + number_text(limit) + ")");
+  };
+  const auto& lengths = s.blade.free_lengths_mm;
+  if (std::adjacent_find(lengths.begin(), lengths.end(), std::greater_equal<>()) != lengths.end()) {
+    fail_key(origins, "blade.free_lengths_mm", "(not ascending): list every length once, shortest first");
+  }
+  if (s.slice.direction) {
+    const auto& d = *s.slice.direction;
+    const double size = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
+    if (size < kMinDirection) {
+      fail_key(origins, "slice.direction",
+               "(zero, must have a component of at least " + number_text(kMinDirection) +
+                   "): leave it out to have it searched");
+    }
+  }
+  at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.width_mm", s.blade.width_mm);
+  if (s.blade.kerf_mm < s.blade.thickness_mm) {
+    fail_key(origins, "blade.kerf_mm",
+             "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
+                 number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
+  }
+  at_most("motion.min_feed_mm_s", s.motion.min_feed_mm_s, "motion.feed_mm_s", s.motion.feed_mm_s);
+  at_most("motion.feed_mm_s", s.motion.feed_mm_s, "motion.travel_mm_s", s.motion.travel_mm_s);
+  at_most("machine.plinth_mm", s.machine.plinth_mm, "the height of machine.envelope_mm",
+          s.machine.envelope_mm[2]);
+}
+
+// The access functions take a mutable Settings; a copy keeps const callers honest.
+void check(Settings settings, const Origins& origins) {
+  for (const SettingField& field : setting_fields())
+    std::visit(RangeCheck{field, origins}, field.place(settings));
+  check_together(settings, origins);
+}
+
+// ---- applying ----
+
+void apply_value(Settings& settings, Origins& origins, const std::string& section, const std::string& key,
+                 const toml::node& node, const std::string& where) {
+  const auto fields = setting_fields();
+  const auto field = std::find_if(fields.begin(), fields.end(), [&](const SettingField& f) {
+    return f.section == section && f.key == key;
+  });
+  if (field == fields.end()) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
+  const SettingPlace place = field->place(settings);
+  std::visit(Reader{node, *field, where}, place);
+  origins[full_key(*field)] = where;
+  // Here and not only at the end: a later source must not hide that this one is wrong.
+  std::visit(RangeCheck{*field, origins}, place);
+}
+
+bool is_section(const std::string& name) {
+  const auto fields = setting_fields();
+  return std::any_of(fields.begin(), fields.end(), [&](const SettingField& f) { return f.section == name; });
+}
+
+void apply_table(Settings& settings, Origins& origins, const toml::table& table, const std::string& source,
+                 bool with_line) {
+  const auto where = [&](const toml::source_region& region) {
+    return with_line ? source + ":" + std::to_string(region.begin.line) : source;
+  };
+  for (const auto& [section_key, section_node] : table) {
+    const std::string section(section_key.str());
+    const toml::table* keys = section_node.as_table();
+    if (keys == nullptr) {
+      fail(where(section_key.source()), section + ": a key outside a section: " + key_hint("", section));
+    }
+    if (!is_section(section)) {
+      fail(where(section_key.source()), "[" + section + "]: unknown section: " + section_hint(section));
+    }
+    for (const auto& [key, node] : *keys) {
+      apply_value(settings, origins, section, std::string(key.str()), node, where(key.source()));
+    }
+  }
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::error_code code;
+  if (std::filesystem::is_directory(file, code)) {
+    throw CommandError(Exit::kFile, file.string() + ": is a directory: name a TOML file");
+  }
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) {
+    // An empty file copies nothing, which the stream counts as a failure.
+    if (in && std::filesystem::file_size(file, code) == 0 && !code) return "";
+    throw CommandError(Exit::kFile, file.string() + ": cannot read the configuration: does the file exist?");
+  }
+  return text.str();
+}
+
+void apply_file(Settings& settings, Origins& origins, const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  try {
+    apply_table(settings, origins, toml::parse(text, file.string()), file.string(), true);
+  } catch (const toml::parse_error& error) {
+    fail(file.string() + ":" + std::to_string(error.source().begin.line), std::string(error.description()));
+  }
+}
+
+// A value as TOML, or as the string it spells when it is no TOML but a plain word.
+toml::table parse_value(const std::string& value, const std::string& where) {
+  try {
+    toml::table table = toml::parse("value = " + value);
+    if (table.size() == 1) return table;
+  } catch (const toml::parse_error& error) {
+    const bool word = std::all_of(value.begin(), value.end(), [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == '/';
+    });
+    if (!word) fail(where, "(" + value + ") is no TOML value: " + std::string(error.description()));
+    toml::table table;
+    table.insert("value", value);
+    return table;
+  }
+  fail(where, "(" + value + ") is more than one TOML value");
+}
+
+void apply_assignment(Settings& settings, Origins& origins, const std::string& key, const std::string& value,
+                      const std::string& where) {
+  const auto dot = key.find('.');
+  if (dot == std::string::npos) fail(where, key + ": a key outside a section: " + key_hint("", key));
+  const std::string section = key.substr(0, dot);
+  if (!is_section(section)) fail(where, "[" + section + "]: unknown section: " + section_hint(section));
+  const toml::table table = parse_value(value, where + " " + key);
+  apply_value(settings, origins, section, key.substr(dot + 1), *table.get("value"), where);
+}
+
+}  // namespace
+
+Settings resolve(const SettingsSources& sources) {
+  Settings settings;
+  Origins origins;
+  for (const auto& file : sources.files) apply_file(settings, origins, file);
+  for (const std::string& assignment : sources.assignments) {
+    const auto equals = assignment.find('=');
+    if (equals == std::string::npos) fail("--set", "(" + assignment + ") must be section.key=value");
+    apply_assignment(settings, origins, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+  }
+  for (const SettingsFlag& flag : sources.flags) {
+    apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
+  }
+  check(settings, origins);
+  return settings;
+}
+
+void validate(const Settings& settings) {
+  check(settings, {});
+}
+
+double max_curvature_per_mm(const BladeSettings& blade) {
+  return 2 * blade.yield_strength_mpa / (blade.safety * blade.youngs_modulus_mpa * blade.thickness_mm);
+}
+
+}  // namespace hotblade::pipeline

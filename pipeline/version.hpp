@@ -1,0 +1,11 @@
+// The version of this build, as programs and reports name it.
+#pragma once
+
+#include <string>
+
+namespace hotblade::pipeline {
+
+// "X.Y.Z", from the project's CMakeLists.txt.
+[[nodiscard]] std::string version();
+
+}  // namespace hotblade::pipeline
