@@ -55,8 +55,10 @@ std::string key_hint(const std::string& section, const std::string& key) {
   std::string nearest;
   std::size_t best = std::max<std::size_t>(2, key.size() / 3) + 1;
   for (const SettingField& field : setting_fields()) {
-    // The same distance in the section asked for counts for more.
-    const std::size_t distance = 2 * edit_distance(key, field.key) + (field.section == section ? 0 : 1);
+    // A key cut short ("kerf") is near; the same distance in the section asked for counts for more.
+    const bool cut_short = !key.empty() && field.key.starts_with(key);
+    const std::size_t edits = cut_short ? 1 : edit_distance(key, field.key);
+    const std::size_t distance = 2 * edits + (field.section == section ? 0 : 1);
     if (distance < 2 * best) {
       best = (distance + 1) / 2;
       nearest = full_key(field);
@@ -155,7 +157,8 @@ struct RangeCheck {
   void operator()(const std::string* v) const {
     const auto words = choices(field);
     if (std::find(words.begin(), words.end(), *v) != words.end()) return;
-    fail_key(origins, full_key(field), "(\"" + *v + "\", must be " + range_text(field) + ")");
+    fail_key(origins, full_key(field),
+             "(\"" + *v + "\", must be " + (words.size() > 1 ? "one of " : "") + range_text(field) + ")");
   }
   void operator()(const std::vector<double>* v) const {
     if (v->empty() || v->size() > kMaxLengths) {

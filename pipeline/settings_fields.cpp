@@ -1,6 +1,7 @@
 #include "pipeline/settings_fields.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 namespace hotblade::pipeline {
@@ -146,7 +147,11 @@ std::vector<std::string> choices(const SettingField& field) {
 
 std::string number_text(double value) {
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  // Sizes that people write out are written out: 100000, not 1e+05. Both forms fit the buffer.
+  const double size = std::abs(value);
+  const bool plain = value == 0 || (size >= 1e-4 && size < 1e9);
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
   return {buffer.data(), end};
 }
 

@@ -14,6 +14,7 @@ namespace {
 
 using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
+    add_check,
     add_config,
 };
 
@@ -77,6 +78,18 @@ Exit run_action(const Action& action, const Console& console) {
   return Exit::kInternal;
 }
 
+// The parser has codes of its own (105 and up) for what is one thing to the caller: wrong usage.
+Exit report_usage(const CLI::App& app, const CLI::Error& error) {
+  const std::vector<std::string> unknown = app.remaining(true);
+  const bool no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  if (no_command && !unknown.empty()) {
+    std::cerr << "unknown command or option: " << unknown.front()
+              << "\nRun with --help for more information.\n";
+    return Exit::kUsage;
+  }
+  return app.exit(error, std::cout, std::cerr) == 0 ? Exit::kOk : Exit::kUsage;
+}
+
 }  // namespace
 
 bool interrupted() {
@@ -98,9 +111,7 @@ int run_command_line(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Error& error) {
-    // The parser has codes of its own (105 and up) for what is one thing to the caller: wrong usage.
-    const int parser_code = app.exit(error, std::cout, std::cerr);
-    return static_cast<int>(parser_code == 0 ? Exit::kOk : Exit::kUsage);
+    return static_cast<int>(report_usage(app, error));
   }
   return static_cast<int>(run_action(action, console));
 }
