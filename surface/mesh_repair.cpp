@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "surface/face_links.hpp"
+#include "surface/needles.hpp"
 #include "surface/place_text.hpp"
 #include "surface/polygon.hpp"
 
@@ -56,6 +57,7 @@ class Repair {
     const std::vector<int> first = first_of_equals(mesh_.vertices);
     cut_into_triangles(first);
     drop_duplicates();
+    take_out_needles();
     drop_unused(first);
     FaceLinks links = link_faces(mesh_.triangles);
     report_crowded_edges(links);
@@ -79,22 +81,16 @@ class Repair {
       if (corners.size() >= 3 && !triangulate_polygon(mesh_.vertices, corners, pieces) && crossing++ == 0) {
         crossing_line = obj_.face_line[f];
       }
-      const std::size_t before = mesh_.triangles.size();
-      for (const auto& t : pieces) keep_if_it_has_area(t, obj_.face_line[f]);
-      if (mesh_.triangles.size() == before) ++health_.degenerate_faces;
+      // An outline bridged to a hole passes a vertex twice, and an ear may hold both.
+      std::erase_if(pieces, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+      mesh_.triangles.insert(mesh_.triangles.end(), pieces.begin(), pieces.end());
+      line_.resize(mesh_.triangles.size(), obj_.face_line[f]);
+      if (pieces.empty()) ++health_.degenerate_faces;
     }
     if (crossing > 0) {
       health_.warnings.push_back(counted(crossing, "face is", "faces are") +
                                  " not a simple polygon and cut as a fan, the first in line " +
                                  std::to_string(crossing_line));
-    }
-    if (health_.degenerate_faces > 0) {
-      health_.repairs.push_back("dropped " + counted(health_.degenerate_faces, "face", "faces") +
-                                " without area");
-    }
-    if (mesh_.triangles.empty()) {
-      throw MeshError(name_ + ":" + std::to_string(obj_.face_line[0]) + ": no face has an area (" +
-                      counted(obj_.faces(), "face", "faces") + "): check the units and export again");
     }
   }
 
@@ -109,15 +105,19 @@ class Repair {
     while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
   }
 
-  void keep_if_it_has_area(const std::array<int, 3>& t, std::uint32_t line) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
-    const Eigen::Vector3d a = at(t[1]) - at(t[0]), b = at(t[2]) - at(t[0]);
-    // The cross product of vectors of double coordinates is exact to about 2^-50 of |a| |b|: less is no area
-    // at all.
-    constexpr double kRounding = 1e-15;
-    if (a.cross(b).norm() <= kRounding * a.norm() * b.norm()) return;
-    mesh_.triangles.push_back(t);
-    line_.push_back(line);
+  void take_out_needles() {
+    WithoutNeedles clean = remove_needles(mesh_.vertices, std::move(mesh_.triangles), std::move(line_));
+    mesh_.triangles = std::move(clean.triangles);
+    line_ = std::move(clean.line);
+    health_.degenerate_faces += clean.removed;
+    if (health_.degenerate_faces > 0) {
+      health_.repairs.push_back("dropped " + counted(health_.degenerate_faces, "face", "faces") +
+                                " without area");
+    }
+    if (mesh_.triangles.empty()) {
+      throw MeshError(name_ + ":" + std::to_string(obj_.face_line[0]) + ": no face has an area (" +
+                      counted(obj_.faces(), "face", "faces") + "): check the units and export again");
+    }
   }
 
   // Of faces over the same three vertices the first stays, whichever way round the others are.

@@ -3,6 +3,9 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+
+#include "surface/needles.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -58,9 +61,15 @@ class Outline {
     const std::size_t n = left_.size();
     return {left_[(k + n - 1) % n], left_[k], left_[(k + 1) % n]};
   }
-  [[nodiscard]] bool is_ear(std::size_t k) const {
+  [[nodiscard]] bool turns_right(std::size_t k) const {
     const auto [i, j, l] = corner(k);
-    if (!turns_left(flat_[i], flat_[j], flat_[l])) return false;
+    return turns_left(flat_[l], flat_[j], flat_[i]);
+  }
+  // A thin ear is one whose corners lie on a line but for rounding: cut only when there is no other, because
+  // it would leave a vertex on the edge of another triangle.
+  [[nodiscard]] bool is_ear(std::size_t k, bool thin_too) const {
+    const auto [i, j, l] = corner(k);
+    if (!turns_left(flat_[i], flat_[j], flat_[l]) || (!thin_too && is_thin(i, j, l))) return false;
     for (const std::size_t m : left_) {
       if (m != i && m != j && m != l && covers(flat_[i], flat_[j], flat_[l], flat_[m])) return false;
     }
@@ -69,9 +78,24 @@ class Outline {
   void cut(std::size_t k) { left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(k)); }
 
  private:
+  [[nodiscard]] bool is_thin(std::size_t i, std::size_t j, std::size_t l) const {
+    constexpr double kThin =
+        1e-9;  // of the squared longest side: well over rounding, far under any drawn corner
+    const auto a = flat_[j] - flat_[i], b = flat_[l] - flat_[j];
+    const double longest = std::max({a.squared_length(), b.squared_length(), (a + b).squared_length()});
+    return CGAL::determinant(a, b) <= kThin * longest;
+  }
+
   std::vector<Point2> flat_;
   std::vector<std::size_t> left_;
 };
+
+bool on_a_line(std::span<const Eigen::Vector3d> points, std::span<const int> corners) {
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    if (has_area(points, {corners[0], corners[i - 1], corners[i]})) return false;
+  }
+  return true;
+}
 
 bool cut_quad(std::span<const Eigen::Vector3d> points, std::span<const int> c,
               std::vector<std::array<int, 3>>& triangles) {
@@ -100,6 +124,11 @@ bool triangulate_polygon(std::span<const Eigen::Vector3d> points, std::span<cons
     return true;
   }
   if (corners.size() == 4 && cut_quad(points, corners, triangles)) return true;
+  if (on_a_line(points, corners)) {
+    for (std::size_t i = 2; i < corners.size(); ++i)
+      triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    return true;
+  }
   Outline outline(flatten(points, corners));
   const auto emit = [&](std::size_t k) {
     const auto [i, j, l] = outline.corner(k);
@@ -108,10 +137,11 @@ bool triangulate_polygon(std::span<const Eigen::Vector3d> points, std::span<cons
   };
   bool simple = true;
   // Going on from the last ear, instead of from the start, spreads the cuts and avoids a fan of slivers.
+  // After one round without an ear thin ones are taken, after two anything.
   for (std::size_t k = 0, missed = 0; outline.size() > 3;) {
     k %= outline.size();
-    if (missed > outline.size()) simple = false;
-    if (outline.is_ear(k) || !simple) {
+    if (missed > 2 * outline.size()) simple = false;
+    if (!simple || outline.is_ear(k, missed > outline.size())) {
       emit(k);
       missed = 0;
     } else {
@@ -119,6 +149,7 @@ bool triangulate_polygon(std::span<const Eigen::Vector3d> points, std::span<cons
     }
     ++k;
   }
+  simple = simple && !outline.turns_right(1);
   emit(1);
   return simple;
 }
