@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "pipeline/settings.hpp"
+#include "samples/sample_surfaces.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::samples {
+namespace {
+
+using Eigen::Vector3d;
+const std::filesystem::path kSamples = std::filesystem::path(HOTBLADE_SOURCE_DIR) / "samples";
+
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+class Samples : public ::testing::TestWithParam<SampleSurface> {};
+
+INSTANTIATE_TEST_SUITE_P(All, Samples, ::testing::ValuesIn(sample_surfaces()),
+                         [](const auto& sample) { return sample.param.name; });
+
+// The largest distance of the formula from the planes of the mesh's triangles, over a fine raster of each.
+double chord_error(const SampleSurface& s) {
+  constexpr int kRaster = 6;
+  const double du = s.u_mm / s.u_cells, dv = s.v_mm / s.v_cells;
+  double worst = 0;
+  for (int j = 0; j < s.v_cells; ++j) {
+    for (int i = 0; i < s.u_cells; ++i) {
+      const auto at = [&](double a, double b) { return s.point((i + a) * du, (j + b) * dv); };
+      const Vector3d p = at(0, 0), q = at(1, 1);
+      for (const bool lower : {true, false}) {
+        const Vector3d corner = lower ? at(1, 0) : at(0, 1);
+        const Vector3d normal = (corner - p).cross(q - p).normalized();
+        for (int k = 0; k <= kRaster; ++k) {
+          for (int m = 0; m <= k; ++m) {
+            const double major = static_cast<double>(k) / kRaster, minor = static_cast<double>(m) / kRaster;
+            const Vector3d on = lower ? at(major, minor) : at(minor, major);
+            worst = std::max(worst, std::abs(normal.dot(on - p)));
+          }
+        }
+      }
+    }
+  }
+  return worst;
+}
+
+// Largest principal curvature, by central differences over half a millimetre.
+double max_curvature(const SampleSurface& s, double u, double v) {
+  constexpr double kStep = 0.5;
+  const auto at = [&](double a, double b) { return s.point(u + a * kStep, v + b * kStep); };
+  const Vector3d fu = (at(1, 0) - at(-1, 0)) / (2 * kStep), fv = (at(0, 1) - at(0, -1)) / (2 * kStep);
+  const Vector3d fuu = (at(1, 0) - 2 * at(0, 0) + at(-1, 0)) / (kStep * kStep);
+  const Vector3d fvv = (at(0, 1) - 2 * at(0, 0) + at(0, -1)) / (kStep * kStep);
+  const Vector3d fuv = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / (4 * kStep * kStep);
+  const Vector3d n = fu.cross(fv).normalized();
+  const double e = fu.dot(fu), f = fu.dot(fv), g = fv.dot(fv), area = e * g - f * f;
+  const double l = fuu.dot(n), m = fuv.dot(n), k = fvv.dot(n);
+  const double mean = (e * k - 2 * f * m + g * l) / (2 * area), gauss = (l * k - m * m) / area;
+  return std::abs(mean) + std::sqrt(std::max(0.0, mean * mean - gauss));
+}
+
+TEST_P(Samples, CommittedFileIsWhatTheGeneratorWrites) {
+  const auto out = std::filesystem::path(HOTBLADE_BINARY_DIR) / "tests_tmp" / ("samples_" + GetParam().name);
+  std::filesystem::create_directories(out);
+  ASSERT_EQ(std::system((std::string("\"") + MAKE_SAMPLES + "\" \"" + out.string() + "\"").c_str()), 0);
+  const std::string file = GetParam().name + ".obj";
+  const std::string written = bytes_of(out / file);
+  EXPECT_GT(written.size(), 100000u);
+  EXPECT_TRUE(written == bytes_of(kSamples / file)) << file << ": run make_samples and commit what it writes";
+  std::filesystem::remove_all(out);
+}
+
+TEST_P(Samples, MeshIsCloseToTheFormula) {
+  EXPECT_LT(chord_error(GetParam()), 0.05);
+}
+
+TEST_P(Samples, MeshIsOfModestSize) {
+  const int triangles = 2 * GetParam().u_cells * GetParam().v_cells;
+  EXPECT_GE(triangles, 2000);
+  EXPECT_LE(triangles, 8000);
+}
+
+TEST_P(Samples, CurvatureRadiusIsWellAboveWhatTheBladeCanTake) {
+  double curvature = 0;
+  for (int i = 0; i <= 200; ++i) {
+    for (int j = 0; j <= 200; ++j) {
+      curvature = std::max(curvature,
+                           max_curvature(GetParam(), GetParam().u_mm * i / 200, GetParam().v_mm * j / 200));
+    }
+  }
+  EXPECT_GT(1 / curvature, 150.0);
+}
+
+TEST_P(Samples, JobFileResolvesAndTheDesignIsSliceable) {
+  const std::string name = GetParam().name;
+  const pipeline::Settings settings = pipeline::resolve({{kSamples / (name + ".toml")}, {}, {}});
+  EXPECT_EQ(settings.design.units, "mm");
+  EXPECT_EQ(settings.design.tolerance_mm, 1.0);
+  const auto design = surface::read_obj(kSamples / (name + ".obj"), {settings.design.units, 'z'});
+  EXPECT_TRUE(design.health.blockers.empty());
+  EXPECT_TRUE(design.health.repairs.empty());
+  EXPECT_TRUE(design.health.warnings.empty());
+  EXPECT_EQ(design.health.components, 1u);
+  EXPECT_EQ(design.health.triangles, static_cast<std::size_t>(2 * GetParam().u_cells * GetParam().v_cells));
+}
+
+}  // namespace
+}  // namespace hotblade::samples
