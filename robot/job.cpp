@@ -8,7 +8,9 @@
 namespace hotblade::robot {
 namespace {
 
-EVP_MD_CTX* context_of(void* context) { return static_cast<EVP_MD_CTX*>(context); }
+EVP_MD_CTX* context_of(void* context) {
+  return static_cast<EVP_MD_CTX*>(context);
+}
 
 // SHA-256 of two pieces, with a context that is used again and again.
 Sha256 digest(EVP_MD_CTX* context, std::span<const std::uint8_t> head, std::span<const std::uint8_t> tail) {
@@ -49,14 +51,18 @@ std::string to_hex(std::span<const std::uint8_t> bytes) {
   return text;
 }
 
-std::string to_hex(std::uint64_t value) { return to_hex(big_endian(value)); }
+std::string to_hex(std::uint64_t value) {
+  return to_hex(big_endian(value));
+}
 
 Chain::Chain(std::uint64_t job_id) : context_(EVP_MD_CTX_new()) {
   if (context_ == nullptr) throw std::bad_alloc();
   restart(job_id);
 }
 
-Chain::~Chain() { EVP_MD_CTX_free(context_of(context_)); }
+Chain::~Chain() {
+  EVP_MD_CTX_free(context_of(context_));
+}
 
 void Chain::restart(std::uint64_t job_id) {
   const auto bytes = big_endian(job_id);
@@ -65,18 +71,17 @@ void Chain::restart(std::uint64_t job_id) {
   first_ = true;
 }
 
+void Chain::resume(const Sha256& value) {
+  value_ = value;
+  first_ = false;
+}
+
 const Sha256& Chain::add(const protocol::RawWaypoint& raw) {
   constexpr std::size_t kSeedBytes = 8;
   const std::span<const std::uint8_t> before(value_);
   value_ = digest(context_of(context_), first_ ? before.first(kSeedBytes) : before, raw);
   first_ = false;
   return value_;
-}
-
-std::uint32_t Job::time_us(std::size_t k) const {
-  const protocol::RawWaypoint& w = raw[k];
-  return static_cast<std::uint32_t>(w[0]) << 24 | static_cast<std::uint32_t>(w[1]) << 16 |
-         static_cast<std::uint32_t>(w[2]) << 8 | w[3];
 }
 
 Job make_job(const Sha256& program_sha256, const std::string& strip, std::span<const Waypoint> waypoints,

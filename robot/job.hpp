@@ -20,8 +20,8 @@ using Sha256 = std::array<std::uint8_t, 32>;
 // 16 digits, as job ids stand in logs and messages.
 [[nodiscard]] std::string to_hex(std::uint64_t value);
 
-// A chain of hashes over executed waypoints: chain_k = SHA-256(chain_(k-1) || raw_k), where chain_(-1) is the job
-// id's 8 bytes. Two logs with one last chain hold the same waypoints in the same order.
+// A chain of hashes over executed waypoints: chain_k = SHA-256(chain_(k-1) || raw_k), where chain_(-1) is the
+// job id's 8 bytes. Two logs with one last chain hold the same waypoints in the same order.
 class Chain {
  public:
   explicit Chain(std::uint64_t job_id);
@@ -31,6 +31,8 @@ class Chain {
 
   // Starts again; nothing is allocated after construction.
   void restart(std::uint64_t job_id);
+  // Goes on from a value that is known.
+  void resume(const Sha256& value);
   const Sha256& add(const protocol::RawWaypoint& raw);
   [[nodiscard]] const Sha256& value() const { return value_; }
 
@@ -52,12 +54,10 @@ struct Job {
   protocol::BladeData blade;
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(raw.size()); }
-  // When waypoint k is due, us from the strip's start.
-  [[nodiscard]] std::uint32_t time_us(std::size_t k) const;
 };
 
-// id = the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id (UTF-8) and the waypoint bytes.
-// Throws JobError for a waypoint that cannot be encoded and for an empty strip.
+// id = the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id (UTF-8) and the waypoint
+// bytes. Throws JobError for a waypoint that cannot be encoded and for an empty strip.
 [[nodiscard]] Job make_job(const Sha256& program_sha256, const std::string& strip,
                            std::span<const Waypoint> waypoints, const protocol::BladeData& blade);
 

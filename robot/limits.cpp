@@ -10,15 +10,19 @@ namespace {
 constexpr double kSqrt3 = 1.7320508075688772;
 constexpr double kPositionStep_mm = 1e-3;  // register unit; rounding is half of it, twice in a difference
 constexpr double kTimeStep_s = 1e-6;
-// A decoded quaternion turns by at most 2 * sqrt(3) * 2^-30 for its three rounded components, and as much again for
-// the derived one where it is no larger than they are; a difference of two doubles it.
+// A decoded quaternion turns by at most 2 * sqrt(3) * 2^-30 for its three rounded components, and as much
+// again for the derived one where it is no larger than they are; a difference of two doubles it.
 constexpr double kAngleStep_rad = 4 * 2 * kSqrt3 / 1073741824.0;
 // Doubles of a limit itself, as it went through a register.
 constexpr double kRelative = 1e-9;
 
 // Largest error of a speed over dt from rounding positions and times.
-double linear_slack(double speed, double dt) { return kSqrt3 * kPositionStep_mm / dt + speed * kTimeStep_s / dt; }
-double angular_slack(double speed, double dt) { return kAngleStep_rad / dt + speed * kTimeStep_s / dt; }
+double linear_slack(double speed, double dt) {
+  return kSqrt3 * kPositionStep_mm / dt + speed * kTimeStep_s / dt;
+}
+double angular_slack(double speed, double dt) {
+  return kAngleStep_rad / dt + speed * kTimeStep_s / dt;
+}
 
 // Rotation from q0 to q1 by the shorter arc, as axis times angle in the axes both are given in.
 Eigen::Vector3d rotation(const Eigen::Quaterniond& q0, const Eigen::Quaterniond& q1) {
@@ -84,7 +88,8 @@ LimitCode LimitChecker::finish() const {
 
 LimitCode LimitChecker::check_place(const Waypoint& w) const {
   const auto inside = [this](const Eigen::Vector3d& p) {
-    return (p.array() >= limits_.envelope_min_mm.array()).all() && (p.array() <= limits_.envelope_max_mm.array()).all();
+    return (p.array() >= limits_.envelope_min_mm.array()).all() &&
+           (p.array() <= limits_.envelope_max_mm.array()).all();
   };
   if (!inside(w.a.p) || !inside(w.b.p)) return LimitCode::kEnvelope;
   if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack)) return LimitCode::kChord;
@@ -94,8 +99,8 @@ LimitCode LimitChecker::check_place(const Waypoint& w) const {
 LimitCode LimitChecker::check_first(const Waypoint& w) const {
   if (w.t_us != 0) return LimitCode::kTime;
   constexpr double kMinTurn = 0.10, kMaxTurn = 0.17;  // rad, controller-protocol.md
-  // How far a start pose may be off: far below what a second stable shape would need (tenths of a radian), far
-  // above rounding. The chord then follows to l u du / 3.
+  // How far a start pose may be off: far below what a second stable shape would need (tenths of a radian),
+  // far above rounding. The chord then follows to l u du / 3.
   constexpr double kAngleSlack_rad = 1e-3, kChordSlack = 1e-4;
   const Eigen::Vector3d chord = w.b.p - w.a.p;
   const double length = chord.norm();
@@ -107,7 +112,8 @@ LimitCode LimitChecker::check_first(const Waypoint& w) const {
     return std::atan2(normal.dot(c.cross(tangent)), c.dot(tangent));
   };
   const double ua = turn(w.a), ub = turn(w.b);
-  const double out_of_plane = std::max(std::abs(c.dot(normal)), (normal - w.b.q * Eigen::Vector3d::UnitZ()).norm());
+  const double out_of_plane =
+      std::max(std::abs(c.dot(normal)), (normal - w.b.q * Eigen::Vector3d::UnitZ()).norm());
   const double u = (ua - ub) / 2, arc_chord = blade_length_mm_ * std::sin(u) / u;
   const bool flat = std::abs(ua + ub) <= 2 * kAngleSlack_rad && out_of_plane <= kAngleSlack_rad &&
                     std::abs(u) >= kMinTurn - kAngleSlack_rad && std::abs(u) <= kMaxTurn + kAngleSlack_rad &&
@@ -118,19 +124,22 @@ LimitCode LimitChecker::check_first(const Waypoint& w) const {
 LimitCode LimitChecker::check_speed(const Velocity& v, double dt) const {
   const double linear = v.linear.norm(), angular = v.angular.norm();
   if (linear > limits_.speed_mm_s * (1 + kRelative) + linear_slack(linear, dt)) return LimitCode::kSpeed;
-  if (angular > limits_.angular_rad_s * (1 + kRelative) + angular_slack(angular, dt)) return LimitCode::kAngularSpeed;
+  if (angular > limits_.angular_rad_s * (1 + kRelative) + angular_slack(angular, dt))
+    return LimitCode::kAngularSpeed;
   return LimitCode::kNone;
 }
 
 LimitCode LimitChecker::check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const {
   const double mean_dt = (dt0 + dt1) / 2;
   const double linear = (to.linear - from.linear).norm() / mean_dt;
-  const double linear_error = (linear_slack(from.linear.norm(), dt0) + linear_slack(to.linear.norm(), dt1)) / mean_dt;
+  const double linear_error =
+      (linear_slack(from.linear.norm(), dt0) + linear_slack(to.linear.norm(), dt1)) / mean_dt;
   if (linear > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return LimitCode::kAcceleration;
   const double angular = (to.angular - from.angular).norm() / mean_dt;
   const double angular_error =
       (angular_slack(from.angular.norm(), dt0) + angular_slack(to.angular.norm(), dt1)) / mean_dt;
-  if (angular > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error) return LimitCode::kAngularAcceleration;
+  if (angular > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error)
+    return LimitCode::kAngularAcceleration;
   return LimitCode::kNone;
 }
 

@@ -1,8 +1,9 @@
 // What the machine may do, and the check of a waypoint stream against it.
 //
-// Between waypoints positions are linear and orientations a slerp, in time. Speeds are therefore constant on a
-// step, a box envelope holds on a step when it holds at both ends, and the chord |b - a| is a convex function of
-// time: checking the waypoints checks the interpolated path too. Accelerations are second differences.
+// Between waypoints positions are linear and orientations a slerp, in time. Speeds are therefore constant on
+// a step, a box envelope holds on a step when it holds at both ends, and the chord |b - a| is a convex
+// function of time: checking the waypoints checks the interpolated path too. Accelerations are second
+// differences.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,17 +44,18 @@ enum class LimitCode : std::uint16_t {
 
 [[nodiscard]] const char* describe(LimitCode code);
 
-// Follows a stream of waypoints, across window borders. Copyable: check a window on a copy, keep the copy when the
-// whole window holds. Never allocates or throws.
+// Follows a stream of waypoints, across window borders. Copyable: check a window on a copy, keep the copy
+// when the whole window holds. Never allocates or throws.
 class LimitChecker {
  public:
   LimitChecker() = default;
   LimitChecker(const MotionLimits& limits, double blade_length_mm)
       : limits_(limits), blade_length_mm_(blade_length_mm) {}
 
-  // The first limit the next waypoint breaks; the waypoint becomes part of the stream when there is none. The strip
-  // starts at rest. Quantisation is allowed for: a register is off by up to 0.5 um and 0.5 us, so a speed by
-  // sqrt(3) um / dt + 1 us / dt of itself and an acceleration by those of both steps over the mean step.
+  // The first limit the next waypoint breaks; the waypoint becomes part of the stream when there is none. The
+  // strip starts at rest. Quantisation is allowed for: a register is off by up to 0.5 um and 0.5 us, so a
+  // speed by sqrt(3) um / dt + 1 us / dt of itself and an acceleration by those of both steps over the mean
+  // step.
   [[nodiscard]] LimitCode next(const Waypoint& waypoint);
 
   // The stop at the end of the stream, from the last step's speed to rest within that step.
@@ -67,7 +69,8 @@ class LimitChecker {
   [[nodiscard]] LimitCode check_first(const Waypoint& waypoint) const;
   [[nodiscard]] LimitCode check_place(const Waypoint& waypoint) const;
   [[nodiscard]] LimitCode check_speed(const Velocity& v, double dt) const;
-  [[nodiscard]] LimitCode check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const;
+  [[nodiscard]] LimitCode check_change(const Velocity& from, const Velocity& to, double dt0,
+                                       double dt1) const;
 
   MotionLimits limits_;
   double blade_length_mm_ = 0;

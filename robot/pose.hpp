@@ -6,7 +6,8 @@
 
 namespace hotblade::robot {
 
-// p in mm. q turns the frame's axes to (blade tangent from A to B, in-plane normal, plane normal); unit length.
+// p in mm. q turns the frame's axes to (blade tangent from A to B, in-plane normal, plane normal); unit
+// length.
 struct Pose {
   Eigen::Vector3d p{0, 0, 0};
   Eigen::Quaterniond q{1, 0, 0, 0};

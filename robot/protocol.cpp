@@ -79,7 +79,9 @@ std::uint32_t get_u32(const std::uint8_t* in) {
          static_cast<std::uint32_t>(in[2]) << 8 | in[3];
 }
 
-std::array<double, 4> components(const Eigen::Quaterniond& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+std::array<double, 4> components(const Eigen::Quaterniond& q) {
+  return {q.w(), q.x(), q.y(), q.z()};
+}
 
 bool encode_position(const Eigen::Vector3d& p_mm, std::uint8_t* out) {
   for (int i = 0; i < 3; ++i) {
@@ -94,10 +96,9 @@ bool encode_quaternion(const Eigen::Quaterniond& q, bool heat, std::uint8_t* out
   constexpr double kUnitSlack = 1e-6;  // said in the header
   if (!(std::abs(q.norm() - 1) <= kUnitSlack)) return false;
   const auto c = components(canonical(q.normalized()));
-  const auto largest = static_cast<std::uint32_t>(std::max_element(c.begin(), c.end(), [](double a, double b) {
-                                                    return std::abs(a) < std::abs(b);
-                                                  }) -
-                                                  c.begin());
+  const auto largest = static_cast<std::uint32_t>(
+      std::max_element(c.begin(), c.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+      c.begin());
   int field = 0;
   for (std::uint32_t i = 0; i < 4; ++i) {
     if (i == largest) continue;
@@ -142,8 +143,8 @@ DecodedQuaternion decode_quaternion(const std::uint8_t* in) {
   }
   if (sum > 1) return result;
   c[largest] = std::sqrt(1 - sum);
-  // The left-out component is the largest but for the rounding of the three others, 2^-30 each, which it takes up
-  // three times at most where all four are alike; 2^-27 is above that sum.
+  // The left-out component is the largest but for the rounding of the three others, 2^-30 each, which it
+  // takes up three times at most where all four are alike; 2^-27 is above that sum.
   constexpr double kRounding = 1.0 / 134217728.0;
   result.ok = c[largest] >= widest - kRounding;
   result.q = Eigen::Quaterniond(c[0], c[1], c[2], c[3]);
@@ -172,7 +173,8 @@ const char* name(Result result) {
 }
 
 const char* name(Fault fault) {
-  constexpr std::array kNames{"none", "UNDERRUN", "CONFLICT", "EXECUTION_LIMIT", "ABORTED", "LOG", "WATCHDOG"};
+  constexpr std::array kNames{"none",    "UNDERRUN", "CONFLICT", "EXECUTION_LIMIT",
+                              "ABORTED", "LOG",      "WATCHDOG"};
   const auto i = static_cast<std::size_t>(fault);
   return i < kNames.size() ? kNames[i] : "unknown";
 }
@@ -213,7 +215,9 @@ DecodedWaypoint decode_waypoint(std::span<const std::uint8_t, kWaypointBytes> ra
   } else if (a.heat != b.heat) {
     result.error = LimitCode::kHeat;
   }
-  result.waypoint = {get_u32(raw.data()), a.heat, {decode_position(raw.data() + 4), a.q},
+  result.waypoint = {get_u32(raw.data()),
+                     a.heat,
+                     {decode_position(raw.data() + 4), a.q},
                      {decode_position(raw.data() + 28), b.q}};
   return result;
 }

@@ -1,8 +1,8 @@
 // The controller protocol's encoding, version 1 (docs/controller-protocol.md): the only place that knows how
 // registers are laid out. Pure functions on register values; big-endian words are the transport's business.
 //
-// Most significant word first, zero-based addresses, one map for functions 03 and 04. Positions in um, times in us,
-// quaternion components times 2^29, all converted here and nowhere else.
+// Most significant word first, zero-based addresses, one map for functions 03 and 04. Positions in um, times
+// in us, quaternion components times 2^29, all converted here and nowhere else.
 #pragma once
 
 #include <array>
@@ -43,7 +43,16 @@ inline constexpr std::uint16_t kCapSimulator = 8;    // nothing moves
 enum class Op : std::uint16_t { kOpen = 1, kStart, kHold, kResume, kAbort, kReset, kClose };
 enum class State : std::uint16_t { kIdle, kOpen, kRunning, kHeld, kDone, kFault, kEstop };
 enum class Result : std::uint16_t {
-  kOk, kGap, kDup, kConflict, kFull, kBadToken, kBadCrc, kLimit, kState, kBusy
+  kOk,
+  kGap,
+  kDup,
+  kConflict,
+  kFull,
+  kBadToken,
+  kBadCrc,
+  kLimit,
+  kState,
+  kBusy
 };
 enum class Fault : std::uint16_t {
   kNone = 0,
@@ -69,8 +78,15 @@ enum class Fault : std::uint16_t {
 // A waypoint as it stands in a window and in the execution log: 26 registers, high byte first.
 using RawWaypoint = std::array<std::uint8_t, kWaypointBytes>;
 
-// nullopt when it cannot be expressed: a position beyond +-2^31 um, a number that is not finite, a quaternion whose
-// length is off 1 by more than 1e-6 (rounding of a unit quaternion in a text file stays far below that).
+// When it is due, us from the strip's start.
+[[nodiscard]] inline std::uint32_t time_us(const RawWaypoint& raw) {
+  return static_cast<std::uint32_t>(raw[0]) << 24 | static_cast<std::uint32_t>(raw[1]) << 16 |
+         static_cast<std::uint32_t>(raw[2]) << 8 | raw[3];
+}
+
+// nullopt when it cannot be expressed: a position beyond +-2^31 um, a number that is not finite, a quaternion
+// whose length is off 1 by more than 1e-6 (rounding of a unit quaternion in a text file stays far below
+// that).
 [[nodiscard]] std::optional<RawWaypoint> encode_waypoint(const Waypoint& waypoint);
 
 struct DecodedWaypoint {
@@ -139,7 +155,8 @@ struct WindowRegisters {
   std::size_t size = 0;
   [[nodiscard]] std::span<const std::uint16_t> span() const { return {registers.data(), size}; }
 };
-// A window of raw.size() <= 4 waypoints; none at all is the owner's sign of life. Throws std::logic_error above 4.
+// A window of raw.size() <= 4 waypoints; none at all is the owner's sign of life. Throws std::logic_error
+// above 4.
 [[nodiscard]] WindowRegisters encode_window(std::uint32_t token, std::uint32_t first_sequence, bool last,
                                             std::span<const RawWaypoint> raw);
 

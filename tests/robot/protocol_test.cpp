@@ -44,12 +44,16 @@ std::vector<std::uint16_t> as_vector(const Block& block) {
   return {block.begin(), block.end()};
 }
 
-Waypoint plain() { return {0, false, {{0, 0, 0}, {1, 0, 0, 0}}, {{0.001, -0.001, 1}, {0, 1, 0, 0}}}; }
+Waypoint plain() {
+  return {0, false, {{0, 0, 0}, {1, 0, 0, 0}}, {{0.001, -0.001, 1}, {0, 1, 0, 0}}};
+}
 Waypoint hot() {
-  return {1234567, true, {{-2000, 1999.999, 3000}, {0.5, 0.5, 0.5, 0.5}}, {{0.5, -0.5, 0.25}, {0.8, 0, -0.6, 0}}};
+  return {
+      1234567, true, {{-2000, 1999.999, 3000}, {0.5, 0.5, 0.5, 0.5}}, {{0.5, -0.5, 0.25}, {0.8, 0, -0.6, 0}}};
 }
 Waypoint far_out() {
-  return {0xFFFFFFFF, true, {{2147483.647, -2147483.647, 0}, {-0.36, 0.48, 0.8, 0}}, {{0, 0, 0}, {1, 0, 0, 0}}};
+  return {
+      0xFFFFFFFF, true, {{2147483.647, -2147483.647, 0}, {-0.36, 0.48, 0.8, 0}}, {{0, 0, 0}, {1, 0, 0, 0}}};
 }
 
 double angle_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
@@ -98,7 +102,8 @@ TEST(Waypoint, RoundTripsWithinHalfARegisterUnit) {
     Waypoint w;
     w.t_us = static_cast<std::uint32_t>(random());
     w.heat = (random() & 1) != 0;
-    for (Pose* pose : {&w.a, &w.b}) *pose = {{place(random), place(random), place(random)}, random_rotation(random)};
+    for (Pose* pose : {&w.a, &w.b})
+      *pose = {{place(random), place(random), place(random)}, random_rotation(random)};
     const auto raw = encode_waypoint(w);
     ASSERT_TRUE(raw.has_value());
     const auto back = decode_waypoint(*raw);
@@ -118,7 +123,8 @@ TEST(Waypoint, NearTiesOfTheLargestComponentStayDecodable) {
   std::uniform_real_distribution<double> nudge(-4e-9, 4e-9);
   for (int i = 0; i < 5000; ++i) {
     Waypoint w = plain();
-    w.a.q = Eigen::Quaterniond(0.5 + nudge(random), -0.5 + nudge(random), 0.5 + nudge(random), -0.5 + nudge(random));
+    w.a.q = Eigen::Quaterniond(0.5 + nudge(random), -0.5 + nudge(random), 0.5 + nudge(random),
+                               -0.5 + nudge(random));
     const auto raw = encode_waypoint(w);
     ASSERT_TRUE(raw.has_value());
     const auto back = decode_waypoint(*raw);
@@ -224,9 +230,11 @@ TEST(Window, MoreThanFourWaypointsAreTheCallersMistake) {
 }
 
 TEST(Command, MatchesGoldenRegistersBothWays) {
-  const Command open{0xDEADBEEF, Op::kOpen, 0x0123456789ABCDEF, 3, 0, 12345, {800000, 8000, 500, 190000, 1010}};
+  const Command open{
+      0xDEADBEEF, Op::kOpen, 0x0123456789ABCDEF, 3, 0, 12345, {800000, 8000, 500, 190000, 1010}};
   EXPECT_EQ(as_vector(encode_command(open)), golden("command_open"));
-  EXPECT_EQ(as_vector(encode_command({1, Op::kStart, 0x0123456789ABCDEF, 3, 9, 0, {}})), golden("command_start"));
+  EXPECT_EQ(as_vector(encode_command({1, Op::kStart, 0x0123456789ABCDEF, 3, 9, 0, {}})),
+            golden("command_start"));
   const auto block = golden("command_open");
   const auto back = decode_command(std::span<const std::uint16_t, kCommandSize>(block));
   EXPECT_TRUE(back.crc_ok);

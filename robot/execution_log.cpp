@@ -1,0 +1,295 @@
+#include "robot/execution_log.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+namespace hotblade::robot {
+namespace {
+
+// Lines are gathered up to this size before they are written; the longest line is far below the spare room.
+constexpr std::size_t kFlushBytes = std::size_t{1} << 20;
+constexpr std::size_t kSpareBytes = 4096;
+
+void put(std::string& out, std::uint64_t value) {
+  char text[24];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  out.append(text, end);
+}
+
+// Fixed decimals, no trailing zeros lost: lines stay comparable by eye.
+void put(std::string& out, double value, int decimals) {
+  char text[352];  // the longest double in fixed notation
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::fixed, decimals).ptr;
+  out.append(text, end);
+}
+
+void put_seconds(std::string& out, std::uint64_t us) {
+  put(out, us / 1000000);
+  char text[8] = ".000000";
+  std::uint64_t rest = us % 1000000;
+  for (int i = 6; i > 0; --i, rest /= 10) text[i] = static_cast<char>('0' + rest % 10);
+  out.append(text, 7);
+}
+
+void put_hex(std::string& out, std::span<const std::uint8_t> bytes) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  for (const std::uint8_t byte : bytes) {
+    out += kDigits[byte >> 4];
+    out += kDigits[byte & 15];
+  }
+}
+
+void put_hex(std::string& out, std::uint64_t value) {
+  std::uint8_t bytes[8];
+  for (int i = 0; i < 8; ++i) bytes[i] = static_cast<std::uint8_t>(value >> (56 - 8 * i));
+  put_hex(out, bytes);
+}
+
+// Decimals: 0.1 um for positions, 1e-9 for directions, both below the registers' resolution.
+constexpr int kPositionDecimals = 4, kDirectionDecimals = 9;
+
+void put_vector(std::string& out, const Eigen::Vector3d& v, int decimals) {
+  out += '[';
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0) out += ',';
+    put(out, v[i], decimals);
+  }
+  out += ']';
+}
+
+void put_pose(std::string& out, const Pose& pose) {
+  out += "{\"p\":";
+  put_vector(out, pose.p, kPositionDecimals);
+  out += ",\"q\":[";
+  const std::array q{pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()};
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    if (i > 0) out += ',';
+    put(out, q[i], kDirectionDecimals);
+  }
+  out += "]}";
+}
+
+// Cuts the file after its last complete line.
+void drop_torn_line(int fd) {
+  off_t size = ::lseek(fd, 0, SEEK_END);
+  while (size > 0) {
+    char last = 0;
+    if (::pread(fd, &last, 1, size - 1) != 1 || last == '\n') break;
+    --size;
+  }
+  if (::ftruncate(fd, size) == 0) ::lseek(fd, size, SEEK_SET);
+}
+
+// Reads one known field out of a line this file wrote.
+class Line {
+ public:
+  Line(std::string_view text, const std::string& place) : text_(text), place_(place) {}
+
+  [[nodiscard]] std::string_view raw_value(std::string_view key) const {
+    std::string wanted(1, '"');
+    wanted.append(key).append("\":");
+    const auto at = text_.find(wanted);
+    if (at == std::string_view::npos) fail(key);
+    const auto from = at + wanted.size();
+    const auto to = text_.find_first_of(",}", from);
+    if (to == std::string_view::npos || to == from) fail(key);
+    return text_.substr(from, to - from);
+  }
+  [[nodiscard]] std::string_view string(std::string_view key) const {
+    const auto value = raw_value(key);
+    if (value.size() < 2 || value.front() != '"' || value.back() != '"') fail(key);
+    return value.substr(1, value.size() - 2);
+  }
+  template <typename Number>
+  [[nodiscard]] Number number(std::string_view key, std::string_view value, int base = 10) const {
+    Number result{};
+    std::from_chars_result parsed{};
+    if constexpr (std::is_floating_point_v<Number>) {
+      parsed = std::from_chars(value.data(), value.data() + value.size(), result);
+    } else {
+      parsed = std::from_chars(value.data(), value.data() + value.size(), result, base);
+    }
+    if (parsed.ec != std::errc() || parsed.ptr != value.data() + value.size()) fail(key);
+    return result;
+  }
+  template <std::size_t N>
+  void bytes(std::string_view key, std::array<std::uint8_t, N>& out) const {
+    const auto text = string(key);
+    if (text.size() != 2 * N) fail(key);
+    for (std::size_t i = 0; i < N; ++i) out[i] = number<std::uint8_t>(key, text.substr(2 * i, 2), 16);
+  }
+  [[noreturn]] void fail(std::string_view key) const {
+    throw LogError(place_ + ": no valid " + std::string(key) + ": not a line of an execution log");
+  }
+
+ private:
+  std::string_view text_;
+  const std::string& place_;
+};
+
+void take_executed(const Line& line, std::uint64_t id, LoggedJob& job) {
+  const auto sequence = line.number<std::uint32_t>("seq", line.raw_value("seq"));
+  protocol::RawWaypoint raw{};
+  Sha256 chain{};
+  line.bytes("raw", raw);
+  line.bytes("chain", chain);
+  Chain expected(id);
+  if (!job.raw.empty()) expected.resume(job.chain);
+  job.chain_follows = job.chain_follows && expected.add(raw) == chain;
+  job.sequences.push_back(sequence);
+  job.raw.push_back(raw);
+  job.chain = chain;
+  job.t_exec = line.number<double>("t_exec", line.raw_value("t_exec"));
+}
+
+}  // namespace
+
+ExecutionLog::ExecutionLog(std::filesystem::path file, const Options& options) : options_(options) {
+  fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd_ < 0) {
+    throw LogError(file.string() + ": cannot be opened for appending (" + std::strerror(errno) +
+                   "): choose a writable place");
+  }
+  drop_torn_line(fd_);
+  buffer_.reserve(kFlushBytes + kSpareBytes);
+}
+
+ExecutionLog::~ExecutionLog() {
+  commit();
+  ::close(fd_);
+}
+
+void ExecutionLog::make_room() {
+  if (buffer_.size() > kFlushBytes) write_out();
+}
+
+void ExecutionLog::write_out() {
+  std::size_t done = 0;
+  while (done < buffer_.size() && !failed_) {
+    const ssize_t n = ::write(fd_, buffer_.data() + done, buffer_.size() - done);
+    if (n > 0) {
+      done += static_cast<std::size_t>(n);
+    } else if (n < 0 && errno != EINTR) {
+      failed_ = true;
+    }
+  }
+  buffer_.clear();
+}
+
+bool ExecutionLog::commit() {
+  write_out();
+  if (options_.durable && dirty_ && ::fdatasync(fd_) != 0 && errno != EINVAL) failed_ = true;
+  dirty_ = false;
+  return !failed_;
+}
+
+void ExecutionLog::executed(const ExecutedWaypoint& w) {
+  make_room();
+  dirty_ = true;
+  buffer_ += "{\"ev\":\"exec\",\"job\":\"";
+  put_hex(buffer_, w.job);
+  buffer_ += "\",\"token\":";
+  put(buffer_, w.token);
+  buffer_ += ",\"seq\":";
+  put(buffer_, w.sequence);
+  buffer_ += ",\"t_plan\":";
+  put_seconds(buffer_, w.t_plan_us);
+  buffer_ += ",\"t_exec\":";
+  put_seconds(buffer_, w.t_exec_us);
+  buffer_ += ",\"raw\":\"";
+  put_hex(buffer_, w.raw);
+  buffer_ += "\",\"margins\":null,\"chain\":\"";
+  put_hex(buffer_, w.chain);
+  buffer_ += "\"}\n";
+}
+
+void ExecutionLog::pose(const PoseSample& s) {
+  if (!options_.poses) return;
+  make_room();
+  dirty_ = true;
+  buffer_ += "{\"ev\":\"pose\",\"job\":\"";
+  put_hex(buffer_, s.job);
+  buffer_ += "\",\"seq\":";
+  put(buffer_, s.sequence);
+  buffer_ += ",\"t\":";
+  put_seconds(buffer_, s.t_us);
+  buffer_ += ",\"frame\":{\"origin\":";
+  put_vector(buffer_, s.a.p, kPositionDecimals);
+  buffer_ += ",\"x\":";
+  put_vector(buffer_, s.a.q * Eigen::Vector3d::UnitX(), kDirectionDecimals);
+  buffer_ += ",\"y\":";
+  put_vector(buffer_, s.a.q * Eigen::Vector3d::UnitY(), kDirectionDecimals);
+  buffer_ += "},\"a\":";
+  put_pose(buffer_, s.a);
+  buffer_ += ",\"b\":";
+  put_pose(buffer_, s.b);
+  buffer_ += ",\"blade\":null,\"heat\":";
+  buffer_ += s.heat ? "true" : "false";
+  buffer_ += ",\"state\":\"";
+  buffer_ += protocol::name(s.state);
+  buffer_ += "\"}\n";
+}
+
+void ExecutionLog::event(const JobEvent& e) {
+  make_room();
+  dirty_ = true;
+  buffer_ += "{\"ev\":\"";
+  buffer_ += e.what;
+  buffer_ += "\",\"job\":\"";
+  put_hex(buffer_, e.job);
+  buffer_ += "\",\"run\":";
+  put(buffer_, e.run);
+  buffer_ += ",\"token\":";
+  put(buffer_, e.token);
+  buffer_ += ",\"executed\":";
+  put(buffer_, e.sequence);
+  buffer_ += ",\"planned\":";
+  put(buffer_, e.waypoint_count);
+  buffer_ += ",\"t\":";
+  put_seconds(buffer_, e.t_us);
+  buffer_ += ",\"fault\":\"";
+  buffer_ += protocol::name(e.fault);
+  buffer_ += "\"}\n";
+}
+
+std::map<std::uint64_t, LoggedJob> read_execution_log(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw LogError(file.string() + ": cannot be read: check the path");
+  std::map<std::uint64_t, LoggedJob> jobs;
+  std::size_t number = 0;
+  for (std::string text; std::getline(in, text);) {
+    ++number;
+    if (in.eof()) break;  // a line without its end was never committed
+    if (text.starts_with("{\"ev\":\"pose\"")) continue;
+    const std::string place = file.string() + ":" + std::to_string(number);
+    const Line line(text, place);
+    const auto ev = line.string("ev");
+    const auto id = line.number<std::uint64_t>("job", line.string("job"), 16);
+    if (ev == "open") jobs[id] = {};  // another run of the same job
+    if (ev == "exec") take_executed(line, id, jobs[id]);
+  }
+  return jobs;
+}
+
+ExecutionProof prove(const Job& job, const LoggedJob& logged) {
+  ExecutionProof proof;
+  proof.planned = job.raw.size();
+  proof.executed = logged.sequences.size();
+  proof.in_order = proof.planned == proof.executed;
+  for (std::size_t i = 0; i < logged.sequences.size(); ++i) {
+    proof.in_order = proof.in_order && logged.sequences[i] == i;
+  }
+  proof.bytes_equal = logged.raw == job.raw;
+  Chain chain(job.id);
+  for (const auto& raw : job.raw) chain.add(raw);
+  proof.chain_equal = logged.chain_follows && logged.chain == chain.value();
+  return proof;
+}
+
+}  // namespace hotblade::robot
