@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "surface/face_links.hpp"
+#include "surface/first_of_equals.hpp"
 #include "surface/needles.hpp"
 #include "surface/place_text.hpp"
 #include "surface/polygon.hpp"
@@ -18,32 +19,33 @@ std::string counted(std::size_t n, const std::string& one, const std::string& ma
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
-std::uint64_t hash_of(const Eigen::Vector3d& p) {
-  std::uint64_t h = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    h = (h ^ std::bit_cast<std::uint64_t>(p[axis])) * 0x9e3779b97f4a7c15ULL;
-    h ^= h >> 32;
-  }
-  return h;
+// For each vertex the first one with exactly its coordinates; -0 and 0 are equal.
+std::vector<int> merge_positions(std::vector<Eigen::Vector3d>& positions) {
+  for (Eigen::Vector3d& p : positions)
+    p.array() += 0.0;  // turns -0 into 0, so that equal numbers have equal bits
+  const auto hash = [&](std::size_t v) {
+    std::uint64_t h = 0;
+    for (const double c : positions[v]) h = stir(h, std::bit_cast<std::uint64_t>(c));
+    return h;
+  };
+  return first_of_equals(positions.size(), hash,
+                         [&](std::size_t v, std::size_t w) { return positions[v] == positions[w]; });
 }
 
-// For each vertex the first one with exactly its coordinates. -0 and 0 are equal. Open addressing: no
-// allocation a vertex.
-std::vector<int> first_of_equals(std::span<Eigen::Vector3d> positions) {
-  constexpr int kEmpty = -1;
-  std::vector<int> slots(std::bit_ceil(2 * positions.size() + 1), kEmpty);
-  const std::uint64_t mask = slots.size() - 1;
-  std::vector<int> first(positions.size());
-  for (std::size_t v = 0; v < positions.size(); ++v) {
-    positions[v].array() += 0.0;  // turns -0 into 0, so that equal numbers have equal bits
-    std::uint64_t slot = hash_of(positions[v]) & mask;
-    while (slots[slot] != kEmpty && positions[static_cast<std::size_t>(slots[slot])] != positions[v]) {
-      slot = (slot + 1) & mask;
-    }
-    if (slots[slot] == kEmpty) slots[slot] = static_cast<int>(v);
-    first[v] = slots[slot];
-  }
-  return first;
+// For each triangle the first one over the same three vertices.
+std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangles) {
+  const auto sorted = [&](std::size_t f) {
+    std::array<int, 3> t = triangles[f];
+    std::sort(t.begin(), t.end());
+    return t;
+  };
+  const auto hash = [&](std::size_t f) {
+    std::uint64_t h = 0;
+    for (const int v : sorted(f)) h = stir(h, static_cast<std::uint64_t>(v));
+    return h;
+  };
+  return first_of_equals(triangles.size(), hash,
+                         [&](std::size_t f, std::size_t g) { return sorted(f) == sorted(g); });
 }
 
 class Repair {
@@ -54,7 +56,7 @@ class Repair {
   }
 
   RepairedMesh run() {
-    const std::vector<int> first = first_of_equals(mesh_.vertices);
+    const std::vector<int> first = merge_positions(mesh_.vertices);
     cut_into_triangles(first);
     drop_duplicates();
     take_out_needles();
@@ -122,30 +124,15 @@ class Repair {
 
   // Of faces over the same three vertices the first stays, whichever way round the others are.
   void drop_duplicates() {
-    const auto key = [](std::array<int, 3> t) {
-      std::sort(t.begin(), t.end());
-      return t;
-    };
-    std::vector<int> order(mesh_.triangles.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto face = [&](int f) { return key(mesh_.triangles[static_cast<std::size_t>(f)]); };
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-      const auto ka = face(a), kb = face(b);
-      return ka != kb ? ka < kb : a < b;
-    });
-    std::vector<bool> drop(order.size(), false);
-    for (std::size_t k = 1; k < order.size(); ++k) {
-      if (face(order[k]) != face(order[k - 1])) continue;
-      drop[static_cast<std::size_t>(order[k])] = true;
-      ++health_.duplicate_faces;
-    }
-    if (health_.duplicate_faces == 0) return;
+    const std::vector<int> first = match_triangles(mesh_.triangles);
     std::size_t kept = 0;
-    for (std::size_t f = 0; f < drop.size(); ++f) {
-      if (drop[f]) continue;
+    for (std::size_t f = 0; f < first.size(); ++f) {
+      if (first[f] != static_cast<int>(f)) continue;
       mesh_.triangles[kept] = mesh_.triangles[f];
       line_[kept++] = line_[f];
     }
+    health_.duplicate_faces = first.size() - kept;
+    if (health_.duplicate_faces == 0) return;
     mesh_.triangles.resize(kept);
     line_.resize(kept);
     health_.repairs.push_back("dropped " + counted(health_.duplicate_faces, "face", "faces") +

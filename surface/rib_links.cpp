@@ -129,10 +129,10 @@ class Linker {
   [[nodiscard]] std::optional<double> match(std::size_t a, std::size_t b, bool joined, bool branches) const {
     const double limit = joined ? std::numeric_limits<double>::infinity() : kSeamDistance * spacing_;
     const Cover ab = cover(nodes_[a].piece, stations_[a], nodes_[b].piece, spacing_, limit);
+    if (joined && !branches && ab.share >= kMost) return ab.mean_mm;  // the only pair; either side will do
     const Cover ba = cover(nodes_[b].piece, stations_[b], nodes_[a].piece, spacing_, limit);
-    const double wanted = branches ? kNearlyAll : kMost;
-    const double share = joined && !branches ? std::max(ab.share, ba.share) : std::min(ab.share, ba.share);
-    if (share < wanted) return std::nullopt;
+    if (joined && !branches) return ba.share >= kMost ? std::optional(ba.mean_mm) : std::nullopt;
+    if (std::min(ab.share, ba.share) < (branches ? kNearlyAll : kMost)) return std::nullopt;
     return (ab.mean_mm * ab.share + ba.mean_mm * ba.share) / (ab.share + ba.share);
   }
 
