@@ -27,7 +27,9 @@ namespace fs = std::filesystem;
   fail(path, std::string(what) + " (" + std::generic_category().message(error) + ")");
 }
 
-[[noreturn]] void fail_existing(const fs::path& path) { fail(path, "already exists: use --force to overwrite"); }
+[[noreturn]] void fail_existing(const fs::path& path) {
+  fail(path, "already exists: use --force to overwrite");
+}
 
 // The file beside the target while it is being written; removed unless it was renamed into place.
 class Draft {
@@ -79,7 +81,8 @@ class Draft {
   bool placed_ = false;
 };
 
-// Makes the rename last through a power cut. Some file systems cannot sync a directory; the file is whole either way.
+// Makes the rename last through a power cut. Some file systems cannot sync a directory; the file is whole
+// either way.
 void sync_directory(const fs::path& directory) {
   const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;

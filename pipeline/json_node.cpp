@@ -15,7 +15,9 @@ std::string limits(Range range) {
   return fmt::format("{}{} to {}", range.above ? "above " : "", range.low, range.high);
 }
 
-std::string joined(std::span<const char* const> words) { return fmt::format("{}", fmt::join(words, ", ")); }
+std::string joined(std::span<const char* const> words) {
+  return fmt::format("{}", fmt::join(words, ", "));
+}
 
 int line_of(const std::string& text, std::size_t byte) {
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
@@ -39,7 +41,8 @@ class DuplicateKeys {
   void add(const std::string& key) {
     auto& keys = open_.back();
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
-      throw CommandError(Exit::kBadInput, fmt::format("{}: key \"{}\" stands twice in one object", file_, key));
+      throw CommandError(Exit::kBadInput,
+                         fmt::format("{}: key \"{}\" stands twice in one object", file_, key));
     }
     keys.push_back(key);
   }
@@ -57,7 +60,9 @@ JsonNode JsonNode::field(const char* key) const& {
   return {*found, *this, key, 0};
 }
 
-JsonNode JsonNode::item(std::size_t index) const& { return {value_.at(index), *this, nullptr, index}; }
+JsonNode JsonNode::item(std::size_t index) const& {
+  return {value_.at(index), *this, nullptr, index};
+}
 
 void JsonNode::expect_keys(std::span<const char* const> keys) const {
   if (!value_.is_object()) fail(fmt::format("is not an object ({})", shown()));
@@ -66,7 +71,8 @@ void JsonNode::expect_keys(std::span<const char* const> keys) const {
   }
   if (value_.size() == keys.size()) return;
   for (const auto& [key, value] : value_.items()) {
-    const bool known = std::any_of(keys.begin(), keys.end(), [&k = key](const char* one) { return k == one; });
+    const bool known =
+        std::any_of(keys.begin(), keys.end(), [&k = key](const char* one) { return k == one; });
     if (!known) fail(fmt::format("unknown key \"{}\": one of {} is expected", key, joined(keys)));
   }
 }
@@ -111,7 +117,8 @@ const std::string& JsonNode::text() const {
 
 const std::string& JsonNode::one_of(std::span<const char* const> choices) const {
   const std::string& word = text();
-  const bool known = std::any_of(choices.begin(), choices.end(), [&](const char* one) { return word == one; });
+  const bool known =
+      std::any_of(choices.begin(), choices.end(), [&](const char* one) { return word == one; });
   if (!known) fail(fmt::format("unknown word ({}, one of {})", shown(), joined(choices)));
   return word;
 }

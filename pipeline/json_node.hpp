@@ -15,8 +15,8 @@ struct Range {
   bool above = false;
 };
 
-// A cheap view: it refers to the JSON value and to its parent node, both of which have to outlive it. Every function
-// throws CommandError with exit code 3 and `file: place: what (value, limit): hint`.
+// A cheap view: it refers to the JSON value and to its parent node, both of which have to outlive it. Every
+// function throws CommandError with exit code 3 and `file: place: what (value, limit): hint`.
 class JsonNode {
  public:
   using Json = nlohmann::ordered_json;
@@ -60,8 +60,8 @@ class JsonNode {
   std::size_t index_ = 0;
 };
 
-// Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws CommandError
-// with exit code 3 and `file:line: what`.
+// Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws
+// CommandError with exit code 3 and `file:line: what`.
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file);
 
 }  // namespace hotblade::pipeline

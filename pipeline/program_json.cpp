@@ -157,7 +157,8 @@ void write_strip(Text& out, const Strip& strip) {
 void write_verification(Text& out, const Verification& verification) {
   const Deviation& deviation = verification.deviation_mm;
   out.string_field("\"verification\": {\"status\":", verification.status);
-  out.field(",\"tolerance_mm\":", verification.tolerance_mm).field(",\"deviation_mm\":{\"max\":", deviation.max);
+  out.field(",\"tolerance_mm\":", verification.tolerance_mm)
+      .field(",\"deviation_mm\":{\"max\":", deviation.max);
   out.field(",\"p99\":", deviation.p99).field(",\"rms\":", deviation.rms).field(",\"mean\":", deviation.mean);
   out.raw(",\"at\":").vector(deviation.at).field("},\"uncut_mm2\":", verification.uncut_mm2);
   out.raw(",\"budget_mm\":{");

@@ -21,19 +21,26 @@ constexpr Range kNotNegative{0, kInfinity};
 constexpr double kUnitError = 1e-6;
 // The controller counts microseconds in 32 bits.
 constexpr Range kTime{0, 4294.967295};
-long long microseconds(double seconds) { return std::llround(seconds * 1e6); }
-// Lengths that have to agree are sums and differences of a few doubles; a micrometre per metre is far above rounding
-// and far below anything a clamp can do.
+long long microseconds(double seconds) {
+  return std::llround(seconds * 1e6);
+}
+// Lengths that have to agree are sums and differences of a few doubles; a micrometre per metre is far above
+// rounding and far below anything a clamp can do.
 constexpr double kLengthErrorRel = 1e-6;
 
 constexpr std::array kUnits{"mm", "cm", "m", "in", "ft"};
 constexpr std::array kUps{"z", "y"};
 constexpr std::array kKeeps{"below", "above", "back", "front"};
-constexpr std::array kPhases{"form", "preheat", "approach", "lead_in", "cut", "lead_out", "retract", "travel"};
+constexpr std::array kPhases{"form", "preheat",  "approach", "lead_in",
+                             "cut",  "lead_out", "retract",  "travel"};
 constexpr std::array kStatuses{"passed", "failed", "refused"};
 
-double number(const JsonNode& node, const char* key, Range range = kAny) { return node.field(key).number(range); }
-std::string text(const JsonNode& node, const char* key) { return node.field(key).text(); }
+double number(const JsonNode& node, const char* key, Range range = kAny) {
+  return node.field(key).number(range);
+}
+std::string text(const JsonNode& node, const char* key) {
+  return node.field(key).text();
+}
 
 template <int N>
 Eigen::Matrix<double, N, 1> vector(const JsonNode& node, Range range = kAny) {
@@ -49,7 +56,8 @@ Eigen::Matrix<double, N, 1> vector(const JsonNode& node, const char* key, Range 
 }
 
 void expect_unit(const JsonNode& node, double norm) {
-  if (std::abs(norm - 1) > kUnitError) node.fail(fmt::format("is not of length 1 ({}, +-{})", norm, kUnitError));
+  if (std::abs(norm - 1) > kUnitError)
+    node.fail(fmt::format("is not of length 1 ({}, +-{})", norm, kUnitError));
 }
 
 Eigen::Vector3d unit_vector(const JsonNode& node, const char* key) {
@@ -63,7 +71,8 @@ Frame frame(const JsonNode& node) {
   node.expect_keys(std::array{"origin", "x", "y"});
   const Frame frame{vector<3>(node, "origin"), unit_vector(node, "x"), unit_vector(node, "y")};
   const double dot = frame.x.dot(frame.y);
-  if (std::abs(dot) > kUnitError) node.fail(fmt::format("x and y are not square ({}, +-{})", dot, kUnitError));
+  if (std::abs(dot) > kUnitError)
+    node.fail(fmt::format("x and y are not square ({}, +-{})", dot, kUnitError));
   return frame;
 }
 
@@ -77,8 +86,13 @@ Pose pose(const JsonNode& node) {
 
 Elastica elastica_of(const JsonNode& node) {
   node.expect_keys(std::array{"x", "y", "theta", "kappa", "lambda1", "lambda2", "length"});
-  return {number(node, "x"),       number(node, "y"),       number(node, "theta"),           number(node, "kappa"),
-          number(node, "lambda1"), number(node, "lambda2"), number(node, "length", kPositive)};
+  return {number(node, "x"),
+          number(node, "y"),
+          number(node, "theta"),
+          number(node, "kappa"),
+          number(node, "lambda1"),
+          number(node, "lambda2"),
+          number(node, "length", kPositive)};
 }
 
 std::vector<std::string> strings(const JsonNode& node) {
@@ -95,8 +109,8 @@ std::string sha256_of(const JsonNode& node) {
 }
 
 DesignData design_of(const JsonNode& node) {
-  node.expect_keys(std::array{"file", "sha256", "source_units", "scale_to_mm", "up", "keep", "vertices", "faces",
-                              "bbox_mm"});
+  node.expect_keys(std::array{"file", "sha256", "source_units", "scale_to_mm", "up", "keep", "vertices",
+                              "faces", "bbox_mm"});
   DesignData design;
   const JsonNode file = node.field("file");
   design.file = file.text();
@@ -121,7 +135,8 @@ DesignData design_of(const JsonNode& node) {
 
 BladeData blade_of(const JsonNode& node) {
   node.expect_keys(std::array{"free_lengths_mm", "width_mm", "thickness_mm", "youngs_modulus_mpa",
-                              "yield_strength_mpa", "safety", "max_curvature_per_mm", "kerf_mm", "density_kg_m3"});
+                              "yield_strength_mpa", "safety", "max_curvature_per_mm", "kerf_mm",
+                              "density_kg_m3"});
   BladeData blade;
   const JsonNode lengths = node.field("free_lengths_mm");
   blade.free_lengths_mm = lengths.numbers(1, kPositive);
@@ -174,12 +189,14 @@ std::optional<std::array<double, 2>> foam_of(const JsonNode& node, double length
 void expect_chord(const JsonNode& node, const BladePose& pose, double length) {
   const double chord = (pose.a.p - pose.b.p).norm();
   if (chord > length * (1 + kLengthErrorRel)) {
-    node.fail(fmt::format("clamps a and b are farther apart than the blade is long ({} mm, {})", chord, length));
+    node.fail(
+        fmt::format("clamps a and b are farther apart than the blade is long ({} mm, {})", chord, length));
   }
 }
 
 BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
-  node.expect_keys(std::array{"t", "phase", "heat", "frame", "blade", "foam", "a", "b", "margin", "margin_mm", "rib"});
+  node.expect_keys(
+      std::array{"t", "phase", "heat", "frame", "blade", "foam", "a", "b", "margin", "margin_mm", "rib"});
   BladePose out;
   out.t = number(node, "t", kTime);
   out.phase = node.field("phase").one_of(kPhases);
@@ -229,8 +246,8 @@ std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
     const JsonNode item = node.item(i);
     poses.push_back(blade_pose_of(item, strip));
     if (i > 0 && microseconds(poses[i].t) <= microseconds(poses[i - 1].t)) {
-      item.field("t").fail(
-          fmt::format("is not a microsecond after the pose before ({} s, above {})", poses[i].t, poses[i - 1].t));
+      item.field("t").fail(fmt::format("is not a microsecond after the pose before ({} s, above {})",
+                                       poses[i].t, poses[i - 1].t));
     }
   }
   return poses;
@@ -261,8 +278,8 @@ Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::strin
 }
 
 Verification verification_of(const JsonNode& node) {
-  node.expect_keys(
-      std::array{"status", "tolerance_mm", "deviation_mm", "uncut_mm2", "budget_mm", "samples", "not_checked"});
+  node.expect_keys(std::array{"status", "tolerance_mm", "deviation_mm", "uncut_mm2", "budget_mm", "samples",
+                              "not_checked"});
   Verification out;
   out.status = node.field("status").one_of(kStatuses);
   out.tolerance_mm = number(node, "tolerance_mm", kPositive);

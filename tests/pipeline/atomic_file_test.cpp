@@ -16,8 +16,8 @@ namespace hotblade::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-using ::testing::HasSubstr;
 using testing::files_in;
+using ::testing::HasSubstr;
 using testing::read_bytes;
 using testing::TemporaryDirectory;
 
@@ -87,8 +87,10 @@ TEST(WriteFileAtomically, LeavesNoTemporaryFileWhenTheDiskIsFull) {
 
 TEST(WriteFileAtomically, RefusesADirectoryAndADevice) {
   const TemporaryDirectory directory;
-  EXPECT_THAT(file_error([&] { write_file_atomically(directory.path(), "x", true); }), HasSubstr("is a directory"));
-  EXPECT_THAT(file_error([] { write_file_atomically("/dev/null", "x", true); }), HasSubstr("not a regular file"));
+  EXPECT_THAT(file_error([&] { write_file_atomically(directory.path(), "x", true); }),
+              HasSubstr("is a directory"));
+  EXPECT_THAT(file_error([] { write_file_atomically("/dev/null", "x", true); }),
+              HasSubstr("not a regular file"));
 }
 
 TEST(WriteFileAtomically, FollowsALinkAndKeepsIt) {

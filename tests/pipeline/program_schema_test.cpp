@@ -1,4 +1,5 @@
-// The JSON Schema that ships with the project accepts what hotblade writes and refuses what it would not read.
+// The JSON Schema that ships with the project accepts what hotblade writes and refuses what it would not
+// read.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -36,9 +37,13 @@ class ProgramSchema : public ::testing::Test {
   valijson::Schema schema_;
 };
 
-Json vault() { return Json::parse(to_json(testing::vault_program({.strips = 2}))); }
+Json vault() {
+  return Json::parse(to_json(testing::vault_program({.strips = 2})));
+}
 
-TEST_F(ProgramSchema, AcceptsAGeneratedProgram) { EXPECT_TRUE(accepts(vault())); }
+TEST_F(ProgramSchema, AcceptsAGeneratedProgram) {
+  EXPECT_TRUE(accepts(vault()));
+}
 
 TEST_F(ProgramSchema, RefusesABrokenProgram) {
   const std::pair<const char*, std::function<void(Json&)>> breakages[] = {

@@ -20,7 +20,9 @@ using ::testing::HasSubstr;
 using testing::TemporaryDirectory;
 using testing::vault_program;
 
-Json good() { return Json::parse(to_json(vault_program({.strips = 2}))); }
+Json good() {
+  return Json::parse(to_json(vault_program({.strips = 2})));
+}
 
 // The message parse_program refuses the text with.
 std::string refusal(const std::string& text) {
@@ -40,18 +42,25 @@ struct Breakage {
   const char* message;  // what the refusal contains
 };
 
-void PrintTo(const Breakage& breakage, std::ostream* out) { *out << breakage.name; }
+void PrintTo(const Breakage& breakage, std::ostream* out) {
+  *out << breakage.name;
+}
 
 class ParseProgram : public ::testing::TestWithParam<Breakage> {};
 
 TEST_P(ParseProgram, RefusesWithThePlaceOf) {
   Json json = good();
   GetParam().break_it(json);
-  EXPECT_THAT(refusal(json.dump()), ::testing::AllOf(::testing::StartsWith("job.json: "), HasSubstr(GetParam().message)));
+  EXPECT_THAT(refusal(json.dump()),
+              ::testing::AllOf(::testing::StartsWith("job.json: "), HasSubstr(GetParam().message)));
 }
 
-Json& pose(Json& json) { return json["strips"][1]["poses"][17]; }
-Json& rib(Json& json) { return json["strips"][0]["ribs"][2]; }
+Json& pose(Json& json) {
+  return json["strips"][1]["poses"][17];
+}
+Json& rib(Json& json) {
+  return json["strips"][0]["ribs"][2];
+}
 
 INSTANTIATE_TEST_SUITE_P(
     Header, ParseProgram,
@@ -60,17 +69,28 @@ INSTANTIATE_TEST_SUITE_P(
         Breakage{"AnotherVersion", [](Json& j) { j["version"] = 2; }, "version: unknown version (2, 1)"},
         Breakage{"MissingKey", [](Json& j) { j.erase("overrides"); }, "\"overrides\" is missing"},
         Breakage{"UnknownKey", [](Json& j) { j["note"] = 1; }, "unknown key \"note\""},
-        Breakage{"PathForBaseName", [](Json& j) { j["design"]["file"] = "a/b.obj"; }, "design.file: is not a base"},
-        Breakage{"ShortHash", [](Json& j) { j["design"]["sha256"] = "abc"; }, "design.sha256: is not a SHA-256"},
-        Breakage{"UnknownUnit", [](Json& j) { j["design"]["source_units"] = "ell"; }, "design.source_units: unknown"},
-        Breakage{"ZeroScale", [](Json& j) { j["design"]["scale_to_mm"] = 0; }, "design.scale_to_mm: out of range"},
+        Breakage{"PathForBaseName", [](Json& j) { j["design"]["file"] = "a/b.obj"; },
+                 "design.file: is not a base"},
+        Breakage{"ShortHash", [](Json& j) { j["design"]["sha256"] = "abc"; },
+                 "design.sha256: is not a SHA-256"},
+        Breakage{"UnknownUnit", [](Json& j) { j["design"]["source_units"] = "ell"; },
+                 "design.source_units: unknown"},
+        Breakage{"ZeroScale", [](Json& j) { j["design"]["scale_to_mm"] = 0; },
+                 "design.scale_to_mm: out of range"},
         Breakage{"UnknownKeep", [](Json& j) { j["design"]["keep"] = "left"; }, "design.keep: unknown word"},
-        Breakage{"FractionOfAVertex", [](Json& j) { j["design"]["vertices"] = 1.5; }, "design.vertices: is not a"},
+        Breakage{"FractionOfAVertex", [](Json& j) { j["design"]["vertices"] = 1.5; },
+                 "design.vertices: is not a"},
         Breakage{"NegativeFaces", [](Json& j) { j["design"]["faces"] = -1; }, "design.faces: is not a whole"},
-        Breakage{"InsideOutBox", [](Json& j) { j["design"]["bbox_mm"][0][0] = 1e9; }, "design.bbox_mm: the first"},
-        Breakage{"ThreeCornersOfABox", [](Json& j) { j["design"]["bbox_mm"].push_back({0, 0, 0}); }, "(3, exactly 2)"},
+        Breakage{"InsideOutBox", [](Json& j) { j["design"]["bbox_mm"][0][0] = 1e9; },
+                 "design.bbox_mm: the first"},
+        Breakage{"ThreeCornersOfABox",
+                 [](Json& j) {
+                   j["design"]["bbox_mm"].push_back({0, 0, 0});
+                 },
+                 "(3, exactly 2)"},
         Breakage{"SettingsNotAnObject", [](Json& j) { j["settings"] = "x"; }, "settings: is not an object"},
-        Breakage{"NoBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"] = Json::array(); }, "(0, at least 1)"},
+        Breakage{"NoBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"] = Json::array(); },
+                 "(0, at least 1)"},
         Breakage{"FallingBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"][2] = 600; },
                  "blade.free_lengths_mm[2]: is not above the one before (600, above 600)"},
         Breakage{"NegativeThickness", [](Json& j) { j["blade"]["thickness_mm"] = -0.5; },
@@ -80,23 +100,39 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Strip, ParseProgram,
-    ::testing::Values(
-        Breakage{"RepeatedStripId", [](Json& j) { j["strips"][1]["id"] = "S001"; }, "strips[1].id: stands twice (S001)"},
-        Breakage{"RepeatedRibId", [](Json& j) { rib(j)["id"] = "S001R001"; }, "strips[0].ribs[2].id: stands twice"},
-        Breakage{"BladeNotInTheList", [](Json& j) { j["strips"][0]["blade_length_mm"] = 601; },
-                 "strips[0].blade_length_mm: no such blade (601, one of 400, 600, 800)"},
-        Breakage{"FlatStock", [](Json& j) { j["strips"][0]["stock"]["size_mm"][2] = 0; },
-                 "strips[0].stock.size_mm[2]: out of range (0, above 0)"},
-        Breakage{"LongAxis", [](Json& j) { rib(j)["frame"]["x"] = {1.001, 0, 0}; },
-                 "strips[0].ribs[2].frame.x: is not of length 1"},
-        Breakage{"SkewAxes", [](Json& j) { rib(j)["frame"]["y"] = {0.6, 0, 0.8}; },
-                 "strips[0].ribs[2].frame: x and y are not square"},
-        Breakage{"OnePointTarget", [](Json& j) { rib(j)["target"] = {{0, 0}}; }, "ribs[2].target: wrong number"},
-        Breakage{"ThreePointBezier", [](Json& j) { rib(j)["bezier"].erase(3); }, "ribs[2].bezier: wrong number of items (3"},
-        Breakage{"PointInSpace", [](Json& j) { rib(j)["bezier"][1].push_back(0); }, "bezier[1]: wrong number of items (3"},
-        Breakage{"NegativeHausdorff", [](Json& j) { rib(j)["hausdorff_mm"] = -1; }, "hausdorff_mm: out of range"},
-        Breakage{"EmptyElastica", [](Json& j) { rib(j)["elastica"]["length"] = 0; }, "elastica.length: out of range"},
-        Breakage{"NoRibs", [](Json& j) { j["strips"][0]["ribs"] = Json::array(); }, "strips[0].ribs: wrong number"}),
+    ::testing::Values(Breakage{"RepeatedStripId", [](Json& j) { j["strips"][1]["id"] = "S001"; },
+                               "strips[1].id: stands twice (S001)"},
+                      Breakage{"RepeatedRibId", [](Json& j) { rib(j)["id"] = "S001R001"; },
+                               "strips[0].ribs[2].id: stands twice"},
+                      Breakage{"BladeNotInTheList", [](Json& j) { j["strips"][0]["blade_length_mm"] = 601; },
+                               "strips[0].blade_length_mm: no such blade (601, one of 400, 600, 800)"},
+                      Breakage{"FlatStock", [](Json& j) { j["strips"][0]["stock"]["size_mm"][2] = 0; },
+                               "strips[0].stock.size_mm[2]: out of range (0, above 0)"},
+                      Breakage{"LongAxis",
+                               [](Json& j) {
+                                 rib(j)["frame"]["x"] = {1.001, 0, 0};
+                               },
+                               "strips[0].ribs[2].frame.x: is not of length 1"},
+                      Breakage{"SkewAxes",
+                               [](Json& j) {
+                                 rib(j)["frame"]["y"] = {0.6, 0, 0.8};
+                               },
+                               "strips[0].ribs[2].frame: x and y are not square"},
+                      Breakage{"OnePointTarget",
+                               [](Json& j) {
+                                 rib(j)["target"] = {{0, 0}};
+                               },
+                               "ribs[2].target: wrong number"},
+                      Breakage{"ThreePointBezier", [](Json& j) { rib(j)["bezier"].erase(3); },
+                               "ribs[2].bezier: wrong number of items (3"},
+                      Breakage{"PointInSpace", [](Json& j) { rib(j)["bezier"][1].push_back(0); },
+                               "bezier[1]: wrong number of items (3"},
+                      Breakage{"NegativeHausdorff", [](Json& j) { rib(j)["hausdorff_mm"] = -1; },
+                               "hausdorff_mm: out of range"},
+                      Breakage{"EmptyElastica", [](Json& j) { rib(j)["elastica"]["length"] = 0; },
+                               "elastica.length: out of range"},
+                      Breakage{"NoRibs", [](Json& j) { j["strips"][0]["ribs"] = Json::array(); },
+                               "strips[0].ribs: wrong number"}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
@@ -104,33 +140,56 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Breakage{"RepeatedTime", [](Json& j) { pose(j)["t"] = j["strips"][1]["poses"][16]["t"]; },
                  "strips[1].poses[17].t: is not a microsecond after the pose before (0.8 s, above 0.8)"},
-        Breakage{"NegativeTime", [](Json& j) { j["strips"][1]["poses"][0]["t"] = -0.1; }, "poses[0].t: out of range"},
+        Breakage{"NegativeTime", [](Json& j) { j["strips"][1]["poses"][0]["t"] = -0.1; },
+                 "poses[0].t: out of range"},
         Breakage{"TimeBeyondTheController", [](Json& j) { j["strips"][1]["poses"][39]["t"] = 4295; },
                  "poses[39].t: out of range (4295, 0 to 4294.967295)"},
         Breakage{"TextForTime", [](Json& j) { pose(j)["t"] = "1"; }, "poses[17].t: is not a number (\"1\")"},
-        Breakage{"NullForANumber", [](Json& j) { pose(j)["blade"]["kappa"] = nullptr; }, "blade.kappa: is not a number"},
-        Breakage{"UnknownPhase", [](Json& j) { pose(j)["phase"] = "dance"; }, "poses[17].phase: unknown word (\"dance\""},
-        Breakage{"HeatAsANumber", [](Json& j) { pose(j)["heat"] = 1; }, "poses[17].heat: is not true or false"},
-        Breakage{"LongQuaternion", [](Json& j) { pose(j)["a"]["q"] = {1, 0, 0, 0.01}; }, "poses[17].a.q: is not of length 1"},
-        Breakage{"ShortQuaternion", [](Json& j) { pose(j)["b"]["q"].erase(3); }, "poses[17].b.q: wrong number of items (3"},
-        Breakage{"ClampsApart", [](Json& j) { pose(j)["a"]["p"][0] = -5000; }, "poses[17]: clamps a and b are farther"},
+        Breakage{"NullForANumber", [](Json& j) { pose(j)["blade"]["kappa"] = nullptr; },
+                 "blade.kappa: is not a number"},
+        Breakage{"UnknownPhase", [](Json& j) { pose(j)["phase"] = "dance"; },
+                 "poses[17].phase: unknown word (\"dance\""},
+        Breakage{"HeatAsANumber", [](Json& j) { pose(j)["heat"] = 1; },
+                 "poses[17].heat: is not true or false"},
+        Breakage{"LongQuaternion",
+                 [](Json& j) {
+                   pose(j)["a"]["q"] = {1, 0, 0, 0.01};
+                 },
+                 "poses[17].a.q: is not of length 1"},
+        Breakage{"ShortQuaternion", [](Json& j) { pose(j)["b"]["q"].erase(3); },
+                 "poses[17].b.q: wrong number of items (3"},
+        Breakage{"ClampsApart", [](Json& j) { pose(j)["a"]["p"][0] = -5000; },
+                 "poses[17]: clamps a and b are farther"},
         Breakage{"AnotherBladeLength", [](Json& j) { pose(j)["blade"]["length"] = 599; },
                  "poses[17].blade: length is not the strip's blade length (599, 600)"},
-        Breakage{"FoamBeyondTheBlade", [](Json& j) { pose(j)["foam"][1] = 700; }, "poses[17].foam[1]: out of range"},
-        Breakage{"FoamBackwards", [](Json& j) { pose(j)["foam"] = {300, 200}; }, "poses[17].foam: ends before it starts"},
-        Breakage{"NegativeMargin", [](Json& j) { pose(j)["margin_mm"] = -1; }, "poses[17].margin_mm: out of range"},
-        Breakage{"RibThatIsNotThere", [](Json& j) { pose(j)["rib"] = 6; }, "poses[17].rib: no such rib (6, the strip has 6)"},
-        Breakage{"OnePose", [](Json& j) { j["strips"][0]["poses"] = {j["strips"][0]["poses"][0]}; }, "(1, at least 2)"}),
+        Breakage{"FoamBeyondTheBlade", [](Json& j) { pose(j)["foam"][1] = 700; },
+                 "poses[17].foam[1]: out of range"},
+        Breakage{"FoamBackwards",
+                 [](Json& j) {
+                   pose(j)["foam"] = {300, 200};
+                 },
+                 "poses[17].foam: ends before it starts"},
+        Breakage{"NegativeMargin", [](Json& j) { pose(j)["margin_mm"] = -1; },
+                 "poses[17].margin_mm: out of range"},
+        Breakage{"RibThatIsNotThere", [](Json& j) { pose(j)["rib"] = 6; },
+                 "poses[17].rib: no such rib (6, the strip has 6)"},
+        Breakage{"OnePose", [](Json& j) { j["strips"][0]["poses"] = {j["strips"][0]["poses"][0]}; },
+                 "(1, at least 2)"}),
     [](const auto& test) { return test.param.name; });
 
 INSTANTIATE_TEST_SUITE_P(
     Verification, ParseProgram,
     ::testing::Values(
-        Breakage{"UnknownStatus", [](Json& j) { j["verification"]["status"] = "fine"; }, "verification.status: unknown"},
-        Breakage{"ZeroTolerance", [](Json& j) { j["verification"]["tolerance_mm"] = 0; }, "tolerance_mm: out of range"},
-        Breakage{"PercentileAboveMax", [](Json& j) { j["verification"]["deviation_mm"]["p99"] = 9; }, "p99: out of range"},
-        Breakage{"BudgetAsArray", [](Json& j) { j["verification"]["budget_mm"] = Json::array(); }, "budget_mm: is not an"},
-        Breakage{"NegativeBudget", [](Json& j) { j["verification"]["budget_mm"]["mesh"] = -1; }, "budget_mm.mesh: out of"},
+        Breakage{"UnknownStatus", [](Json& j) { j["verification"]["status"] = "fine"; },
+                 "verification.status: unknown"},
+        Breakage{"ZeroTolerance", [](Json& j) { j["verification"]["tolerance_mm"] = 0; },
+                 "tolerance_mm: out of range"},
+        Breakage{"PercentileAboveMax", [](Json& j) { j["verification"]["deviation_mm"]["p99"] = 9; },
+                 "p99: out of range"},
+        Breakage{"BudgetAsArray", [](Json& j) { j["verification"]["budget_mm"] = Json::array(); },
+                 "budget_mm: is not an"},
+        Breakage{"NegativeBudget", [](Json& j) { j["verification"]["budget_mm"]["mesh"] = -1; },
+                 "budget_mm.mesh: out of"},
         Breakage{"OverrideAsNumber", [](Json& j) { j["overrides"] = {1}; }, "overrides[0]: is not a string"}),
     [](const auto& test) { return test.param.name; });
 
@@ -239,7 +298,8 @@ TEST(ReadProgram, ReadsWhatWasWritten) {
   EXPECT_EQ(to_json(read_program(directory / "program.json")), text);
 }
 
-// A long job must not make the commands that read it feel slow; the bound is generous for sanitizers and busy hosts.
+// A long job must not make the commands that read it feel slow; the bound is generous for sanitizers and busy
+// hosts.
 TEST(ReadProgram, ReadsTwentyThousandPosesInSeconds) {
   const Program program = vault_program({.poses = 20000});
   const auto start = std::chrono::steady_clock::now();
@@ -254,7 +314,8 @@ TEST(ReadProgram, ReadsTwentyThousandPosesInSeconds) {
 TEST(Waypoints, AreThePosesInTheCellFrameInMicroseconds) {
   Program program = vault_program();
   Strip& strip = program.strips[0];
-  strip.design_to_cell = {{10, 20, 30}, Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized()))};
+  strip.design_to_cell = {{10, 20, 30},
+                          Eigen::Quaterniond(Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, 3).normalized()))};
   const auto points = waypoints(strip);
   ASSERT_EQ(points.size(), strip.poses.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

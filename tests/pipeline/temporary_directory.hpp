@@ -39,8 +39,8 @@ inline std::string read_bytes(const std::filesystem::path& file) {
 
 inline std::size_t files_in(const std::filesystem::path& directory) {
   std::size_t count = 0;
-  for (auto entry = std::filesystem::directory_iterator(directory); entry != std::filesystem::directory_iterator();
-       ++entry) {
+  for (auto entry = std::filesystem::directory_iterator(directory);
+       entry != std::filesystem::directory_iterator(); ++entry) {
     ++count;
   }
   return count;

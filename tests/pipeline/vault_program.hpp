@@ -1,5 +1,5 @@
-// A small barrel vault as a cut program, made without the planner: parallel circular ribs, so that every number in it
-// is known in closed form.
+// A small barrel vault as a cut program, made without the planner: parallel circular ribs, so that every
+// number in it is known in closed form.
 #pragma once
 
 #include <cmath>
@@ -10,10 +10,10 @@
 namespace hotblade::pipeline::testing {
 
 struct VaultOptions {
-  int strips = 1;          // side by side along y
-  int poses = 40;          // a strip
+  int strips = 1;  // side by side along y
+  int poses = 40;  // a strip
   double half_band_mm = 0.5;
-  double bulge_mm = 0;     // the blade cuts this much off the design halfway along the sweep
+  double bulge_mm = 0;  // the blade cuts this much off the design halfway along the sweep
 };
 
 constexpr double kVaultRadius = 400, kVaultHalfAngle = 0.4, kVaultStripWidth = 250;
@@ -41,7 +41,8 @@ inline Pose vault_clamp(const Frame& frame, double radius, double angle) {
   axes.col(1) = -std::sin(theta) * frame.x + std::cos(theta) * frame.y;
   axes.col(2) = frame.normal();
   const double foot_x = radius * std::sin(kVaultHalfAngle), foot_y = -radius * std::cos(kVaultHalfAngle);
-  return {frame.point(foot_x + radius * std::sin(angle), foot_y + radius * std::cos(angle)), Eigen::Quaterniond(axes)};
+  return {frame.point(foot_x + radius * std::sin(angle), foot_y + radius * std::cos(angle)),
+          Eigen::Quaterniond(axes)};
 }
 
 inline BladePose vault_pose(const VaultOptions& options, int strip, int index) {
@@ -57,7 +58,8 @@ inline BladePose vault_pose(const VaultOptions& options, int strip, int index) {
   pose.phase = cutting ? "cut" : (share < 0.5 ? "lead_in" : "lead_out");
   pose.heat = true;
   pose.frame = vault_frame(strip * kVaultStripWidth + along, radius);
-  const double before = (half_blade - kVaultHalfAngle) * radius;  // arc from clamp A to the design's first end
+  const double before =
+      (half_blade - kVaultHalfAngle) * radius;  // arc from clamp A to the design's first end
   pose.blade = vault_arc(radius, half_blade);
   pose.blade.length = kVaultBlade;
   const Eigen::Vector2d foot(radius * std::sin(kVaultHalfAngle), -radius * std::cos(kVaultHalfAngle));

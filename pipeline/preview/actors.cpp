@@ -1,0 +1,202 @@
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkFeatureEdges.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <cmath>
+
+#include "pipeline/preview/draw_parts.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+using Triangles = std::vector<std::array<int, 3>>;
+
+vtkNew<vtkPoints> points_of(const std::vector<Eigen::Vector3d>& places) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    points->SetPoint(static_cast<vtkIdType>(i), places[i].data());
+  return points;
+}
+
+vtkNew<vtkPolyData> mesh_of(const std::vector<Eigen::Vector3d>& vertices, const Triangles& triangles) {
+  vtkNew<vtkPolyData> mesh;
+  mesh->SetPoints(points_of(vertices));
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c] : triangles) {
+    const vtkIdType ids[3] = {a, b, c};
+    cells->InsertNextCell(3, ids);
+  }
+  mesh->SetPolys(cells);
+  return mesh;
+}
+
+vtkNew<vtkPolyData> lines_of(const std::vector<Polyline>& lines) {
+  std::vector<Eigen::Vector3d> places;
+  vtkNew<vtkCellArray> cells;
+  for (const Polyline& line : lines) {
+    cells->InsertNextCell(static_cast<int>(line.points.size()));
+    for (const Eigen::Vector3d& point : line.points) {
+      cells->InsertCellPoint(static_cast<vtkIdType>(places.size()));
+      places.push_back(point);
+    }
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points_of(places));
+  data->SetLines(cells);
+  return data;
+}
+
+// The cut and the design lie a millimetre apart in a part a metre wide. So that the cut shows where there is
+// one and lines show on it, layers are pulled towards the eye by these depth units.
+enum Layer { kBehind = 40, kSurface = 0, kLine = -40 };
+
+void set_layer(vtkMapper& mapper, Layer layer) {
+  mapper.SetResolveCoincidentTopologyToPolygonOffset();
+  mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, layer);
+  mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, layer);
+}
+
+vtkNew<vtkActor> surface_actor(vtkPolyData& data, Layer layer) {
+  vtkNew<vtkPolyDataNormals> normals;
+  normals->SetInputData(&data);
+  normals->SplittingOff();
+  normals->ConsistencyOff();
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputConnection(normals->GetOutputPort());
+  set_layer(*mapper, layer);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  // Colours carry numbers, so light only shades them.
+  actor->GetProperty()->SetAmbient(0.42);
+  actor->GetProperty()->SetDiffuse(0.62);
+  actor->GetProperty()->SetSpecular(0);
+  return actor;
+}
+
+void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width) {
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(&data);
+  mapper->ScalarVisibilityOff();
+  set_layer(*mapper, kLine);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(color[0], color[1], color[2]);
+  actor->GetProperty()->SetLineWidth(static_cast<float>(width));
+  actor->GetProperty()->LightingOff();
+  renderer.AddActor(actor);
+}
+
+void add_design(const Scene& scene, vtkRenderer& renderer, double zoom) {
+  if (scene.design.triangles.empty()) return;
+  const auto mesh = mesh_of(scene.design.vertices, scene.design.triangles);
+  const auto actor = surface_actor(*mesh, kBehind);
+  actor->GetProperty()->SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
+  const bool alone = scene.cut.triangles.empty();
+  if (alone) {
+    actor->GetProperty()->EdgeVisibilityOn();
+    actor->GetProperty()->SetEdgeColor(0.62, 0.63, 0.66);
+    actor->GetProperty()->SetLineWidth(static_cast<float>(0.6 * zoom));
+  }
+  renderer.AddActor(actor);
+  vtkNew<vtkFeatureEdges> edges;
+  edges->SetInputData(mesh);
+  edges->BoundaryEdgesOn();
+  edges->FeatureEdgesOff();
+  edges->NonManifoldEdgesOff();
+  edges->ManifoldEdgesOff();
+  edges->ColoringOff();
+  edges->Update();
+  add_lines(renderer, *edges->GetOutput(), kInk, 1.6 * zoom);
+}
+
+void add_cut(const Scene& scene, vtkRenderer& renderer) {
+  if (scene.cut.triangles.empty()) return;
+  const auto mesh = mesh_of(scene.cut.vertices, scene.cut.triangles);
+  vtkNew<vtkUnsignedCharArray> colors;
+  colors->SetNumberOfComponents(3);
+  colors->SetNumberOfTuples(static_cast<vtkIdType>(scene.cut.vertices.size()));
+  for (std::size_t i = 0; i < scene.cut.vertices.size(); ++i) {
+    const Rgb color =
+        scene.scale ? color_at(*scene.scale, scene.cut.values[i]) : strip_color(scene.cut.strip_of_vertex[i]);
+    for (int c = 0; c < 3; ++c) {
+      const auto byte = static_cast<unsigned char>(std::lround(255 * color[static_cast<std::size_t>(c)]));
+      colors->SetTypedComponent(static_cast<vtkIdType>(i), c, byte);
+    }
+  }
+  mesh->GetPointData()->SetScalars(colors);
+  renderer.AddActor(surface_actor(*mesh, kSurface));
+}
+
+// A clamp as a block along the blade, drawn where it grips.
+void append_block(const Pose& pose, double size, std::vector<Eigen::Vector3d>& corners,
+                  Triangles& triangles) {
+  const int first = static_cast<int>(corners.size());
+  const Eigen::Matrix3d axes = pose.q.normalized().toRotationMatrix();
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d half(corner & 1 ? 0.5 : -0.5, corner & 2 ? 0.35 : -0.35, corner & 4 ? 0.5 : -0.5);
+    corners.push_back(pose.p + size * (axes * half));
+  }
+  constexpr int kFaces[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+  for (const auto& f : kFaces) {
+    triangles.push_back({first + f[0], first + f[1], first + f[2]});
+    triangles.push_back({first + f[0], first + f[2], first + f[3]});
+  }
+}
+
+void add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double size, const Rgb& color) {
+  if (clamps.empty()) return;
+  std::vector<Eigen::Vector3d> corners;
+  Triangles triangles;
+  for (const Pose& clamp : clamps) append_block(clamp, size, corners, triangles);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(mesh_of(corners, triangles));
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(color[0], color[1], color[2]);
+  actor->GetProperty()->SetAmbient(0.3);
+  actor->GetProperty()->SetInterpolationToFlat();
+  renderer.AddActor(actor);
+}
+
+void add_stocks(const Scene& scene, vtkRenderer& renderer, double zoom) {
+  std::vector<Polyline> edges;
+  for (const Stock& stock : scene.stocks) {
+    const auto corner = [&](int i) {
+      return stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
+                               i & 4 ? stock.size_mm.z() : 0);
+    };
+    for (int i = 0; i < 8; ++i) {
+      for (const int axis : {1, 2, 4}) {
+        if (!(i & axis)) edges.push_back({{corner(i), corner(i | axis)}});
+      }
+    }
+  }
+  if (!edges.empty()) add_lines(renderer, *lines_of(edges), kStockColor, 1.2 * zoom);
+}
+
+}  // namespace
+
+void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
+  add_design(scene, renderer, zoom);
+  add_cut(scene, renderer);
+  add_stocks(scene, renderer, zoom);
+  if (!scene.ribs.empty()) add_lines(renderer, *lines_of(scene.ribs), kRibColor, 1.1 * zoom);
+  if (!scene.blades.empty()) add_lines(renderer, *lines_of(scene.blades), kBladeColor, 1.4 * zoom);
+  if (scene.blade_now) add_lines(renderer, *lines_of({*scene.blade_now}), kBladeNowColor, 3 * zoom);
+  add_clamps(renderer, scene.clamps_a, scene.clamp_size_mm, kClampAColor);
+  add_clamps(renderer, scene.clamps_b, scene.clamp_size_mm, kClampBColor);
+}
+
+}  // namespace hotblade::pipeline::preview

@@ -1,0 +1,99 @@
+#include <vtkCamera.h>
+#include <vtkRenderer.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/preview/draw_parts.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+// Direction to the eye; azimuth 0 is the front (-y).
+Eigen::Vector3d eye_direction(double azimuth_deg, double elevation_deg) {
+  const double az = azimuth_deg * std::numbers::pi / 180, el = elevation_deg * std::numbers::pi / 180;
+  return {std::sin(az) * std::cos(el), -std::cos(az) * std::cos(el), std::sin(el)};
+}
+
+// From above and the front, unless the cut side looks elsewhere: an oblique view of it (about 45 degrees)
+// shows both its colours and its shape.
+Eigen::Vector3d best_eye(const Eigen::Vector3d& waste) {
+  const Eigen::Vector3d usual = eye_direction(-32, 36);
+  if (waste.norm() == 0) return usual;
+  Eigen::Vector3d best = usual;
+  double best_score = -10;
+  for (int azimuth = -152; azimuth <= 148; azimuth += 60) {
+    for (const double elevation : {36.0, 20.0, -20.0, -36.0}) {
+      const Eigen::Vector3d eye = eye_direction(azimuth, elevation);
+      const double score = -std::abs(eye.dot(waste) - 0.65) + 0.25 * eye.dot(usual);
+      if (score > best_score) {
+        best_score = score;
+        best = eye;
+      }
+    }
+  }
+  return best;
+}
+
+// What the picture has to hold, seen along two axes of the picture.
+class Extent {
+ public:
+  Extent(Eigen::Vector3d right, Eigen::Vector3d up) : right_(std::move(right)), up_(std::move(up)) {}
+  void add(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector2d(point.dot(right_), point.dot(up_))); }
+  void add_all(const std::vector<Eigen::Vector3d>& points) {
+    for (const Eigen::Vector3d& point : points) add(point);
+  }
+  void add_scene(const Scene& scene) {
+    add_all(scene.design.vertices);
+    add_all(scene.cut.vertices);
+    for (const Polyline& blade : scene.blades) add_all(blade.points);
+    if (scene.blade_now) add_all(scene.blade_now->points);
+    for (const Stock& stock : scene.stocks) {
+      for (int i = 0; i < 8; ++i) {
+        add(stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
+                              i & 4 ? stock.size_mm.z() : 0));
+      }
+    }
+  }
+  [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }
+
+ private:
+  Eigen::Vector3d right_, up_;
+  Eigen::AlignedBox2d box_;
+};
+
+}  // namespace
+
+void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size) {
+  const Eigen::Vector3d eye = best_eye(scene.waste_direction);
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(eye).normalized();
+  const Eigen::Vector3d up = eye.cross(right);
+  Extent extent(right, up);
+  extent.add_scene(scene);
+  const Margins margins = overlay_margins(size);
+  const double width = size.width - margins.left - margins.right;
+  const double height = size.height - margins.top - margins.bottom;
+  const Eigen::Vector2d span = extent.box().sizes().cwiseMax(1e-3);
+  const double pixels_per_mm = std::min(width / span.x(), height / span.y());
+  // The middle of the free part of the picture, seen from the middle of the whole.
+  const Eigen::Vector2d shift((margins.left - margins.right) / 2, (margins.bottom - margins.top) / 2);
+  const Eigen::Vector2d middle = extent.box().center() - shift / pixels_per_mm;
+  double bounds[6];
+  renderer.ComputeVisiblePropBounds(bounds);
+  const Eigen::Vector3d centre((bounds[0] + bounds[1]) / 2, (bounds[2] + bounds[3]) / 2,
+                               (bounds[4] + bounds[5]) / 2);
+  const Eigen::Vector3d focus = middle.x() * right + middle.y() * up + centre.dot(eye) * eye;
+  const double far =
+      Eigen::Vector3d(bounds[1] - bounds[0], bounds[3] - bounds[2], bounds[5] - bounds[4]).norm() + 1;
+  const Eigen::Vector3d position = focus + 2 * far * eye;
+  vtkCamera& camera = *renderer.GetActiveCamera();
+  camera.ParallelProjectionOn();
+  camera.SetParallelScale(size.height / (2 * pixels_per_mm));
+  camera.SetFocalPoint(focus.data());
+  camera.SetPosition(position.data());
+  camera.SetViewUp(0, 0, 1);
+  renderer.ResetCameraClippingRange();
+}
+
+}  // namespace hotblade::pipeline::preview

@@ -1,0 +1,40 @@
+// Which side of the design a point of the cut lies on, and how far.
+#include "gpu/mesh_distance.hpp"
+#include "pipeline/preview/scene.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+Eigen::Vector3d area_vector(const surface::TriangleMesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  const auto at = [&](int i) -> const Eigen::Vector3d& { return mesh.vertices[static_cast<std::size_t>(i)]; };
+  return 0.5 * (at(b) - at(a)).cross(at(c) - at(a));
+}
+
+// +1 where face normals point to the waste, -1 where they point into the part. Normals agree over the design,
+// so the sum decides also for faces that stand upright.
+double waste_sign(const surface::TriangleMesh& design, const std::string& keep) {
+  if (keep == "back") return 1;
+  if (keep == "front") return -1;
+  double up = 0;
+  for (std::size_t i = 0; i < design.triangles.size(); ++i) up += area_vector(design, i).z();
+  return (up >= 0) == (keep != "above") ? 1 : -1;
+}
+
+}  // namespace
+
+std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, const std::string& keep,
+                                        const std::vector<Eigen::Vector3d>& points) {
+  const gpu::MeshDistance distance(design.vertices, design.triangles);
+  const auto nearest = distance.query(points);
+  const double to_waste = waste_sign(design, keep);
+  std::vector<double> signed_mm(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector3d normal = area_vector(design, static_cast<std::size_t>(nearest[i].triangle));
+    const double side = to_waste * (points[i] - nearest[i].point).dot(normal);
+    signed_mm[i] = side < 0 ? -nearest[i].distance : nearest[i].distance;
+  }
+  return signed_mm;
+}
+
+}  // namespace hotblade::pipeline::preview

@@ -1,0 +1,78 @@
+// What a preview shows, as plain geometry in the design frame (mm): made from a program, drawn by draw.hpp.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/program.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::pipeline::preview {
+
+enum class Color { kDeviation, kStrip, kCurvature, kMargin, kFeed };
+
+// The name of a colour mode on the command line, and back; an unknown name gives nothing.
+[[nodiscard]] std::string name_of(Color color);
+[[nodiscard]] std::optional<Color> color_named(const std::string& name);
+
+struct Polyline {
+  std::vector<Eigen::Vector3d> points;
+};
+
+// The surface the blade leaves, with one value a vertex to colour it by.
+struct CutSurface {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<int> strip_of_vertex;  // index into Scene::strip_names
+  std::vector<double> values;
+};
+
+// How `values` become colours.
+struct ColorScale {
+  std::string title;  // with the unit
+  double low = 0, high = 1;
+  std::optional<double> tolerance;  // diverging about 0 with a step at +-tolerance; absent: a sequential map
+};
+
+struct Scene {
+  surface::TriangleMesh design;     // empty: not shown
+  CutSurface cut;                   // empty: only the design is shown
+  std::optional<ColorScale> scale;  // absent: coloured by strip
+  std::vector<std::string> strip_names;
+  std::vector<Polyline> ribs;
+  std::vector<Polyline> blades;  // ghosts of the moving blade
+  std::optional<Polyline> blade_now;
+  std::vector<Pose> clamps_a, clamps_b;
+  double clamp_size_mm = 10;
+  std::vector<Stock> stocks;
+  Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
+  std::string title;
+  std::vector<std::string> caption;  // one line each
+  std::string blade_note;            // what the ghost blades are, "blade every 25 mm"
+};
+
+struct SceneOptions {
+  std::optional<Color> color;  // absent: deviation where a design is at hand, else strip
+  std::string strip;           // id; empty: all strips
+  std::optional<double> at_s;  // show the blade and what is cut at this time of the strip
+};
+
+// The scene of a program; `design` may be null. Throws CommandError: exit 2 for an unknown strip, a time
+// outside the strip, a time without a strip where there are several, or deviation without a design.
+[[nodiscard]] Scene scene_of(const Program& program, const surface::DesignSurface* design,
+                             const SceneOptions& options);
+
+// The scene of a design alone.
+[[nodiscard]] Scene scene_of(const surface::DesignSurface& design);
+
+// Signed distance of each point from the design, mm: positive on the waste side (foam left standing),
+// negative where the cut is too deep. Waste lies above or below along z, or before or behind the face
+// normals, as `keep` says.
+[[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design,
+                                                      const std::string& keep,
+                                                      const std::vector<Eigen::Vector3d>& points);
+
+}  // namespace hotblade::pipeline::preview
