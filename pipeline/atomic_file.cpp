@@ -114,6 +114,11 @@ void write_file_atomically(const fs::path& path, std::string_view bytes, bool fo
   sync_directory(target.parent_path());
 }
 
+void expect_writable(const fs::path& path, bool force) {
+  const fs::path directory = resolve_target(path, force).parent_path();
+  if (::access(directory.c_str(), W_OK) != 0) fail_with_errno(path, "cannot be written", errno);
+}
+
 void ensure_directory(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path, error);

@@ -11,6 +11,10 @@ namespace hotblade::pipeline {
 // exists and `force` is false, it is not a regular file, or it cannot be written (with the system's reason).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes, bool force);
 
+// Throws as write_file_atomically would when a file of this name is in the way: asked before long work, so
+// that its result is not lost.
+void expect_writable(const std::filesystem::path& path, bool force);
+
 // Makes the directory and its parents where missing. Throws CommandError with exit code 7 when that is not
 // possible or the path is something else than a directory.
 void ensure_directory(const std::filesystem::path& path);

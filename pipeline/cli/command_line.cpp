@@ -16,6 +16,7 @@ using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
     add_check,
     add_config,
+    add_preview,
 };
 
 std::atomic<bool> g_interrupted{false};

@@ -1,6 +1,8 @@
 #include <vtkActor.h>
 #include <vtkCellArray.h>
+#include <vtkDoubleArray.h>
 #include <vtkFeatureEdges.h>
+#include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPoints.h>
@@ -9,8 +11,9 @@
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
-#include <vtkUnsignedCharArray.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/preview/draw_parts.hpp"
@@ -58,37 +61,59 @@ vtkNew<vtkPolyData> lines_of(const std::vector<Polyline>& lines) {
 }
 
 // The cut and the design lie a millimetre apart in a part a metre wide. So that the cut shows where there is
-// one and lines show on it, layers are pulled towards the eye by these depth units.
-enum Layer { kBehind = 40, kSurface = 0, kLine = -40 };
+// one, and lines show on it, layers are moved along the line of sight, in the units VTK's mapper takes:
+// millionths of the depth between the clipping planes, which is about the scene's diagonal.
+class Depth {
+ public:
+  explicit Depth(const Scene& scene) {
+    Eigen::AlignedBox3d box;
+    for (const Eigen::Vector3d& vertex : scene.design.vertices) box.extend(vertex);
+    for (const Eigen::Vector3d& vertex : scene.cut.vertices) box.extend(vertex);
+    for (const Polyline& blade : scene.blades) box.extend(blade.points.front()).extend(blade.points.back());
+    const double diagonal = box.isEmpty() ? 1 : box.diagonal().norm() + 1;
+    double apart = 1;  // mm, half a band and a bit
+    for (const double value :
+         scene.scale&& scene.scale->tolerance ? scene.cut.values : std::vector<double>{}) {
+      apart = std::max(apart, std::abs(value));
+    }
+    // No more than a fiftieth of the scene: surfaces farther apart are told apart by the eye as well.
+    units_ = 1e6 * std::min(3 * apart, diagonal / 50) / diagonal;
+  }
+  [[nodiscard]] double behind() const { return units_; }
+  [[nodiscard]] double before() const { return -units_; }
 
-void set_layer(vtkMapper& mapper, Layer layer) {
+ private:
+  double units_ = 0;
+};
+
+void set_depth(vtkMapper& mapper, double units) {
   mapper.SetResolveCoincidentTopologyToPolygonOffset();
-  mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, layer);
-  mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, layer);
+  mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(0, units);
+  mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, units);
 }
 
-vtkNew<vtkActor> surface_actor(vtkPolyData& data, Layer layer) {
+vtkNew<vtkActor> surface_actor(vtkPolyData& data, double depth) {
   vtkNew<vtkPolyDataNormals> normals;
   normals->SetInputData(&data);
   normals->SplittingOff();
   normals->ConsistencyOff();
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputConnection(normals->GetOutputPort());
-  set_layer(*mapper, layer);
+  set_depth(*mapper, depth);
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   // Colours carry numbers, so light only shades them.
-  actor->GetProperty()->SetAmbient(0.42);
-  actor->GetProperty()->SetDiffuse(0.62);
+  actor->GetProperty()->SetAmbient(0.66);
+  actor->GetProperty()->SetDiffuse(0.38);
   actor->GetProperty()->SetSpecular(0);
   return actor;
 }
 
-void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width) {
+void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width, double depth) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(&data);
   mapper->ScalarVisibilityOff();
-  set_layer(*mapper, kLine);
+  set_depth(*mapper, depth);
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
@@ -97,10 +122,10 @@ void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, doubl
   renderer.AddActor(actor);
 }
 
-void add_design(const Scene& scene, vtkRenderer& renderer, double zoom) {
+void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth) {
   if (scene.design.triangles.empty()) return;
   const auto mesh = mesh_of(scene.design.vertices, scene.design.triangles);
-  const auto actor = surface_actor(*mesh, kBehind);
+  const auto actor = surface_actor(*mesh, depth.behind());
   actor->GetProperty()->SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
   const bool alone = scene.cut.triangles.empty();
   if (alone) {
@@ -117,25 +142,50 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom) {
   edges->ManifoldEdgesOff();
   edges->ColoringOff();
   edges->Update();
-  add_lines(renderer, *edges->GetOutput(), kInk, 1.6 * zoom);
+  add_lines(renderer, *edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+}
+
+// Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs.
+vtkNew<vtkLookupTable> table_of(const ColorScale& scale) {
+  constexpr int kEntries = 1024;  // one more than a screen has rows of pixels to show
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(kEntries);
+  table->SetTableRange(scale.low, scale.high);
+  for (int i = 0; i < kEntries; ++i) {
+    const Rgb color = color_at(scale, scale.low + (i + 0.5) / kEntries * (scale.high - scale.low));
+    table->SetTableValue(i, color[0], color[1], color[2]);
+  }
+  return table;
+}
+
+vtkNew<vtkLookupTable> strip_table(int strips) {
+  vtkNew<vtkLookupTable> table;
+  table->SetNumberOfTableValues(strips);
+  table->SetTableRange(-0.5, strips - 0.5);
+  for (int i = 0; i < strips; ++i) {
+    const Rgb color = strip_color(i);
+    table->SetTableValue(i, color[0], color[1], color[2]);
+  }
+  return table;
 }
 
 void add_cut(const Scene& scene, vtkRenderer& renderer) {
   if (scene.cut.triangles.empty()) return;
   const auto mesh = mesh_of(scene.cut.vertices, scene.cut.triangles);
-  vtkNew<vtkUnsignedCharArray> colors;
-  colors->SetNumberOfComponents(3);
-  colors->SetNumberOfTuples(static_cast<vtkIdType>(scene.cut.vertices.size()));
+  vtkNew<vtkDoubleArray> values;
+  values->SetNumberOfValues(static_cast<vtkIdType>(scene.cut.vertices.size()));
   for (std::size_t i = 0; i < scene.cut.vertices.size(); ++i) {
-    const Rgb color =
-        scene.scale ? color_at(*scene.scale, scene.cut.values[i]) : strip_color(scene.cut.strip_of_vertex[i]);
-    for (int c = 0; c < 3; ++c) {
-      const auto byte = static_cast<unsigned char>(std::lround(255 * color[static_cast<std::size_t>(c)]));
-      colors->SetTypedComponent(static_cast<vtkIdType>(i), c, byte);
-    }
+    values->SetValue(static_cast<vtkIdType>(i),
+                     scene.scale ? scene.cut.values[i] : scene.cut.strip_of_vertex[i]);
   }
-  mesh->GetPointData()->SetScalars(colors);
-  renderer.AddActor(surface_actor(*mesh, kSurface));
+  mesh->GetPointData()->SetScalars(values);
+  const auto actor = surface_actor(*mesh, 0);
+  vtkMapper& mapper = *actor->GetMapper();
+  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetLookupTable(scene.scale ? table_of(*scene.scale)
+                                    : strip_table(static_cast<int>(scene.strip_names.size())));
+  mapper.UseLookupTableScalarRangeOn();
+  renderer.AddActor(actor);
 }
 
 // A clamp as a block along the blade, drawn where it grips.
@@ -183,18 +233,22 @@ void add_stocks(const Scene& scene, vtkRenderer& renderer, double zoom) {
       }
     }
   }
-  if (!edges.empty()) add_lines(renderer, *lines_of(edges), kStockColor, 1.2 * zoom);
+  if (!edges.empty()) add_lines(renderer, *lines_of(edges), kStockColor, 1.2 * zoom, 0);
 }
 
 }  // namespace
 
 void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
-  add_design(scene, renderer, zoom);
+  const Depth depth(scene);
+  add_design(scene, renderer, zoom, depth);
   add_cut(scene, renderer);
   add_stocks(scene, renderer, zoom);
-  if (!scene.ribs.empty()) add_lines(renderer, *lines_of(scene.ribs), kRibColor, 1.1 * zoom);
-  if (!scene.blades.empty()) add_lines(renderer, *lines_of(scene.blades), kBladeColor, 1.4 * zoom);
-  if (scene.blade_now) add_lines(renderer, *lines_of({*scene.blade_now}), kBladeNowColor, 3 * zoom);
+  const auto add = [&](const std::vector<Polyline>& lines, const Rgb& color, double width) {
+    if (!lines.empty()) add_lines(renderer, *lines_of(lines), color, width * zoom, depth.before());
+  };
+  add(scene.ribs, kRibColor, 1.1);
+  add(scene.blades, kBladeColor, 1.4);
+  if (scene.blade_now) add({*scene.blade_now}, kBladeNowColor, 3);
   add_clamps(renderer, scene.clamps_a, scene.clamp_size_mm, kClampAColor);
   add_clamps(renderer, scene.clamps_b, scene.clamp_size_mm, kClampBColor);
 }

@@ -1,5 +1,6 @@
 #include "pipeline/preview/draw.hpp"
 
+#include <vtkCallbackCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
 #include <vtkInteractorStyleTrackballCamera.h>
@@ -61,39 +62,70 @@ std::string encoded(vtkImageData& image) {
           static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
-// A window object on a context of our own: VTK's own off-screen window asks for an X display.
-void adopt_context(vtkGenericOpenGLRenderWindow& window, PictureSize size) {
-  window.SetOwnContext(0);
-  window.SetMapped(false);
-  window.SetReadyForRendering(true);
-  window.SetSupportsOpenGL(1);
-  window.SetIsDirect(1);
-  window.SetIsCurrent(true);
-  window.SetOffScreenRendering(1);
-  window.SetMultiSamples(0);
-  window.SetSize(size.width * kZoom, size.height * kZoom);
-  window.OpenGLInit();
-}
+// A window object on a context of our own: VTK's own off-screen window asks for an X display. GLEW as Debian
+// builds it loads every function and then complains that there is no GLX; VTK reports that as an error and
+// works. Errors of the window are therefore kept, and count only if no picture comes out.
+class OffscreenWindow {
+ public:
+  explicit OffscreenWindow(PictureSize size) : size_(size) {
+    vtkNew<vtkCallbackCommand> keep;
+    keep->SetClientData(&errors_);
+    keep->SetCallback([](vtkObject*, unsigned long, void* errors, void* message) {
+      *static_cast<std::string*>(errors) += static_cast<const char*>(message);
+    });
+    window_->AddObserver(vtkCommand::ErrorEvent, keep);
+    window_->SetOwnContext(0);
+    window_->SetMapped(false);
+    window_->SetReadyForRendering(true);
+    window_->SetSupportsOpenGL(1);
+    window_->SetIsDirect(1);
+    window_->SetIsCurrent(true);
+    window_->SetOffScreenRendering(1);
+    window_->SetMultiSamples(0);
+    window_->SetSize(size.width * kZoom, size.height * kZoom);
+    window_->OpenGLInit();
+  }
+  ~OffscreenWindow() { window_->Finalize(); }
+  OffscreenWindow(const OffscreenWindow&) = delete;
+  OffscreenWindow& operator=(const OffscreenWindow&) = delete;
+
+  // Pixels as RGB rows from the bottom, kZoom times the picture's size.
+  [[nodiscard]] vtkNew<vtkUnsignedCharArray> render(vtkRenderer& renderer) {
+    window_->AddRenderer(&renderer);
+    window_->Render();
+    vtkNew<vtkUnsignedCharArray> pixels;
+    window_->GetPixelData(0, 0, size_.width * kZoom - 1, size_.height * kZoom - 1, 0, pixels, 0);
+    const vtkIdType expected = vtkIdType{3} * size_.width * kZoom * size_.height * kZoom;
+    if (pixels->GetNumberOfValues() != expected) {
+      throw CommandError(Exit::kInternal, "picture: nothing was drawn: " + errors_);
+    }
+    return pixels;
+  }
+
+ private:
+  PictureSize size_;
+  std::string errors_;
+  vtkNew<vtkGenericOpenGLRenderWindow> window_;
+};
 
 }  // namespace
 
 std::string png_of(const Scene& scene, PictureSize size) {
   const OffscreenContext context;
-  vtkNew<vtkGenericOpenGLRenderWindow> window;
-  adopt_context(*window, size);
   vtkNew<vtkRenderer> renderer;
-  window->AddRenderer(renderer);
+  OffscreenWindow window(size);
   compose(scene, *renderer, size, kZoom);
-  window->Render();
-  vtkNew<vtkUnsignedCharArray> pixels;
-  window->GetPixelData(0, 0, size.width * kZoom - 1, size.height * kZoom - 1, 0, pixels, 0);
-  window->Finalize();
+  const auto pixels = window.render(*renderer);
   return encoded(*reduced(*pixels, size));
 }
 
-void show(const Scene& scene, PictureSize size) {
+void expect_display() {
   const char* display = std::getenv("DISPLAY");
   if (!display || !*display) throw CommandError(Exit::kUsage, "no display: use --shot FILE.png");
+}
+
+void show(const Scene& scene, PictureSize size) {
+  expect_display();
   vtkNew<vtkRenderWindow> window;
   window->SetSize(size.width, size.height);
   window->SetWindowName(("hotblade: " + scene.title).c_str());

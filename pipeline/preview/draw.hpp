@@ -15,6 +15,9 @@ struct PictureSize {
 // the machine has no EGL that can draw off screen.
 [[nodiscard]] std::string png_of(const Scene& scene, PictureSize size);
 
+// Throws CommandError with exit code 2 when there is no display for a window.
+void expect_display();
+
 // Opens a window and returns when it is closed: drag turns, middle button moves, wheel or right button zooms,
 // q ends. Throws CommandError with exit code 2 when there is no display.
 void show(const Scene& scene, PictureSize size);

@@ -46,7 +46,7 @@ class Canvas {
 
   // `y` is the middle of the line.
   void text(double x, double y, const std::string& words, double height, bool bold = false,
-            Align align = Align::kLeft) {
+            Align align = Align::kLeft, const Rgb& color = kInk) {
     vtkNew<vtkTextActor> actor;
     actor->SetInput(words.c_str());
     actor->SetTextScaleModeToNone();
@@ -54,7 +54,7 @@ class Canvas {
     property.SetFontFamilyToArial();
     property.SetFontSize(std::max(1, static_cast<int>(std::lround(height * pixels_))));
     property.SetBold(bold);
-    property.SetColor(kInk[0], kInk[1], kInk[2]);
+    property.SetColor(color[0], color[1], color[2]);
     property.SetVerticalJustificationToCentered();
     if (align == Align::kCentre) property.SetJustificationToCentered();
     if (align == Align::kRight) property.SetJustificationToRight();
@@ -101,6 +101,10 @@ void draw_caption(Canvas& canvas, const Scene& scene, double top) {
   double y = top - 30;
   canvas.text(24, y, scene.title, 22, true);
   y -= 32;
+  if (!scene.verdict.empty()) {
+    canvas.text(24, y, scene.verdict, 16, true, Align::kLeft, scene.verdict_good ? kGoodColor : kBadColor);
+    y -= 28;
+  }
   for (const std::string& line : scene.caption) {
     for (const std::string& part : wrapped(line, kColumn)) {
       canvas.text(24, y, part, 15);
@@ -124,7 +128,7 @@ void draw_keys(Canvas& canvas, const Scene& scene) {
     }
   }
   if (!scene.design.triangles.empty()) {
-    keys.push_back({kDesignColor, scene.cut.triangles.empty() ? "design" : "design, not cut here", 12});
+    keys.push_back({kDesignColor, scene.cut.triangles.empty() ? "design" : "design, not cut", 12});
   }
   if (!scene.ribs.empty()) keys.push_back({kRibColor, "planned ribs", 3});
   if (!scene.blades.empty()) keys.push_back({kBladeColor, scene.blade_note, 3});
@@ -151,12 +155,12 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double 
   const double width = 22, right = size.width / pixels - 28, x = right - width;
   const double height = 380, bottom = (size.height / pixels - height) / 2 - 10;
   constexpr int kSteps = 190;
-  canvas.rectangle(x - 1, bottom - 1, width + 2, height + 2, kInk);
   for (int step = 0; step < kSteps; ++step) {
     const double value = scale.low + (step + 0.5) / kSteps * (scale.high - scale.low);
     canvas.rectangle(x, bottom + step * height / kSteps, width, height / kSteps + 0.01,
                      color_at(scale, value));
   }
+  canvas.rectangle(x - 1, bottom - 1, width + 2, height + 2, kInk);  // what is drawn first stays on top
   const auto place = [&](double value) {
     return bottom + (value - scale.low) / (scale.high - scale.low) * height;
   };
@@ -182,7 +186,7 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double 
 
 Margins overlay_margins(PictureSize size) {
   const double scale = overlay_scale(size);
-  return {270 * scale, 160 * scale, 24 * scale, 24 * scale};
+  return {290 * scale, 160 * scale, 24 * scale, 24 * scale};
 }
 
 void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom) {

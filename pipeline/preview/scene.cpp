@@ -21,7 +21,7 @@ constexpr std::array<std::pair<Color, const char*>, 5> kColors{{{Color::kDeviati
                                                                 {Color::kFeed, "feed"}}};
 // Ghosts of the blade a strip: enough to read the motion, few enough to see the surface between them.
 constexpr int kGhosts = 8;
-constexpr int kBladePoints = 161;  // a blade of 1500 mm in steps under 10 mm
+constexpr int kLinePoints = 161;  // a blade of 1500 mm in steps under 10 mm
 
 std::vector<int> chosen_strips(const Program& program, const SceneOptions& options) {
   std::vector<int> chosen;
@@ -40,12 +40,20 @@ std::vector<int> chosen_strips(const Program& program, const SceneOptions& optio
   return chosen;
 }
 
-Polyline blade_line(const BladePose& pose) {
+Polyline line_of(const Frame& frame, const elastica::Elastica& curve) {
   Polyline line;
-  for (const auto& point : elastica::sample(pose.blade, kBladePoints)) {
-    line.points.push_back(pose.frame.point(point.x, point.y));
-  }
+  for (const auto& point : elastica::sample(curve, kLinePoints))
+    line.points.push_back(frame.point(point.x, point.y));
   return line;
+}
+
+// The blade from either clamp to the foam: within the foam the cut surface shows where it was.
+void add_ghost(Scene& scene, const BladePose& pose) {
+  const auto [s0, s1] = *pose.foam;
+  scene.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, 0, s0)));
+  scene.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, s1, pose.blade.length)));
+  scene.clamps_a.push_back(pose.a);
+  scene.clamps_b.push_back(pose.b);
 }
 
 void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
@@ -57,7 +65,7 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   const auto after = std::upper_bound(strip.poses.begin(), strip.poses.end(), at_s,
                                       [](double t, const BladePose& pose) { return t < pose.t; });
   const BladePose& pose = *(after - 1);
-  scene.blade_now = blade_line(pose);
+  scene.blade_now = line_of(pose.frame, pose.blade);
   scene.clamps_a.push_back(pose.a);
   scene.clamps_b.push_back(pose.b);
   scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, pose.phase);
@@ -79,21 +87,13 @@ void add_ghosts(Scene& scene, const Strip& strip) {
     const double goal = way.back() * ghost / (kGhosts - 1);
     const auto found = std::lower_bound(way.begin(), way.end(), goal) - way.begin();
     const BladePose& pose = *cutting[std::min(static_cast<std::size_t>(found), cutting.size() - 1)];
-    scene.blades.push_back(blade_line(pose));
-    scene.clamps_a.push_back(pose.a);
-    scene.clamps_b.push_back(pose.b);
+    add_ghost(scene, pose);
   }
   scene.blade_note = fmt::format("blade every {:.0f} mm", way.back() / (kGhosts - 1));
 }
 
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
-  for (const Rib& rib : strip.ribs) {
-    Polyline line;
-    for (const auto& point : elastica::sample(rib.elastica, kBladePoints)) {
-      line.points.push_back(rib.frame.point(point.x, point.y));
-    }
-    scene.ribs.push_back(std::move(line));
-  }
+  for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica));
   scene.stocks.push_back(strip.stock);
   if (options.at_s) {
     add_blade_at(scene, strip, *options.at_s);
@@ -182,8 +182,9 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
       fmt::format("{:.0f} x {:.0f} x {:.0f} mm, {} kept", size.x(), size.y(), size.z(), program.design.keep));
   scene.caption.push_back(fmt::format("{} strip{}, {} ribs, {}", strips.size(), strips.size() == 1 ? "" : "s",
                                       ribs, duration_text(seconds)));
-  scene.caption.push_back(fmt::format("verified: {}", verified.status));
-  scene.caption.push_back(fmt::format("deviation max {:.2f} mm, p99 {:.2f} mm", verified.deviation_mm.max,
+  scene.verdict = "verification " + verified.status;
+  scene.verdict_good = verified.status == "passed";
+  scene.caption.push_back(fmt::format("deviation max {:.2f}, p99 {:.2f} mm", verified.deviation_mm.max,
                                       verified.deviation_mm.p99));
   scene.caption.push_back(fmt::format("tolerance {:g} mm", verified.tolerance_mm));
   if (verified.uncut_mm2 > 0) scene.caption.push_back(fmt::format("uncut {:.0f} mm2", verified.uncut_mm2));

@@ -50,6 +50,8 @@ struct Scene {
   std::vector<Stock> stocks;
   Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
   std::string title;
+  std::string verdict;  // of the verification; empty: none
+  bool verdict_good = false;
   std::vector<std::string> caption;  // one line each
   std::string blade_note;            // what the ghost blades are, "blade every 25 mm"
 };
