@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
               "blade.kerf_mm (nan, must be"}),
     [](const auto& usage) { return usage.param.name; });
 
-TEST_F(CommandLine, HelpOfEveryCommandGoesToStdoutWithAnExample) {
+TEST_F(CommandLine, EveryCommandHasHelpWithAnExampleAndASectionInTheDocs) {
   const Ended help = hotblade({"--help"});
   EXPECT_EQ(help.code, 0);
   EXPECT_THAT(help.err, IsEmpty());
@@ -91,6 +91,7 @@ TEST_F(CommandLine, HelpOfEveryCommandGoesToStdoutWithAnExample) {
   std::istringstream text(help.out.substr(help.out.find("Subcommands:")));
   std::string line;
   std::getline(text, line);
+  const std::string docs = testing::read_bytes(std::string(HOTBLADE_SOURCE_DIR) + "/docs/commands.md");
   std::size_t commands = 0;
   while (std::getline(text, line) && line.starts_with("  ")) {
     std::string command;
@@ -98,6 +99,7 @@ TEST_F(CommandLine, HelpOfEveryCommandGoesToStdoutWithAnExample) {
     const Ended ended = hotblade({command, "--help"});
     EXPECT_EQ(ended.code, 0) << command;
     EXPECT_THAT(ended.out, HasSubstr("Example: hotblade " + command)) << command;
+    EXPECT_THAT(docs, HasSubstr("## hotblade " + command + "\n")) << "docs/commands.md";
     ++commands;
   }
   EXPECT_GE(commands, 2u);
