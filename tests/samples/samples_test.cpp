@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "elastica/fit.hpp"
 #include "pipeline/settings.hpp"
 #include "samples/sample_surfaces.hpp"
 #include "surface/design_surface.hpp"
@@ -113,6 +114,37 @@ TEST_P(Samples, JobFileResolvesAndTheDesignIsSliceable) {
   EXPECT_TRUE(design.health.warnings.empty());
   EXPECT_EQ(design.health.components, 1u);
   EXPECT_EQ(design.health.triangles, static_cast<std::size_t>(2 * GetParam().u_cells * GetParam().v_cells));
+}
+
+// Evenly spaced points along the sample's line at this v, in its plane.
+std::vector<Eigen::Vector2d> rib(const SampleSurface& surface, double v, int n) {
+  constexpr int kFine = 4000;
+  std::vector<Eigen::Vector2d> fine;
+  std::vector<double> length{0};
+  for (int i = 0; i <= kFine; ++i) {
+    const Vector3d p = surface.point(surface.u_mm * i / kFine, v);
+    fine.emplace_back(p.x(), p.z());
+    if (i > 0) length.push_back(length.back() + (fine.back() - fine[fine.size() - 2]).norm());
+  }
+  std::vector<Eigen::Vector2d> points;
+  for (int k = 0; k < n; ++k) {
+    const double at = length.back() * k / (n - 1);
+    const auto next = std::min(std::lower_bound(length.begin(), length.end(), at), length.end() - 1);
+    points.push_back(fine[static_cast<std::size_t>(next - length.begin())]);
+  }
+  return points;
+}
+
+TEST(BumpSample, OneElasticaMissesTheToleranceOnTheMiddleRibOfTheBump) {
+  const auto surfaces = sample_surfaces();
+  const auto bump =
+      std::find_if(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.name == "bump"; });
+  ASSERT_NE(bump, surfaces.end());
+  const auto whole = rib(*bump, bump->v_mm / 2, 100);
+  EXPECT_GT(elastica::fit_elastica(whole, {}, {}).max, 1.0);
+  // A third of it is within reach, so splitting helps.
+  const std::span<const Eigen::Vector2d> third(whole.data(), 34);
+  EXPECT_LT(elastica::fit_elastica(third, {}, {}).max, 0.5);
 }
 
 }  // namespace
