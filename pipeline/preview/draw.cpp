@@ -11,8 +11,6 @@
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
 
-#include <cstdlib>
-
 #include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw_parts.hpp"
 #include "pipeline/preview/offscreen.hpp"
@@ -117,11 +115,6 @@ std::string png_of(const Scene& scene, PictureSize size) {
   compose(scene, *renderer, size, kZoom);
   const auto pixels = window.render(*renderer);
   return encoded(*reduced(*pixels, size));
-}
-
-void expect_display() {
-  const char* display = std::getenv("DISPLAY");
-  if (!display || !*display) throw CommandError(Exit::kUsage, "no display: use --shot FILE.png");
 }
 
 void show(const Scene& scene, PictureSize size) {

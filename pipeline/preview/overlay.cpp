@@ -160,7 +160,10 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double 
     canvas.rectangle(x, bottom + step * height / kSteps, width, height / kSteps + 0.01,
                      color_at(scale, value));
   }
-  canvas.rectangle(x - 1, bottom - 1, width + 2, height + 2, kInk);  // what is drawn first stays on top
+  canvas.rectangle(x - 1, bottom - 1, width + 2, 1, kInk);
+  canvas.rectangle(x - 1, bottom + height, width + 2, 1, kInk);
+  canvas.rectangle(x - 1, bottom, 1, height, kInk);
+  canvas.rectangle(x + width, bottom, 1, height, kInk);
   const auto place = [&](double value) {
     return bottom + (value - scale.low) / (scale.high - scale.low) * height;
   };

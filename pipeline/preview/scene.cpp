@@ -238,9 +238,8 @@ Scene scene_of(const surface::DesignSurface& design) {
   const Eigen::Vector3d size = health.bbox_mm[1] - health.bbox_mm[0];
   scene.caption.push_back(
       fmt::format("{:.0f} x {:.0f} x {:.0f} mm (read as {})", size.x(), size.y(), size.z(), design.units));
-  scene.caption.push_back(fmt::format("{} vertices, {} triangles, {} piece{}", health.vertices,
-                                      health.triangles, health.components,
-                                      health.components == 1 ? "" : "s"));
+  scene.caption.push_back(fmt::format("{} vertices, {} triangles", health.vertices, health.triangles));
+  scene.caption.push_back(fmt::format("{} piece{}", health.components, health.components == 1 ? "" : "s"));
   scene.caption.push_back(health.blockers.empty() ? "can be sliced"
                                                   : "cannot be sliced: " + health.blockers.front());
   return scene;

@@ -286,6 +286,13 @@ TEST_F(PreviewCommand, AsksForAShotWithoutADisplay) {
   EXPECT_THAT(message_, ::testing::HasSubstr("no display: use --shot FILE.png"));
 }
 
+TEST_F(PreviewCommand, AsksForAShotWhenTheDisplayCannotBeReached) {
+  ::setenv("DISPLAY", ":987", 1);
+  EXPECT_EQ(preview("job/program.json", {}), 2);
+  ::unsetenv("DISPLAY");
+  EXPECT_THAT(message_, ::testing::HasSubstr("use --shot FILE.png"));
+}
+
 TEST_F(PreviewCommand, EndsWithAMessageWithoutEgl) {
   // A process of its own: EGL's dispatcher reads where drivers are once. An empty directory has none.
   const std::string command = "__EGL_VENDOR_LIBRARY_DIRS=" + file("job") +

@@ -1,0 +1,26 @@
+// Is there an X display? Kept apart because of Xlib's macros.
+#include <fmt/format.h>
+
+#include <cstdlib>
+
+#include "pipeline/command_error.hpp"
+#include "pipeline/preview/draw.hpp"
+
+// After all others: its macros take names that they use.
+#include <X11/Xlib.h>
+
+namespace hotblade::pipeline::preview {
+
+// VTK crashes on a display it cannot reach, so it is tried first.
+void expect_display() {
+  const char* name = std::getenv("DISPLAY");
+  if (!name || !*name) throw CommandError(Exit::kUsage, "no display: use --shot FILE.png");
+  Display* display = XOpenDisplay(nullptr);
+  if (!display) {
+    throw CommandError(Exit::kUsage,
+                       fmt::format("no display (DISPLAY {} cannot be reached): use --shot FILE.png", name));
+  }
+  XCloseDisplay(display);
+}
+
+}  // namespace hotblade::pipeline::preview
