@@ -25,8 +25,9 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;  // indices into vertices, counter-clockwise seen from the front
 };
 
-// What was found in the file and in the mesh; every count is of the mesh as used (after triangulation and
-// repair).
+// What was found in the file and in the mesh. Counts are of the mesh as used, but for non_manifold_vertices,
+// degenerate_faces, duplicate_faces and unused_vertices, which tell what was found and repaired. Border
+// figures of a mesh with blockers stay 0.
 struct Health {
   std::size_t file_vertices = 0, file_faces = 0;  // as written in the OBJ
   std::size_t vertices = 0, triangles = 0;

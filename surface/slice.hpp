@@ -1,8 +1,9 @@
 // Sections of the design by parallel planes, and the pieces linked from plane to plane into strips of ribs.
 //
-// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh; pieces of
-// neighbouring planes that overlap (nearest-point distance within a few plane spacings, same side, same
-// sense) form chains.
+// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh. Pieces of
+// neighbouring planes that the surface between them joins one to one, or that lie beside each other across a
+// seam, form chains in one sense; where the surface branches, chains end. Curves are followed from face to
+// face with vertices on a plane taken as above it, so each point knows its mesh edge and no curve branches.
 #pragma once
 
 #include <Eigen/Core>
