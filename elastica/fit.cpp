@@ -51,11 +51,14 @@ class FitFunction {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 7 };
 
-  FitFunction(const std::vector<Eigen::Vector2d>& points, const Eigen::Vector3d& prior,
-              const Eigen::Vector3d& weights)
-      : points_(points), prior_(prior), weights_(weights * std::sqrt(static_cast<double>(points.size()))) {}
+  FitFunction(const std::vector<Eigen::Vector2d>& points, double tension_weight, const Eigen::Vector3d& prior,
+              double prior_weight)
+      : points_(points),
+        prior_(prior),
+        tension_weight_(tension_weight * std::sqrt(static_cast<double>(points.size()))),
+        prior_weight_(prior_weight * std::sqrt(static_cast<double>(points.size()))) {}
 
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(2 * points_.size()) + 3; }
+  [[nodiscard]] int NumResiduals() const { return static_cast<int>(2 * points_.size()) + 5; }
 
   bool operator()(const double* m, double* residuals, double* jacobian) const {
     // Curves no blade can take cost too much, which makes the solver shorten its step (it ignores a refusal).
@@ -69,7 +72,7 @@ class FitFunction {
     // The curve run backwards is the elastica of -kappa and the same tensions in its own frame, turned by pi.
     const HalfCurve behind(-kappa, t1, t2, 0.55 * m[6]);
     const int rows = NumResiduals();
-    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7>> j(jacobian, jacobian ? rows : 0, 7);
+    Jacobian j(jacobian, jacobian ? rows : 0, 7);
     if (jacobian) j.setZero();
     const double c = std::cos(m[2]), s = std::sin(m[2]);
     const double last = static_cast<double>(points_.size() - 1);
@@ -96,16 +99,29 @@ class FitFunction {
       j(r, 6) = u * (c * tx - s * ty);
       j(r + 1, 6) = u * (s * tx + c * ty);
     }
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      residuals[rows - 3 + k] = weights_[k] * (m[3 + k] - prior_[k]);
-      if (jacobian) j(rows - 3 + k, 3 + k) = weights_[k];
-    }
+    add_pulls(m, residuals, jacobian ? &j : nullptr);
     return true;
   }
 
  private:
+  using Jacobian = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7>>;
+
+  // The last five rows: tensions towards zero, curvature and tensions towards the prior.
+  void add_pulls(const double* m, double* residuals, Jacobian* j) const {
+    const Eigen::Index row = NumResiduals() - 5;
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      residuals[row + k] = tension_weight_ * m[4 + k];
+      if (j) (*j)(row + k, 4 + k) = tension_weight_;
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      residuals[row + 2 + k] = prior_weight_ * (m[3 + k] - prior_[k]);
+      if (j) (*j)(row + 2 + k, 3 + k) = prior_weight_;
+    }
+  }
+
   const std::vector<Eigen::Vector2d>& points_;
-  Eigen::Vector3d prior_, weights_;
+  Eigen::Vector3d prior_;
+  double tension_weight_, prior_weight_;
 };
 
 using Parameters = Eigen::Matrix<double, 7, 1>;
@@ -212,14 +228,10 @@ ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points, std::span<cons
   std::vector<Eigen::Vector2d> normalised;
   normalised.reserve(points.size());
   for (const Eigen::Vector2d& q : points) normalised.push_back((q - origin) / scale);
-  // Without a prior only the tensions are pulled, to zero: pulling the curvature would flatten the curve.
   Eigen::Vector3d prior = Eigen::Vector3d::Zero();
-  Eigen::Vector3d weights(0, options.prior_weight, options.prior_weight);
-  if (options.prior) {
-    prior = to_parameters(*options.prior, origin, scale).segment<3>(3);
-    weights[0] = options.prior_weight;
-  }
-  const FitFunction function(normalised, prior, weights);
+  if (options.prior) prior = to_parameters(*options.prior, origin, scale).segment<3>(3);
+  const FitFunction function(normalised, options.tension_weight, prior,
+                             options.prior ? options.prior_weight : 0);
   ElasticaFit best;
   best.elastica =
       from_mid_state({origin.x(), origin.y(), 0, 0, 0, 0, scale});  // when no start gives a finite cost

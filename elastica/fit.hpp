@@ -22,12 +22,13 @@ struct MidState {
 [[nodiscard]] Elastica from_mid_state(const MidState& mid);
 
 struct FitOptions {
-  // Weight of the prior that pulls kappa and tensions (scaled by the curve's length to pure numbers) towards
-  // `prior`; in shares of the length per unit. The prior decides only what the points leave open: 1e-6 moves
-  // a fit by less than 1e-5 of the length.
-  double prior_weight = 1e-6;
-  // Absent (nullptr): towards zero tension.
+  // Pull of the tensions (times length^2: pure numbers) towards zero, where the curve is a circular arc; in
+  // shares of the length per unit. 1e-6 moves a fit by less than 1e-5 of the length and decides only what the
+  // points leave open; larger weights trade closeness for a curve that goes on calmly beyond its ends.
+  double tension_weight = 1e-6;
+  // Pull of curvature and tensions (pure numbers likewise) towards those of `prior`; nullptr: none.
   const MidState* prior = nullptr;
+  double prior_weight = 0;
 };
 
 struct ElasticaFit {

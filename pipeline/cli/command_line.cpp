@@ -15,6 +15,8 @@ namespace {
 using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
     add_check,
+    add_plan,
+    add_verify,
     add_config,
     add_preview,
 };

@@ -48,7 +48,7 @@ TEST(FitElastica, RecoversASegmentFromItsOwnSamples) {
     const BezierFit bezier = fit_bezier(q);
     const std::vector<Elastica> starts{first_guess(bezier.bezier, lambda_residual(bezier.bezier))};
     FitOptions options;
-    options.prior_weight = 1e-12;
+    options.tension_weight = 1e-12;
     const ElasticaFit fit = fit_elastica(q, starts, options);
     EXPECT_LT(fit.max, 1e-6 * e.length) << trial;
   }

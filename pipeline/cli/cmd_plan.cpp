@@ -1,0 +1,160 @@
+// hotblade plan: from a design to a verified cut program.
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <memory>
+
+#include "gpu/mesh_distance.hpp"
+#include "pipeline/cli/command.hpp"
+#include "pipeline/cli/settings_options.hpp"
+#include "pipeline/emit.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PlanArguments {
+  DesignOptions design;
+  double tolerance_mm = 0;
+  std::string output;
+  int jobs = 0;
+  bool force = false, override_refusal = false, strict = false;
+};
+
+fs::path output_directory(const PlanArguments& arguments) {
+  if (!arguments.output.empty()) return arguments.output;
+  return fs::path(arguments.design.file).stem().string() + "_cut";
+}
+
+std::string strip_table(const PlanResult& result) {
+  std::string text = fmt::format("{:<6}{:>6}{:>9}{:>11}{:>11}{:>10}{:>9}{:>9}\n", "strip", "ribs", "blade",
+                                 "deviation", "radius", "margin", "cut", "total");
+  text +=
+      fmt::format("{:<6}{:>6}{:>9}{:>11}{:>11}{:>10}{:>9}{:>9}\n", "", "", "mm", "mm", "mm", "", "s", "s");
+  for (const StripFacts& f : result.strips) {
+    text += fmt::format("{:<6}{:>6}{:>9.0f}{:>11.3f}{:>11.0f}{:>10.1f}{:>9.1f}{:>9.1f}\n", f.id, f.ribs,
+                        f.blade_length_mm, f.deviation_max_mm, f.smallest_radius_mm, f.smallest_margin,
+                        f.cut_s, f.duration_s);
+  }
+  return text;
+}
+
+void print_summary(const PlanResult& result, const fs::path& directory, const Emitted& emitted) {
+  const Verification& v = result.program.verification;
+  const Deviation& d = v.deviation_mm;
+  std::size_t ribs = 0;
+  for (const StripFacts& f : result.strips) ribs += f.ribs;
+  std::cout << strip_table(result);
+  std::cout << fmt::format("strips {}, ribs {} at most {:.3g} mm apart\n", result.strips.size(), ribs,
+                           result.spacing_mm);
+  if (result.verification.cut_samples == 0) {
+    std::cout << "deviation not measured: nothing is cut\n";
+  } else {
+    std::cout << fmt::format(
+        "deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
+        "({:.1f}, {:.1f}, {:.1f})\n",
+        d.max, d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+  }
+  std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
+                           100 * result.verification.uncut_share());
+  std::cout << fmt::format("status {}\n", v.status);
+  if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
+  std::cout << "report " << (directory / "report.json").string() << "\n";
+}
+
+void print_refusals(const PlanResult& result, const Console& console) {
+  constexpr std::size_t kShown = 10;
+  for (std::size_t i = 0; i < std::min(kShown, result.refusals.size()); ++i) {
+    console.warn("refused: " + describe(result.refusals[i]));
+  }
+  if (result.refusals.size() > kShown) {
+    console.warn(fmt::format("refused: {} more, see report.json", result.refusals.size() - kShown));
+  }
+}
+
+void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
+  if (design.health.blockers.empty()) return;
+  throw CommandError(Exit::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
+}
+
+Exit plan_design(const PlanArguments& arguments, const Console& console) {
+  const auto start = std::chrono::steady_clock::now();
+  DesignOptions design_options = arguments.design;
+  Settings settings = resolve_design(design_options);
+  if (arguments.tolerance_mm != 0) {
+    settings.design.tolerance_mm = arguments.tolerance_mm;
+    validate(settings);
+  }
+  const fs::path directory = output_directory(arguments);
+  prepare_output(directory, arguments.force);
+  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+
+  console.report_progress("read", 0);
+  const surface::DesignSurface design =
+      surface::read_obj(design_options.file, {settings.design.units, settings.design.up.front()});
+  const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
+  console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
+                           design.health.triangles, size.x(), size.y(), size.z(), settings.design.units,
+                           settings.design.up));
+  for (const std::string& line : design.health.repairs) console.note("repaired: " + line);
+  for (const std::string& line : design.health.warnings) console.warn("warning: " + line);
+  refuse_blocked(design, design_options.file);
+
+  PlanHooks hooks;
+  hooks.progress = [&console](const std::string& stage, double share) {
+    console.report_progress(stage, share);
+  };
+  hooks.stop = [] { return interrupted(); };
+  PlanResult result = plan(design, settings, hooks);
+  for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
+  console.report_progress("emit", 0.95);
+
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const RunFacts facts{fs::absolute(design_options.file), gpu::backend_name(), threads, seconds};
+  const Emitted emitted = emit(result, directory, facts, {arguments.force, arguments.override_refusal});
+  console.report_progress("done", 1);
+  for (const std::string& line : result.warnings) console.warn("warning: " + line);
+  print_refusals(result, console);
+  print_summary(result, directory, emitted);
+  if (!result.refusals.empty()) return Exit::kNotCuttable;
+  if (arguments.strict && !result.warnings.empty()) {
+    console.warn(fmt::format("strict: {} warnings", result.warnings.size()));
+    return Exit::kNotCuttable;
+  }
+  return Exit::kOk;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, const Console& console, Action& action) {
+  auto arguments = std::make_shared<PlanArguments>();
+  auto* command = app.add_subcommand("plan", "Plan, verify and write the cut program of a design");
+  add_design_options(*command, arguments->design);
+  command->add_option("--tolerance", arguments->tolerance_mm, "Accepted deviation in mm; wins over settings")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MM");
+  command->add_option("-o,--output", arguments->output, "Directory for the results (default: NAME_cut)")
+      ->type_name("DIR");
+  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
+  command->add_flag("--force", arguments->force, "Overwrite results that are there");
+  command->add_flag("--override", arguments->override_refusal,
+                    "Write the program of a refused plan all the same, recorded in it; still exit code 4");
+  command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");
+  command->footer(
+      "Exit code 4 when the design is not cuttable as asked: which strip, limit and amount is said.\n"
+      "Example: hotblade plan vault.obj --units mm --config job.toml -o vault_cut");
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return plan_design(*arguments, console); };
+  });
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,103 @@
+// hotblade verify: measures a program against its design again.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/cli/command.hpp"
+#include "pipeline/program.hpp"
+#include "pipeline/verify.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct VerifyArguments {
+  std::string program, design, backend = "auto";
+  double sample_mm = 2.5;
+};
+
+// The design: as given, or the file of the program's name beside the program.
+fs::path find_design(const VerifyArguments& arguments, const Program& program) {
+  if (!arguments.design.empty()) return arguments.design;
+  const fs::path beside = fs::path(arguments.program).parent_path() / program.design.file;
+  if (fs::exists(beside)) return beside;
+  throw CommandError(Exit::kFile,
+                     beside.string() + ": the design is not beside the program: say --design FILE.obj");
+}
+
+double max_uncut_share(const Program& program) {
+  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
+  const auto path = nlohmann::json::json_pointer("/design/max_uncut_share");
+  if (settings.is_discarded() || !settings.contains(path) || !settings[path].is_number()) return 0.01;
+  return settings[path].get<double>();
+}
+
+Exit verify_program(const VerifyArguments& arguments, const Console& console) {
+  const Program program = read_program(arguments.program);
+  const fs::path design_file = find_design(arguments, program);
+  console.report_progress("read", 0.1);
+  const surface::DesignSurface design =
+      surface::read_obj(design_file, {program.design.source_units, program.design.up});
+  if (design.sha256 != program.design.sha256) {
+    throw CommandError(
+        Exit::kBadInput,
+        fmt::format("{}: not the design of this program (sha256 {}, limit {}): plan it again",
+                    design_file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
+  }
+  VerifyOptions options;
+  options.tolerance_mm = program.verification.tolerance_mm;
+  options.max_uncut_share = max_uncut_share(program);
+  options.sample_mm = arguments.sample_mm;
+  console.report_progress("verify", 0.3);
+  const VerifyReport report = verify(program, design, options);
+  console.report_progress("done", 1);
+  const Deviation& d = report.deviation;
+  for (std::size_t i = 0; i < program.strips.size(); ++i) {
+    std::cout << fmt::format("{}  cut to design max {:.3f} mm\n", program.strips[i].id,
+                             report.strip_max_mm[i]);
+  }
+  std::cout << fmt::format("samples {} of the cut, {} of the design\n", report.cut_samples,
+                           report.design_samples);
+  std::cout << fmt::format(
+      "deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} "
+      "mm), worst at ({:.1f}, {:.1f}, {:.1f})\n",
+      d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+  std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
+                           100 * report.uncut_share(), 100 * options.max_uncut_share);
+  for (const std::string& item : program.verification.not_checked)
+    std::cout << "not checked: " << item << "\n";
+  std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
+  return report.within_tolerance ? Exit::kOk : Exit::kDeviation;
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, const Console& console, Action& action) {
+  auto arguments = std::make_shared<VerifyArguments>();
+  auto* command =
+      app.add_subcommand("verify", "Measure a program's cut surface against its design, both ways");
+  command->add_option("program", arguments->program, "program.json")->required()->type_name("PROGRAM");
+  command->add_option("--design", arguments->design, "The design's OBJ (default: beside the program)")
+      ->type_name("OBJ");
+  command
+      ->add_option("--backend", arguments->backend,
+                   "Where distances are computed; this version has the CPU only")
+      ->check(CLI::IsMember({"auto", "cpu"}))
+      ->type_name("auto|cpu");
+  command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
+      ->check(CLI::Range(0.05, 100.0))
+      ->type_name("MM");
+  command->footer(
+      "Exit code 5 when the deviation or the uncut area is over the program's limits.\n"
+      "Example: hotblade verify vault_cut/program.json --design vault.obj");
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return verify_program(*arguments, console); };
+  });
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,161 @@
+#include "pipeline/emit.hpp"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/atomic_file.hpp"
+#include "pipeline/command_error.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFiles[] = {"program.json", "report.json", "run.json"};
+
+Json vector_json(const Eigen::Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json refusal_json(const Refusal& r) {
+  return {{"strip", r.strip}, {"rib", r.rib},   {"limit", r.limit}, {"value", r.value},
+          {"bound", r.bound}, {"unit", r.unit}, {"hint", r.hint},   {"message", describe(r)}};
+}
+
+Json strip_json(const StripFacts& f, const Strip& strip) {
+  Json ribs = Json::array();
+  for (const Rib& rib : strip.ribs) {
+    ribs.push_back({{"id", rib.id},
+                    {"lambda_residual", rib.lambda_residual},
+                    {"l2", rib.l2},
+                    {"h1", rib.h1},
+                    {"hausdorff_mm", rib.hausdorff_mm},
+                    {"design_deviation_mm", rib.design_deviation_mm}});
+  }
+  return {{"id", f.id},
+          {"ribs", f.ribs},
+          {"projected_ribs", f.projected_ribs},
+          {"blade_length_mm", f.blade_length_mm},
+          {"deviation_max_mm", f.deviation_max_mm},
+          {"rib_fit_max_mm", f.worst_fit_mm},
+          {"bezier_fit_max_mm", f.worst_bezier_mm},
+          {"lambda_residual_max", f.largest_lambda_residual},
+          {"blade_radius_min_mm", f.smallest_radius_mm},
+          {"stability_margin_min", f.smallest_margin},
+          {"clamp_clearance_min_mm", f.clamp_clearance_mm},
+          {"droop_mm", f.droop_mm},
+          {"duration_s", f.duration_s},
+          {"cut_s", f.cut_s},
+          {"feed_slowest_mm_s", f.slowest_feed_mm_s},
+          {"stock_volume_mm3", f.stock_volume_mm3},
+          {"stock_size_mm", vector_json(strip.stock.size_mm)},
+          {"poses", strip.poses.size()},
+          {"rib_facts", ribs}};
+}
+
+Json ranking_json(const std::vector<DirectionScore>& ranking) {
+  Json list = Json::array();
+  for (const DirectionScore& d : ranking) {
+    list.push_back({{"normal", vector_json(d.normal)},
+                    {"strips", d.strips},
+                    {"covered_share", d.covered_share},
+                    {"score", d.score}});
+  }
+  return list;
+}
+
+std::string run_json(const PlanResult& result, const RunFacts& facts) {
+  Json times = Json::object();
+  for (const StageTime& t : result.times) times[t.stage] = t.seconds;
+  const Json run{{"design_path", facts.design_path.string()},
+                 {"backend", facts.backend},
+                 {"threads", facts.threads},
+                 {"total_s", facts.total_s},
+                 {"stage_s", times}};
+  return run.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string report_json(const PlanResult& result) {
+  const Verification& v = result.program.verification;
+  Json report;
+  report["format"] = "hotblade-report";
+  report["version"] = 1;
+  report["created_by"] = result.program.created_by;
+  report["status"] = v.status;
+  report["design"] = {{"file", result.program.design.file},
+                      {"sha256", result.program.design.sha256},
+                      {"area_mm2", result.verification.area_mm2}};
+  report["tolerance_mm"] = v.tolerance_mm;
+  const Deviation& d = v.deviation_mm;
+  report["deviation_mm"] = {
+      {"max", d.max}, {"p99", d.p99}, {"rms", d.rms}, {"mean", d.mean}, {"at", vector_json(d.at)}};
+  report["uncut_mm2"] = v.uncut_mm2;
+  report["uncut_share"] = result.verification.uncut_share();
+  report["samples"] = {{"cut", result.verification.cut_samples},
+                       {"design", result.verification.design_samples}};
+  report["budget_mm"] = Json::object();
+  for (const auto& [name, mm] : v.budget_mm) report["budget_mm"][name] = mm;
+  report["rib_spacing_mm"] = result.spacing_mm;
+  report["spacing_halved"] = result.refinements;
+  report["refusals"] = Json::array();
+  for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
+  report["overrides"] = result.program.overrides;
+  report["warnings"] = result.warnings;
+  report["not_checked"] = v.not_checked;
+  report["directions"] = ranking_json(result.ranking);
+  report["strips"] = Json::array();
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));
+  }
+  report["settings"] = Json::parse(result.program.settings_json);
+  return report.dump(2) + "\n";
+}
+
+void prepare_output(const fs::path& directory, bool force) {
+  ensure_directory(directory);
+  if (::access(directory.c_str(), W_OK | X_OK) != 0) {
+    throw CommandError(Exit::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
+                                        "): choose another directory with -o");
+  }
+  for (const char* name : kFiles) {
+    std::error_code error;
+    if (!force && fs::exists(fs::symlink_status(directory / name, error))) {
+      throw CommandError(Exit::kFile,
+                         (directory / name).string() + ": already there: use --force to overwrite");
+    }
+  }
+}
+
+Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts,
+             const EmitOptions& options) {
+  Emitted emitted;
+  const bool passed = result.program.verification.status == "passed";
+  if (!passed && options.override_refusal) {
+    for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
+  }
+  emitted.program_written = passed || (options.override_refusal && !result.program.strips.empty());
+  // The report goes first: a directory never holds a program without the report that judges it.
+  write_file_atomically(directory / "report.json", report_json(result), options.force);
+  if (emitted.program_written) {
+    write_file_atomically(directory / "program.json", to_json(result.program), options.force);
+  } else {
+    std::error_code error;
+    fs::remove(directory / "program.json", error);
+    if (error) {
+      throw CommandError(Exit::kFile, (directory / "program.json").string() +
+                                          ": an older program cannot be removed (" + error.message() + ")");
+    }
+  }
+  write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
+  return emitted;
+}
+
+}  // namespace hotblade::pipeline

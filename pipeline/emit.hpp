@@ -1,0 +1,40 @@
+// The emit stage: program.json, report.json and run.json in one directory, each whole or not there.
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/plan/plan.hpp"
+
+namespace hotblade::pipeline {
+
+// What may differ between two runs of the same plan: goes to run.json only.
+struct RunFacts {
+  std::filesystem::path design_path;
+  std::string backend;
+  int threads = 0;
+  double total_s = 0;
+};
+
+struct EmitOptions {
+  bool force = false;             // overwrite
+  bool override_refusal = false;  // write the program of a refused plan all the same, saying so in it
+};
+
+struct Emitted {
+  bool program_written = false;
+};
+
+// Makes the directory and refuses (exit code 7) what could not be written later: an output that is there
+// without force, or a directory that cannot be written to. Called before the work starts.
+void prepare_output(const std::filesystem::path& directory, bool force);
+
+// Writes the three files. A refused plan's program is written only with override_refusal, its refusals
+// recorded in program.overrides; an older program.json in the way is then removed, so that no directory holds
+// a program beside a report that refuses it. Throws CommandError (7).
+Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,
+             const EmitOptions& options);
+
+// report.json's text: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
+[[nodiscard]] std::string report_json(const PlanResult& result);
+
+}  // namespace hotblade::pipeline

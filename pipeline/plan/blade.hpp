@@ -1,0 +1,38 @@
+// Which blade cuts a strip: the shortest free length whose extension clears the stock, bends within yield, is
+// stable and neither crosses itself nor re-enters the part.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/plan/strips.hpp"
+
+namespace hotblade::pipeline {
+
+struct BladeChoice {
+  double length_mm = 0, share_a = 0.5;
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+};
+
+struct BladeReport {
+  std::optional<BladeChoice> choice;
+  // The limit that stopped the candidate that came furthest, when there is no choice. Rib index in `rib`, or
+  // -1.
+  Refusal refusal;
+  int rib = -1;
+  bool rib_too_sharp =
+      false;  // the rib itself, without extension, bends beyond the limit: no split helps much
+};
+
+// Rectangle of the stock in the strip's plane.
+struct StockRect {
+  Eigen::Vector2d low, high;
+  [[nodiscard]] double distance(const Eigen::Vector2d& q) const;  // 0 inside
+};
+
+[[nodiscard]] StockRect stock_rect(const std::vector<RibFit>& ribs, const StockSettings& settings);
+
+[[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect,
+                                       const Settings& settings);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,139 @@
+#include "pipeline/plan/blade_path.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/Splines>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using elastica::Elastica;
+using elastica::MidState;
+
+// The flat arc every strip starts and ends with turns by 2 u; the controller accepts 0.10 <= |u| <= 0.17 rad.
+constexpr double kFlatHalfTurn = 0.13;
+
+// Mid states of the ribs as a spline over the sweep offset.
+class RibSpline {
+ public:
+  explicit RibSpline(const StripPlan& strip) : strip_(strip) {
+    const auto n = static_cast<Eigen::Index>(strip.ribs.size());
+    Eigen::Matrix<double, 7, Eigen::Dynamic> values(7, n);
+    Eigen::RowVectorXd knots(n);
+    first_ = strip.ribs.front().offset_mm;
+    last_ = strip.ribs.back().offset_mm;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const RibFit& rib = strip.ribs[static_cast<std::size_t>(i)];
+      const MidState m = mid_state(rib.elastica);
+      // Directions are unwrapped from rib to rib.
+      const double before = i > 0 ? values(2, i - 1) : m.theta;
+      const double theta = before + std::remainder(m.theta - before, 2 * 3.14159265358979323846);
+      values.col(i) << m.x, m.y, theta, m.kappa, m.tension1, m.tension2, m.length;
+      knots[i] = (rib.offset_mm - first_) / (last_ - first_);
+    }
+    const Eigen::Index degree = std::min<Eigen::Index>(3, n - 1);
+    spline_ = Eigen::SplineFitting<Spline>::Interpolate(values, degree, knots);
+  }
+
+  // Before the first and behind the last rib the end shape is kept.
+  [[nodiscard]] BladeShape at(double offset_mm) const {
+    const double w = std::clamp((offset_mm - first_) / (last_ - first_), 0.0, 1.0);
+    const Eigen::Matrix<double, 7, 1> m = spline_(w);
+    const Elastica rib = elastica::from_mid_state({m[0], m[1], m[2], m[3], m[4], m[5], m[6]});
+    const double before = strip_.share_a * (strip_.blade_length_mm - rib.length);
+    return {offset_mm, extended(rib, strip_.blade_length_mm, strip_.share_a), before, before + rib.length,
+            true};
+  }
+
+ private:
+  using Spline = Eigen::Spline<double, 7>;
+  const StripPlan& strip_;
+  Spline spline_;
+  double first_ = 0, last_ = 0;
+};
+
+// Flat arc and a working shape joined by a straight line in the state at the blade's middle.
+struct Forming {
+  BladeShape worked;
+  MidState mid, flat;
+
+  explicit Forming(const BladeShape& shape) : worked(shape), mid(mid_state(shape.blade)) {
+    flat = mid;
+    const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
+    flat.kappa = (turn < 0 ? -2 : 2) * kFlatHalfTurn / shape.blade.length;
+    flat.tension1 = flat.tension2 = 0;
+  }
+
+  // share 0 is the flat arc, 1 the working shape.
+  [[nodiscard]] BladeShape at(double share) const {
+    MidState m = mid;
+    m.kappa = flat.kappa + share * (mid.kappa - flat.kappa);
+    m.tension1 = share * mid.tension1;
+    m.tension2 = share * mid.tension2;
+    BladeShape shape = worked;
+    shape.blade = from_mid_state(m);
+    shape.foam0 = shape.foam1 = 0;
+    shape.in_foam = false;
+    return shape;
+  }
+};
+
+BladeShape in_air(BladeShape shape, double offset_mm) {
+  shape.offset_mm = offset_mm;
+  shape.foam0 = shape.foam1 = 0;
+  shape.in_foam = false;
+  return shape;
+}
+
+Pose clamp_pose(const elastica::CurvePoint& p, const Frame& frame) {
+  const Eigen::Vector2d t = p.tangent();
+  const Eigen::Vector3d tangent = t.x() * frame.x + t.y() * frame.y;
+  const Eigen::Vector3d normal = frame.normal();
+  Eigen::Matrix3d r;
+  r << tangent, normal.cross(tangent), normal;
+  return {frame.point(p.x, p.y), robot::canonical(Eigen::Quaterniond(r).normalized())};
+}
+
+}  // namespace
+
+ClampPair clamps(const Elastica& blade, const Frame& frame) {
+  const elastica::ElasticaCurve curve(blade);
+  return {clamp_pose(curve.at(0), frame), clamp_pose(curve.at(blade.length), frame)};
+}
+
+BladePath make_path(const StripPlan& strip, const Settings& settings) {
+  const auto spline = std::make_shared<RibSpline>(strip);
+  BladePath path;
+  SweepMarks& marks = path.marks;
+  marks.first_rib_mm = strip.ribs.front().offset_mm;
+  marks.last_rib_mm = strip.ribs.back().offset_mm;
+  const double outside = settings.stock.border_mm + settings.motion.lead_mm;
+  marks.start_mm = marks.first_rib_mm - outside;
+  marks.end_mm = marks.last_rib_mm + outside;
+  const double above = marks.first_rib_mm - settings.stock.border_mm - settings.motion.approach_mm;
+  const Forming first(in_air(spline->at(marks.first_rib_mm), above));
+  const Forming last(in_air(spline->at(marks.last_rib_mm), marks.end_mm));
+  // Sideways out of the block on the waste side, until the whole blade is clear of it.
+  const double aside = strip.stock.size_mm.y() + settings.stock.clearance_mm;
+  const auto moved = [](BladeShape shape, double by) {
+    shape.blade.y += by;
+    return shape;
+  };
+  path.stretches.push_back({"form", false, 200, [first](double u) { return first.at(u); }});
+  path.stretches.push_back({"approach", true, 50, [first, marks, above](double u) {
+                              return in_air(first.worked, above + u * (marks.start_mm - above));
+                            }});
+  const int resolved = std::clamp(static_cast<int>(8 * strip.ribs.size()), 400, 4000);
+  path.stretches.push_back({"cut", true, resolved, [spline, marks](double u) {
+                              return spline->at(marks.start_mm + u * (marks.end_mm - marks.start_mm));
+                            }});
+  path.stretches.push_back(
+      {"retract", false, 50, [last, moved, aside](double u) { return moved(last.worked, u * aside); }});
+  path.stretches.push_back(
+      {"retract", false, 200, [last, moved, aside](double u) { return moved(last.at(1 - u), aside); }});
+  return path;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,47 @@
+// A strip as a path of blade shapes: from the flat arc through every rib and back, before time is known.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/strips.hpp"
+
+namespace hotblade::pipeline {
+
+// One shape of the blade at one place of the sweep.
+struct BladeShape {
+  double offset_mm = 0;         // plane along the sweep
+  elastica::Elastica blade;     // in the strip's axes
+  double foam0 = 0, foam1 = 0;  // arc lengths of the part that forms the design; equal when there is none
+  bool in_foam = false;         // any part may touch the stock
+};
+
+// A stretch of the path that starts and ends at rest; `at` takes [0, 1].
+struct Stretch {
+  std::string phase;
+  bool heat = false;
+  int samples = 0;  // that resolve it
+  std::function<BladeShape(double)> at;
+};
+
+// Heights along the sweep where the phases of the middle stretch meet.
+struct SweepMarks {
+  double start_mm = 0, first_rib_mm = 0, last_rib_mm = 0, end_mm = 0;
+};
+
+struct BladePath {
+  std::vector<Stretch> stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform
+  SweepMarks marks;
+};
+
+// The path refers to `strip`, which must outlive it.
+[[nodiscard]] BladePath make_path(const StripPlan& strip, const Settings& settings);
+
+// Clamp poses in the design frame: tangent from A to B, in-plane normal, plane normal.
+struct ClampPair {
+  Pose a, b;
+};
+[[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
+
+}  // namespace hotblade::pipeline

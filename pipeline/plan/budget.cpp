@@ -1,0 +1,91 @@
+#include "pipeline/plan/budget.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr double kGravity = 9.80665;  // m/s^2
+// Registers count micrometres: half a count on each axis.
+constexpr double kQuantisationMm = 0.5e-3 * 1.7320508075688772;
+
+struct Side {
+  Eigen::Vector3d normal{0, 0, 0};
+  double height = 0;
+};
+
+// Largest distance between a blade point and the line between its neighbours in time: linear interpolation's
+// error, and what a denser sampling of the same motion would move.
+double interpolation_mm(const Program& program) {
+  double worst = 0;
+  for (const Strip& strip : program.strips) {
+    for (std::size_t i = 2; i < strip.poses.size(); ++i) {
+      const BladePose &p = strip.poses[i - 2], &q = strip.poses[i - 1], &r = strip.poses[i];
+      if (q.phase != "cut") continue;
+      for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+        const Eigen::Vector3d bend = (p.*clamp).p - 2 * (q.*clamp).p + (r.*clamp).p;
+        worst = std::max(worst, bend.norm() / 8);
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+double droop_mm(const BladeSettings& b, double length_mm) {
+  const double area = b.width_mm * b.thickness_mm;                       // mm^2
+  const double weight = b.density_kg_m3 * 1e-9 * area * kGravity;        // N/mm
+  const double inertia = b.thickness_mm * std::pow(b.width_mm, 3) / 12;  // mm^4
+  return weight * std::pow(length_mm, 4) / (384 * b.youngs_modulus_mpa * inertia);
+}
+
+double mesh_chord_mm(const surface::TriangleMesh& mesh) {
+  std::map<std::pair<int, int>, std::vector<Side>> sides;
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(t[i])],
+                            b = mesh.vertices[static_cast<std::size_t>(t[(i + 1) % 3])],
+                            c = mesh.vertices[static_cast<std::size_t>(t[(i + 2) % 3])];
+      const Eigen::Vector3d n = (b - a).cross(c - a);
+      const double length = (b - a).norm();
+      if (!(length > 0) || !(n.norm() > 0)) continue;
+      sides[{std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])}].push_back(
+          {n.normalized(), n.norm() / length});
+    }
+  }
+  std::vector<double> chords;
+  for (const auto& [key, pair] : sides) {
+    if (pair.size() != 2) continue;
+    const double angle =
+        std::atan2(pair[0].normal.cross(pair[1].normal).norm(), pair[0].normal.dot(pair[1].normal));
+    // An arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.
+    chords.push_back(0.5 * (pair[0].height + pair[1].height) * angle / 8);
+  }
+  if (chords.empty()) return 0;
+  const auto nth =
+      chords.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(chords.size() - 1));
+  std::nth_element(chords.begin(), nth, chords.end());
+  return *nth;
+}
+
+std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
+                                                         const Settings& settings, const Program& program) {
+  double fit = 0, longest = 0;
+  for (const Strip& strip : program.strips) {
+    longest = std::max(longest, strip.blade_length_mm);
+    for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
+  }
+  return {{"mesh", mesh_chord_mm(design.mesh)},
+          {"fit", fit},
+          {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
+          {"interpolation", interpolation_mm(program)},
+          {"quantisation", kQuantisationMm},
+          {"gravity_droop", droop_mm(settings.blade, longest)}};
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,223 @@
+#include "pipeline/plan/motion.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "elastica/stability.hpp"
+#include "pipeline/plan/blade_path.hpp"
+#include "pipeline/plan/time_law.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Blade points between the foam's ends whose speed the feed limits.
+constexpr int kFeedPoints = 17;
+
+PathSample path_sample(const BladeShape& shape, const StripPlan& strip) {
+  const Frame frame = strip.plane(shape.offset_mm);
+  const ClampPair pair = clamps(shape.blade, frame);
+  PathSample sample{pair.a, pair.b, {}};
+  if (!shape.in_foam) return sample;
+  const elastica::ElasticaCurve curve(shape.blade);
+  for (int i = 0; i < kFeedPoints; ++i) {
+    const auto q = curve.at(shape.foam0 + (shape.foam1 - shape.foam0) * i / (kFeedPoints - 1));
+    sample.in_foam.push_back(frame.point(q.x, q.y));
+  }
+  return sample;
+}
+
+TimeLaw law_of(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
+  std::vector<PathSample> samples(static_cast<std::size_t>(stretch.samples) + 1);
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    samples[i] = path_sample(stretch.at(static_cast<double>(i) / stretch.samples), strip);
+  });
+  return fastest_time_law(samples, settings.motion);
+}
+
+// The phase of a place in the cutting stretch.
+std::string cut_phase(double offset_mm, const SweepMarks& marks) {
+  if (offset_mm < marks.first_rib_mm) return "lead_in";
+  if (offset_mm > marks.last_rib_mm) return "lead_out";
+  return "cut";
+}
+
+BladePose make_pose(const BladeShape& shape, const StripPlan& strip, double t, const std::string& phase,
+                    bool heat) {
+  BladePose pose;
+  pose.t = t;
+  pose.phase = phase;
+  pose.heat = heat;
+  pose.frame = strip.plane(shape.offset_mm);
+  pose.blade = shape.blade;
+  if (phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
+  const ClampPair pair = clamps(shape.blade, pose.frame);
+  pose.a = pair.a;
+  pose.b = pair.b;
+  pose.margin = elastica::stability_margin(shape.blade);
+  return pose;
+}
+
+void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimeLaw& law,
+            const SweepMarks& marks, const StripPlan& strip) {
+  const bool cutting = stretch.phase == "cut";
+  const double t0 = poses.empty() ? 0 : poses.back().t;
+  const std::size_t skip = poses.empty() ? 0 : 1;  // a stretch starts where the one before ended
+  std::vector<BladePose> added(law.sigma.size() - skip);
+  tbb::parallel_for(std::size_t{0}, added.size(), [&](std::size_t i) {
+    const std::size_t k = i + skip;
+    const BladeShape shape = stretch.at(law.sigma[k]);
+    const std::string phase = cutting ? cut_phase(shape.offset_mm, marks) : stretch.phase;
+    added[i] = make_pose(shape, strip, t0 + law.step_s * static_cast<double>(k), phase, stretch.heat);
+  });
+  std::move(added.begin(), added.end(), std::back_inserter(poses));
+}
+
+// Standing still with the heat on.
+void append_preheat(std::vector<BladePose>& poses, const MotionSettings& motion) {
+  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(motion.preheat_s / motion.waypoint_s)));
+  const BladePose still = poses.back();
+  for (std::size_t k = 1; k <= steps; ++k) {
+    BladePose pose = still;
+    pose.t = still.t + motion.preheat_s * static_cast<double>(k) / static_cast<double>(steps);
+    pose.phase = "preheat";
+    pose.heat = true;
+    poses.push_back(pose);
+  }
+}
+
+// Whole microseconds, as the controller counts, so that planned and executed times agree exactly.
+void round_times(std::vector<BladePose>& poses) {
+  for (BladePose& pose : poses) pose.t = std::round(pose.t * 1e6) * 1e-6;
+}
+
+// The pose nearest to each rib's plane carries its index.
+void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
+  for (std::size_t r = 0; r < strip.ribs.size(); ++r) {
+    double best = std::numeric_limits<double>::infinity();
+    BladePose* nearest = nullptr;
+    for (BladePose& pose : poses) {
+      if (pose.phase != "cut" || pose.rib) continue;
+      const double away = std::abs(pose.frame.origin.dot(strip.sweep) - strip.ribs[r].offset_mm);
+      if (away < best) {
+        best = away;
+        nearest = &pose;
+      }
+    }
+    if (nearest) nearest->rib = static_cast<int>(r);
+  }
+}
+
+struct Measured {
+  double speed = 0, accel = 0, turn = 0, turn_accel = 0, outside = 0, lowest = 1e300;
+};
+
+Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
+  Eigen::Quaterniond d = q.q * p.q.conjugate();
+  if (d.w() < 0) d.coeffs() = -d.coeffs();
+  return 2 / dt * d.vec();  // the angle between waypoints is far below a degree: sine and angle agree to 1e-6
+}
+
+// Limits measured again from the finished waypoints, in the cell frame, by differences in time.
+Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
+                 const MachineSettings& machine) {
+  Measured m;
+  for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const Eigen::Vector3d cell = transformed(strip.design_to_cell, poses[i].*clamp).p;
+      m.outside =
+          std::max({m.outside, std::abs(cell.x()) - machine.envelope_mm[0] / 2,
+                    std::abs(cell.y()) - machine.envelope_mm[1] / 2, cell.z() - machine.envelope_mm[2]});
+      m.lowest = std::min(m.lowest, cell.z());
+      if (i == 0) continue;
+      const double dt = poses[i].t - poses[i - 1].t;
+      const Eigen::Vector3d v1 = ((poses[i].*clamp).p - (poses[i - 1].*clamp).p) / dt;
+      const Eigen::Vector3d w1 = turn_rate(poses[i - 1].*clamp, poses[i].*clamp, dt);
+      m.speed = std::max(m.speed, v1.norm());
+      m.turn = std::max(m.turn, w1.norm());
+      m.accel = std::max(m.accel, (v1 - v).norm() / dt);
+      m.turn_accel = std::max(m.turn_accel, (w1 - w).norm() / dt);
+      v = v1;
+      w = w1;
+    }
+  }
+  return m;
+}
+
+void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
+  const Measured m = measure(motion.poses, strip, settings.machine);
+  const auto limit = [&](const char* name, double value, double bound, const char* unit, const char* hint) {
+    if (value > bound) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
+  };
+  limit("clamp speed", m.speed, settings.motion.travel_mm_s, "mm/s", "lower motion.feed_mm_s");
+  limit("clamp acceleration", m.accel, settings.motion.accel_mm_s2, "mm/s2", "lower motion.feed_mm_s");
+  limit("clamp angular speed", m.turn, settings.motion.angular_rad_s, "rad/s", "lower motion.feed_mm_s");
+  limit("clamp angular acceleration", m.turn_accel, settings.motion.angular_accel_rad_s2, "rad/s2",
+        "lower motion.feed_mm_s");
+  limit("distance outside the envelope", m.outside, 0, "mm", "choose a shorter blade or a larger machine");
+  if (m.lowest < settings.stock.clearance_mm) {
+    motion.refusals.push_back({strip.id, "", "clamp height above the table", m.lowest,
+                               settings.stock.clearance_mm, "mm", "raise machine.plinth_mm"});
+  }
+  const auto worst =
+      std::min_element(motion.poses.begin(), motion.poses.end(),
+                       [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
+  motion.smallest_margin = worst->margin;
+  if (worst->margin < settings.blade.min_margin) {
+    motion.refusals.push_back(
+        {strip.id, "", fmt::format("stability margin while {} at {:.2f} s", worst->phase, worst->t),
+         worst->margin, settings.blade.min_margin, "", "the blade could snap on the way"});
+  }
+}
+
+// Slowest foam point over the middle of the cut, where the time law does not start or stop.
+double slowest_feed(const std::vector<BladePose>& poses) {
+  double slowest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const BladePose &p = poses[i - 1], &q = poses[i];
+    if (!p.foam || !q.foam) continue;
+    const elastica::ElasticaCurve a(p.blade), b(q.blade);
+    for (int k = 0; k < kFeedPoints; ++k) {
+      const double u = static_cast<double>(k) / (kFeedPoints - 1);
+      const auto x = a.at((*p.foam)[0] + u * ((*p.foam)[1] - (*p.foam)[0]));
+      const auto y = b.at((*q.foam)[0] + u * ((*q.foam)[1] - (*q.foam)[0]));
+      const double d = (q.frame.point(y.x, y.y) - p.frame.point(x.x, x.y)).norm();
+      slowest = std::min(slowest, d / (q.t - p.t));
+    }
+  }
+  return std::isfinite(slowest) ? slowest : 0;
+}
+
+}  // namespace
+
+BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
+  BladeMotion motion;
+  const BladePath path = make_path(strip, settings);
+  for (const Stretch& stretch : path.stretches) {
+    append(motion.poses, stretch, law_of(stretch, strip, settings), path.marks, strip);
+    if (stretch.phase == "form") append_preheat(motion.poses, settings.motion);
+  }
+  round_times(motion.poses);
+  mark_ribs(motion.poses, strip);
+  motion.duration_s = motion.poses.back().t;
+  for (std::size_t i = 1; i < motion.poses.size(); ++i) {
+    if (motion.poses[i].phase == "cut") motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
+  }
+  motion.slowest_feed_mm_s = slowest_feed(motion.poses);
+  if (motion.slowest_feed_mm_s < settings.motion.min_feed_mm_s) {
+    motion.warnings.push_back(
+        fmt::format("{}: slowest blade point {:.2f} mm/s (limit {:.2f} mm/s): melt-back there "
+                    "is not modelled",
+                    strip.id, motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s));
+  }
+  check_limits(strip, settings, motion);
+  return motion;
+}
+
+}  // namespace hotblade::pipeline

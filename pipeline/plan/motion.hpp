@@ -1,0 +1,26 @@
+// The pose stage: the blade's shape, both clamps and the time of every waypoint of a strip.
+//
+// Between ribs the state of the rib's elastica at its middle is interpolated by a cubic spline over the
+// sweep; an interpolated state is again an exact elastica of the blade's exact length, so clamp poses follow
+// without solving a boundary value problem, and the whole strip is one continuous path in the space of
+// shapes.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/strips.hpp"
+
+namespace hotblade::pipeline {
+
+struct BladeMotion {
+  std::vector<BladePose> poses;
+  double duration_s = 0, cut_s = 0;
+  double slowest_feed_mm_s = 0;   // of any blade point in foam while cutting at constant rate
+  double smallest_margin = 0;     // over all poses
+  std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
+  std::vector<std::string> warnings;
+};
+
+[[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,233 @@
+#include "pipeline/plan/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "pipeline/command_error.hpp"
+#include "pipeline/plan/budget.hpp"
+#include "pipeline/plan/strips.hpp"
+#include "pipeline/version.hpp"
+#include "surface/slice.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr int kMaxRefinements = 3;
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::vector<StageTime>& times) : times_(times) {}
+  void lap(const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    for (StageTime& t : times_) {
+      if (t.stage == stage) {
+        t.seconds += seconds;
+        return;
+      }
+    }
+    times_.push_back({stage, seconds});
+  }
+
+ private:
+  std::vector<StageTime>& times_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Eigen::Vector2d to_frame(const Eigen::Vector2d& q, const Eigen::Vector2d& origin, const Eigen::Vector2d& x) {
+  const Eigen::Vector2d d = q - origin;
+  return {d.dot(x), x.x() * d.y() - x.y() * d.x()};
+}
+
+// A rib in its own frame: origin at its first end, x towards its last, y to the waste side.
+Rib make_rib(const RibFit& fit, const StripPlan& strip, const std::string& id) {
+  Rib rib;
+  rib.id = id;
+  const Eigen::Vector2d origin = fit.target.front();
+  const Eigen::Vector2d x = (fit.target.back() - origin).normalized();
+  const Frame plane = strip.plane(fit.offset_mm);
+  rib.frame.origin = plane.point(origin.x(), origin.y());
+  rib.frame.x = x.x() * plane.x + x.y() * plane.y;
+  rib.frame.y = -x.y() * plane.x + x.x() * plane.y;
+  for (const Eigen::Vector2d& q : fit.target) rib.target.push_back(to_frame(q, origin, x));
+  for (std::size_t i = 0; i < 4; ++i) rib.bezier[i] = to_frame(fit.bezier[i], origin, x);
+  const elastica::Elastica& e = fit.elastica;
+  const Eigen::Vector2d start = to_frame({e.x, e.y}, origin, x);
+  const Eigen::Vector2d force(x.x() * e.lambda1 + x.y() * e.lambda2, -x.y() * e.lambda1 + x.x() * e.lambda2);
+  rib.elastica = {
+      start.x(), start.y(), std::remainder(e.theta - std::atan2(x.y(), x.x()), 2 * std::numbers::pi),
+      e.kappa,   force.x(), force.y(),
+      e.length};
+  rib.lambda_residual = fit.lambda_residual;
+  const elastica::CurveDistance d = distance(fit.bezier, e);
+  rib.l2 = d.l2;
+  rib.h1 = d.h1;
+  rib.hausdorff_mm = d.hausdorff;
+  rib.design_deviation_mm = fit.deviation_mm;
+  return rib;
+}
+
+Strip make_strip(const StripPlan& plan, const BladeMotion& motion) {
+  Strip strip;
+  strip.id = plan.id;
+  strip.blade_length_mm = plan.blade_length_mm;
+  strip.design_to_cell = plan.design_to_cell;
+  strip.stock = plan.stock;
+  for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
+    strip.ribs.push_back(make_rib(plan.ribs[i], plan, fmt::format("{}R{:03}", plan.id, i + 1)));
+  }
+  strip.poses = motion.poses;
+  return strip;
+}
+
+StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Settings& settings) {
+  StripFacts f;
+  f.id = plan.id;
+  f.ribs = plan.ribs.size();
+  f.blade_length_mm = plan.blade_length_mm;
+  f.smallest_radius_mm = plan.largest_curvature_per_mm > 0 ? 1 / plan.largest_curvature_per_mm : 0;
+  f.smallest_margin = std::min(plan.smallest_margin, motion.smallest_margin);
+  f.clamp_clearance_mm = plan.smallest_clearance_mm;
+  for (const RibFit& rib : plan.ribs) {
+    f.projected_ribs += rib.projected ? 1 : 0;
+    f.worst_fit_mm = std::max(f.worst_fit_mm, rib.deviation_mm);
+    f.worst_bezier_mm = std::max(f.worst_bezier_mm, rib.bezier_deviation_mm);
+    f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
+  }
+  f.duration_s = motion.duration_s;
+  f.cut_s = motion.cut_s;
+  f.slowest_feed_mm_s = motion.slowest_feed_mm_s;
+  f.droop_mm = droop_mm(settings.blade, plan.blade_length_mm);
+  f.stock_volume_mm3 = plan.stock.size_mm.prod();
+  return f;
+}
+
+DesignData design_data(const surface::DesignSurface& design, const Settings& settings) {
+  return {design.file_name,
+          design.sha256,
+          design.units,
+          design.scale_to_mm,
+          design.up,
+          settings.design.keep,
+          design.health.vertices,
+          design.health.triangles,
+          design.health.bbox_mm};
+}
+
+BladeData blade_data(const BladeSettings& b) {
+  return {b.free_lengths_mm,    b.width_mm, b.thickness_mm,          b.youngs_modulus_mpa,
+          b.yield_strength_mpa, b.safety,   max_curvature_per_mm(b), b.kerf_mm,
+          b.density_kg_m3};
+}
+
+void check_interrupt(const PlanHooks& hooks) {
+  if (hooks.stop()) throw CommandError(Exit::kInterrupted, "interrupted: nothing was written");
+}
+
+// Slices, fits, poses and verifies at one rib spacing.
+void plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+               Stopwatch& watch, PlanResult& result) {
+  result.program.strips.clear();
+  result.strips.clear();
+  result.warnings.clear();
+  surface::SliceOptions options;
+  options.normal = result.ranking.front().normal;
+  options.spacing_mm = result.spacing_mm;
+  const surface::RibGraph graph = slice(design, options);
+  result.warnings = graph.warnings;
+  watch.lap("slice");
+  hooks.progress("fit", 0.3);
+  check_interrupt(hooks);
+  const StripLayout layout = lay_out_strips(make_targets(graph, settings), settings);
+  result.refusals = layout.refusals;
+  result.warnings.insert(result.warnings.end(), layout.warnings.begin(), layout.warnings.end());
+  watch.lap("fit");
+  for (std::size_t i = 0; i < layout.strips.size(); ++i) {
+    hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(i) / static_cast<double>(layout.strips.size()));
+    check_interrupt(hooks);
+    const BladeMotion motion = move_blade(layout.strips[i], settings);
+    result.program.strips.push_back(make_strip(layout.strips[i], motion));
+    result.strips.push_back(facts_of(layout.strips[i], motion, settings));
+    result.refusals.insert(result.refusals.end(), motion.refusals.begin(), motion.refusals.end());
+    result.warnings.insert(result.warnings.end(), motion.warnings.begin(), motion.warnings.end());
+  }
+  watch.lap("pose");
+  hooks.progress("verify", 0.8);
+  check_interrupt(hooks);
+  VerifyOptions verify_options;
+  verify_options.tolerance_mm = settings.design.tolerance_mm;
+  verify_options.max_uncut_share = settings.design.max_uncut_share;
+  result.verification = verify(result.program, design, verify_options);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
+  }
+  watch.lap("verify");
+}
+
+// Limits of the whole: the deviation and the area left out.
+void judge(const Settings& settings, PlanResult& result) {
+  const VerifyReport& v = result.verification;
+  if (v.deviation.max > settings.design.tolerance_mm) {
+    const auto worst = std::max_element(v.strip_max_mm.begin(), v.strip_max_mm.end());
+    const std::string strip =
+        worst == v.strip_max_mm.end()
+            ? "design"
+            : result.strips[static_cast<std::size_t>(worst - v.strip_max_mm.begin())].id;
+    const Eigen::Vector3d& at = v.deviation.at;
+    result.refusals.push_back(
+        {fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()), "", "deviation",
+         v.deviation.max, settings.design.tolerance_mm, "mm",
+         "a larger tolerance, closer ribs (slice.spacing_mm) or another slice.direction"});
+  }
+  if (v.uncut_share() > settings.design.max_uncut_share) {
+    result.refusals.push_back(
+        {"design", "", "uncut share of the area", 100 * v.uncut_share(),
+         100 * settings.design.max_uncut_share, "%",
+         "another slice.direction, a trimmed design or a larger design.max_uncut_share"});
+  }
+}
+
+}  // namespace
+
+PlanResult plan(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks) {
+  PlanResult result;
+  Program& program = result.program;
+  program.created_by = "hotblade " + version();
+  program.design = design_data(design, settings);
+  program.blade = blade_data(settings.blade);
+  program.settings_json = to_json(settings).dump();
+  Stopwatch watch(result.times);
+  hooks.progress("direction", 0.05);
+  result.ranking = rank_directions(design, settings);
+  watch.lap("direction");
+  hooks.progress("slice", 0.25);
+  check_interrupt(hooks);
+  result.spacing_mm = settings.slice.spacing_mm;
+  plan_once(design, settings, hooks, watch, result);
+  while (result.refinements < kMaxRefinements && !result.program.strips.empty() &&
+         result.verification.deviation.max > settings.design.tolerance_mm) {
+    ++result.refinements;
+    result.spacing_mm /= 2;
+    plan_once(design, settings, hooks, watch, result);
+  }
+  judge(settings, result);
+  Verification& v = program.verification;
+  v.tolerance_mm = settings.design.tolerance_mm;
+  v.deviation_mm = result.verification.deviation;
+  v.uncut_mm2 = result.verification.uncut_mm2;
+  v.budget_mm = error_budget(design, settings, program);
+  v.samples = result.verification.cut_samples + result.verification.design_samples;
+  v.not_checked = not_checked();
+  v.status = !result.refusals.empty() ? "refused" : "passed";
+  return result;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,56 @@
+// From a design to a verified program: the stages in order, with everything a report needs.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/direction.hpp"
+#include "pipeline/plan/motion.hpp"
+#include "pipeline/program.hpp"
+#include "pipeline/verify.hpp"
+
+namespace hotblade::pipeline {
+
+// Facts of one strip for the report.
+struct StripFacts {
+  std::string id;
+  std::size_t ribs = 0, projected_ribs = 0;
+  double blade_length_mm = 0, smallest_radius_mm = 0, smallest_margin = 0, clamp_clearance_mm = 0;
+  double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
+  double deviation_max_mm = 0;
+  double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
+  double droop_mm = 0;
+  double stock_volume_mm3 = 0;
+};
+
+struct StageTime {
+  std::string stage;
+  double seconds = 0;
+};
+
+struct PlanResult {
+  Program program;  // strips that could be planned; verification says passed, failed or refused
+  std::vector<StripFacts> strips;
+  std::vector<DirectionScore> ranking;
+  std::vector<Refusal> refusals;
+  std::vector<std::string> warnings;
+  VerifyReport verification;
+  double spacing_mm = 0;  // of the ribs in the end
+  int refinements = 0;    // times the spacing was halved
+  std::vector<StageTime> times;
+};
+
+// `progress` is told the stage and the share of the whole done; `stop` is asked between stages and ends the
+// plan with CommandError (130).
+struct PlanHooks {
+  std::function<void(const std::string&, double)> progress = [](const std::string&, double) {};
+  std::function<bool()> stop = [] { return false; };
+};
+
+// Plans with the design's health already checked (no blockers). Rib spacing is halved, at most three times,
+// while the deviation between the ribs is over the tolerance.
+[[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
+                              const PlanHooks& hooks);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,22 @@
+// Why a strip cannot be cut as asked: one line a limit, by name and amount.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace hotblade::pipeline {
+
+struct Refusal {
+  std::string strip;  // S003, or a place in the design when no strip exists yet
+  std::string rib;    // S003R012, or empty when the whole strip is meant
+  std::string limit;  // what was exceeded: deviation, radius, margin, clearance, ...
+  double value = 0;   // measured
+  double bound = 0;   // allowed
+  std::string unit;
+  std::string hint;  // what would make it cuttable
+};
+
+// `S003 S003R012: radius 55.2 mm (limit 70.5 mm): hint`
+[[nodiscard]] std::string describe(const Refusal& refusal);
+
+}  // namespace hotblade::pipeline

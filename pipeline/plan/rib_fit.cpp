@@ -1,0 +1,114 @@
+#include "pipeline/plan/rib_fit.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "elastica/lambda_residual.hpp"
+#include "elastica/project.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using elastica::Elastica;
+using elastica::MidState;
+
+// Pull towards the neighbours, in shares of a rib's length per unit of (curvature x length, tension x
+// length^2): a neighbour that differs by 5 units moves a 500 mm rib by about 0.02 mm at most.
+constexpr double kNeighbourWeight = 1e-5;
+constexpr int kSmoothingSweeps = 6;
+
+RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& settings) {
+  RibFit fit;
+  fit.offset_mm = rib.offset_mm;
+  fit.target = resample(rib, u0, u1, kRibSamples);
+  const elastica::BezierFit bezier = elastica::fit_bezier(fit.target);
+  fit.bezier = bezier.bezier;
+  fit.bezier_deviation_mm = bezier.max;
+  elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
+  if (residual.value > settings.lambda_threshold) {
+    const elastica::Projection projection = elastica::project_feedback(fit.bezier, settings.lambda_threshold);
+    fit.projected = projection.bezier != fit.bezier;
+    fit.bezier = projection.bezier;
+    residual = elastica::lambda_residual(fit.bezier);
+  }
+  fit.lambda_residual = residual.value;
+  std::vector<Elastica> starts;
+  if (residual.status != elastica::ResidualStatus::kCusp) starts.push_back(first_guess(fit.bezier, residual));
+  const elastica::ElasticaFit best = fit_elastica(fit.target, starts, {kLeastTensionWeight, nullptr, 0});
+  fit.elastica = best.elastica;
+  fit.deviation_mm = best.max;
+  fit.converged = best.converged;
+  return fit;
+}
+
+// Fits again from where the rib is.
+void refit(RibFit& rib, const elastica::FitOptions& options) {
+  const Elastica start[] = {rib.elastica};
+  const elastica::ElasticaFit fit = fit_elastica(rib.target, start, options);
+  rib.elastica = fit.elastica;
+  rib.deviation_mm = fit.max;
+  rib.converged = fit.converged;
+}
+
+// Curvature and tensions as pure numbers, independent of the rib's length.
+Eigen::Vector3d pure(const MidState& m) {
+  return {m.kappa * m.length, m.tension1 * m.length * m.length, m.tension2 * m.length * m.length};
+}
+
+// What the neighbours say this rib should be: their mean, or the line through the next two at a strip's ends
+// (a plain copy of one neighbour would drag the end ribs inwards). At least 3 ribs.
+MidState neighbours_say(const std::vector<MidState>& mids, std::size_t i) {
+  const std::size_t last = mids.size() - 1;
+  Eigen::Vector3d v;
+  if (i == 0) {
+    v = 2 * pure(mids[1]) - pure(mids[2]);
+  } else if (i == last) {
+    v = 2 * pure(mids[last - 1]) - pure(mids[last - 2]);
+  } else {
+    v = 0.5 * (pure(mids[i - 1]) + pure(mids[i + 1]));
+  }
+  MidState prior = mids[i];
+  prior.kappa = v[0] / prior.length;
+  prior.tension1 = v[1] / (prior.length * prior.length);
+  prior.tension2 = v[2] / (prior.length * prior.length);
+  return prior;
+}
+
+}  // namespace
+
+std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
+                             const FitSettings& settings) {
+  std::vector<RibFit> fits(ribs.size());
+  tbb::parallel_for(std::size_t{0}, ribs.size(),
+                    [&](std::size_t i) { fits[i] = fit_rib(ribs[i], u0, u1, settings); });
+  return fits;
+}
+
+std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weight) {
+  std::vector<RibFit> calm = ribs;
+  elastica::FitOptions options;
+  options.tension_weight = tension_weight;
+  tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) { refit(calm[i], options); });
+  return calm;
+}
+
+void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm) {
+  if (ribs.size() < 3) return;
+  std::vector<double> bound;
+  for (const RibFit& rib : ribs) bound.push_back(rib.deviation_mm + allowance_mm);
+  for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) {
+    std::vector<MidState> mids;
+    for (const RibFit& rib : ribs) mids.push_back(mid_state(rib.elastica));
+    // Every rib looks at the sweep's start only: the result does not depend on the order or the threads.
+    tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
+      const MidState prior = neighbours_say(mids, i);
+      RibFit candidate = ribs[i];
+      refit(candidate, {tension_weight, &prior, kNeighbourWeight});
+      if (candidate.deviation_mm <= bound[i]) ribs[i] = std::move(candidate);
+    });
+  }
+}
+
+}  // namespace hotblade::pipeline

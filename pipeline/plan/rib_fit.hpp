@@ -1,0 +1,45 @@
+// The fit stage: a cubic Bezier and a true elastica for each rib of a strip.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "elastica/bezier.hpp"
+#include "elastica/fit.hpp"
+#include "pipeline/plan/target.hpp"
+
+namespace hotblade::pipeline {
+
+struct RibFit {
+  double offset_mm = 0;
+  std::vector<Eigen::Vector2d> target;  // evenly spaced, chain axes
+  elastica::Bezier bezier;              // after projection where its lambda-residual was above the threshold
+  double lambda_residual = 0;
+  bool projected = false;
+  double bezier_deviation_mm = 0;  // Bezier before projection against target
+  elastica::Elastica elastica;
+  double deviation_mm = 0;  // elastica against target
+  bool converged = false;
+};
+
+inline constexpr int kRibSamples = 65;
+// Of fit_ribs: decides only what the points leave open.
+inline constexpr double kLeastTensionWeight = 1e-6;
+
+// Fits shares [u0, u1] of every rib as closely as an elastica can. Ribs are independent of each other here;
+// runs on all cores allowed.
+[[nodiscard]] std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
+                                           const FitSettings& settings);
+
+// Calmer fits: the tensions of all ribs pulled to zero with one weight (elastica/fit.hpp). The blade goes on
+// along the rib's elastica on both sides, and what little a rib says about the tensions would otherwise curl
+// it up there. Deviations grow with the weight.
+[[nodiscard]] std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weight);
+
+// Refits each rib with a weak pull towards its neighbours' curvature and tensions, which decides only what
+// the points leave open: the blade beyond a rib's ends then moves smoothly from rib to rib. Ribs whose
+// deviation would grow by more than `allowance_mm` stay as they are. `tension_weight` as the ribs were fitted
+// with.
+void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,202 @@
+#include "pipeline/plan/strips.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/plan/blade.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Extents of a block, largest first, against the stock's, likewise: a block may be turned any way.
+bool fits_stock(Eigen::Vector3d size, const StockSettings& stock) {
+  Eigen::Vector3d most(stock.max_size_mm[0], stock.max_size_mm[1], stock.max_size_mm[2]);
+  std::sort(size.begin(), size.end());
+  std::sort(most.begin(), most.end());
+  return (size.array() <= most.array()).all();
+}
+
+// One share [u0, u1] of some ribs as a strip, or why not.
+struct Attempt {
+  std::optional<StripPlan> strip;
+  Refusal refusal;
+  bool fitted = false;    // an elastica serves every rib; what failed is the blade or the block
+  bool hopeless = false;  // the design itself is far too sharp: shorter pieces are no flatter
+};
+
+std::size_t worst_rib(const std::vector<RibFit>& ribs) {
+  return static_cast<std::size_t>(
+      std::max_element(ribs.begin(), ribs.end(),
+                       [](const RibFit& a, const RibFit& b) { return a.deviation_mm < b.deviation_mm; }) -
+      ribs.begin());
+}
+
+std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i) {
+  const Eigen::Vector2d q = ribs[i].target[ribs[i].target.size() / 2];
+  const Eigen::Vector3d p = q.x() * chain.x + q.y() * chain.y + ribs[i].offset_mm * chain.sweep;
+  return fmt::format("rib at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+}
+
+// The block on the table: sweep downwards, x kept, bottom on the plinth, centred.
+void place_stock(StripPlan& strip, const StockRect& rect, const Settings& settings) {
+  const double first = strip.ribs.front().offset_mm - settings.stock.border_mm;
+  const double last = strip.ribs.back().offset_mm + settings.stock.border_mm;
+  const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
+  strip.stock.frame = strip.plane(along ? first : last);
+  strip.stock.frame.origin = strip.stock.frame.point(rect.low.x(), rect.low.y());
+  strip.stock.size_mm = {rect.high.x() - rect.low.x(), rect.high.y() - rect.low.y(), last - first};
+  Eigen::Matrix3d r;
+  r.row(0) = strip.x;
+  r.row(1) = -strip.sweep.cross(strip.x);
+  r.row(2) = -strip.sweep;
+  const Eigen::Vector2d middle = 0.5 * (rect.low + rect.high);
+  const Eigen::Vector3d foot = middle.x() * strip.x + middle.y() * strip.y + last * strip.sweep;
+  strip.design_to_cell.q = robot::canonical(Eigen::Quaterniond(r));
+  strip.design_to_cell.p =
+      Eigen::Vector3d(0, 0, settings.machine.plinth_mm) - strip.design_to_cell.q.toRotationMatrix() * foot;
+}
+
+// The calmest fit within `allowed` that a blade can be extended from; else the refusal of the closest fit.
+struct Served {
+  std::vector<RibFit> ribs;
+  BladeReport blade;
+};
+
+Served serve(const std::vector<RibFit>& closest, double allowed, const Settings& settings) {
+  // From nearly circular arcs down to what the points alone say.
+  constexpr std::array<double, 4> kTensionWeights{3e-3, 3e-4, 3e-5, kLeastTensionWeight};
+  Served served;
+  for (const double weight : kTensionWeights) {
+    std::vector<RibFit> ribs = weight > kLeastTensionWeight ? calmed(closest, weight) : closest;
+    if (ribs[worst_rib(ribs)].deviation_mm > allowed) continue;
+    smooth_ribs(ribs, weight, 0.1 * allowed);
+    served.blade = choose_blade(ribs, stock_rect(ribs, settings.stock), settings);
+    served.ribs = std::move(ribs);
+    if (served.blade.choice) break;
+  }
+  return served;
+}
+
+StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const Settings& settings) {
+  StripPlan strip;
+  strip.sweep = chain.sweep;
+  strip.x = chain.x;
+  strip.y = chain.y;
+  strip.ribs = served.ribs;
+  const BladeChoice& blade = *served.blade.choice;
+  strip.blade_length_mm = blade.length_mm;
+  strip.share_a = blade.share_a;
+  strip.smallest_margin = blade.smallest_margin;
+  strip.largest_curvature_per_mm = blade.largest_curvature_per_mm;
+  strip.smallest_clearance_mm = blade.smallest_clearance_mm;
+  place_stock(strip, stock_rect(strip.ribs, settings.stock), settings);
+  return strip;
+}
+
+Attempt try_share(const ChainTarget& chain, std::span<const RibTarget> targets, double u0, double u1,
+                  const Settings& settings) {
+  Attempt attempt;
+  const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
+  const std::vector<RibFit> closest = fit_ribs(targets, u0, u1, settings.fit);
+  const std::size_t worst = worst_rib(closest);
+  if (!(closest[worst].deviation_mm <= allowed)) {
+    attempt.refusal = {rib_place(chain, closest, worst),
+                       "",
+                       "deviation of an elastica",
+                       closest[worst].deviation_mm,
+                       allowed,
+                       "mm",
+                       "allow more splits (fit.max_splits) or a larger tolerance"};
+    return attempt;
+  }
+  attempt.fitted = true;
+  const Served served = serve(closest, allowed, settings);
+  if (!served.blade.choice) {
+    attempt.refusal = served.blade.refusal;
+    // A shorter piece follows the design more closely, so its radius only shrinks; half leaves room for the
+    // slack that the tolerance gives.
+    attempt.hopeless = served.blade.rib_too_sharp && attempt.refusal.value < 0.5 * attempt.refusal.bound;
+    attempt.refusal.strip =
+        rib_place(chain, served.ribs, static_cast<std::size_t>(std::max(0, served.blade.rib)));
+    return attempt;
+  }
+  StripPlan strip = make_strip_plan(chain, served, settings);
+  if (!fits_stock(strip.stock.size_mm, settings.stock)) {
+    attempt.refusal = {rib_place(chain, strip.ribs, 0),
+                       "",
+                       "largest block edge",
+                       strip.stock.size_mm.maxCoeff(),
+                       settings.stock.max_size_mm[0],
+                       "mm",
+                       "allow more splits or larger stock.max_size_mm"};
+    return attempt;
+  }
+  attempt.strip = std::move(strip);
+  return attempt;
+}
+
+// Runs of ribs along the sweep that fit the stock's longest edge; neighbouring runs share a rib.
+std::vector<std::pair<std::size_t, std::size_t>> sweep_runs(const ChainTarget& chain,
+                                                            const Settings& settings) {
+  const double most =
+      *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end()) -
+      2 * settings.stock.border_mm;
+  const double extent = chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
+  const auto count =
+      std::min(chain.ribs.size() - 1, static_cast<std::size_t>(std::max(1.0, std::ceil(extent / most))));
+  std::vector<std::pair<std::size_t, std::size_t>> runs;
+  for (std::size_t i = 0; i < count; ++i) {
+    runs.emplace_back((chain.ribs.size() - 1) * i / count, (chain.ribs.size() - 1) * (i + 1) / count);
+  }
+  return runs;
+}
+
+void lay_out_run(const ChainTarget& chain, std::span<const RibTarget> ribs, const Settings& settings,
+                 StripLayout& layout) {
+  // The first refusal of pieces that an elastica serves says most; before that, how far the last one was off.
+  Refusal said;
+  bool fitted = false, hopeless = false;
+  for (int pieces = 1; pieces <= settings.fit.max_splits && !hopeless; ++pieces) {
+    std::vector<StripPlan> strips;
+    for (int i = 0; i < pieces; ++i) {
+      Attempt attempt = try_share(chain, ribs, static_cast<double>(i) / pieces, (i + 1.0) / pieces, settings);
+      if (!attempt.strip) {
+        if (!fitted) said = attempt.refusal;
+        fitted = fitted || attempt.fitted;
+        hopeless = attempt.hopeless;
+        break;
+      }
+      strips.push_back(std::move(*attempt.strip));
+    }
+    if (strips.size() == static_cast<std::size_t>(pieces)) {
+      std::move(strips.begin(), strips.end(), std::back_inserter(layout.strips));
+      return;
+    }
+  }
+  layout.refusals.push_back(said);
+}
+
+}  // namespace
+
+elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm, double share_a) {
+  const double before = share_a * (blade_length_mm - rib.length);
+  return segment(rib, -before, blade_length_mm - before);
+}
+
+StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings) {
+  StripLayout layout;
+  layout.refusals = targets.refusals;
+  layout.warnings = targets.warnings;
+  for (const ChainTarget& chain : targets.chains) {
+    for (const auto& [first, last] : sweep_runs(chain, settings)) {
+      lay_out_run(chain, std::span(chain.ribs).subspan(first, last - first + 1), settings, layout);
+    }
+  }
+  for (std::size_t i = 0; i < layout.strips.size(); ++i) layout.strips[i].id = fmt::format("S{:03}", i + 1);
+  return layout;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,42 @@
+// The strips stage: chains split along their ribs and along the sweep until one elastica serves each rib
+// piece, a blade of the list can be extended from it, and the block fits the stock.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "pipeline/plan/rib_fit.hpp"
+#include "pipeline/program.hpp"
+
+namespace hotblade::pipeline {
+
+// One strip before motion: ribs in common axes, the block, and the blade that cuts it.
+struct StripPlan {
+  std::string id;
+  Eigen::Vector3d sweep, x, y;
+  std::vector<RibFit> ribs;
+  double blade_length_mm = 0;
+  double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
+  Stock stock;
+  Pose design_to_cell;
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+
+  // The plane at a sweep offset: origin on the sweep axis, axes x and y, normal x cross y.
+  [[nodiscard]] Frame plane(double offset_mm) const { return {offset_mm * sweep, x, y}; }
+};
+
+struct StripLayout {
+  std::vector<StripPlan> strips;
+  std::vector<Refusal> refusals;
+  std::vector<std::string> warnings;
+};
+
+// Splits along the ribs into 1, 2, 3 .. max_splits equal shares of arc length, common to all ribs of a chain,
+// and keeps the first that serves every rib.
+[[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings);
+
+// The blade of a rib: its elastica extended along itself to the strip's blade length.
+[[nodiscard]] elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm,
+                                          double share_a);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,180 @@
+#include "pipeline/plan/target.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// A side that most of the chain faces: +1 when the waste is on the face normals' side.
+// `keep` below and above go by z; an upright surface has no such side.
+struct WasteSide {
+  double sign = 0;
+  double lean = 0;  // mean of |component that decides|, 0..1
+};
+
+WasteSide waste_side(const surface::RibGraph& graph, const surface::Chain& chain, const std::string& keep) {
+  if (keep == "back") return {1, 1};
+  if (keep == "front") return {-1, 1};
+  double z = 0, weight = 0;
+  for (const surface::RibRef& ref : chain.ribs) {
+    const auto& points = graph.sections[static_cast<std::size_t>(ref.section)]
+                             .pieces[static_cast<std::size_t>(ref.piece)]
+                             .points;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const double length = (points[i].p - points[i - 1].p).norm();
+      z += length * 0.5 * (points[i].normal.z() + points[i - 1].normal.z());
+      weight += length;
+    }
+  }
+  const double mean = weight > 0 ? z / weight : 0;
+  const double up = keep == "below" ? 1 : -1;
+  return {mean * up >= 0 ? 1.0 : -1.0, std::abs(mean)};
+}
+
+// The section's points in the chain's axes, moved towards the waste.
+RibTarget offset_rib(const surface::SectionPiece& piece, double offset_mm, const ChainTarget& axes,
+                     double waste, const Settings& settings) {
+  RibTarget rib;
+  rib.offset_mm = offset_mm;
+  for (const surface::SectionPoint& point : piece.points) {
+    const Eigen::Vector3d n = waste * point.normal;
+    const double along = std::min(1.0, std::abs(n.dot(axes.sweep)));
+    rib.max_slope_rad = std::max(rib.max_slope_rad, std::asin(along));
+    const Eigen::Vector2d in_plane(n.dot(axes.x), n.dot(axes.y));
+    const double cosine = in_plane.norm();
+    Eigen::Vector2d q(point.p.dot(axes.x), point.p.dot(axes.y));
+    // half / cos(slope) along in_plane / cos(slope)
+    constexpr double kSmallestCosine =
+        0.05;  // such ribs are left out by kMaxSlopeRad; this only avoids a division
+    if (cosine > kSmallestCosine) q += 0.5 * melted_band_mm(settings, along) / (cosine * cosine) * in_plane;
+    if (!rib.points.empty() && (q - rib.points.back()).norm() <= 0) continue;
+    rib.s.push_back(rib.points.empty() ? 0 : rib.s.back() + (q - rib.points.back()).norm());
+    rib.points.push_back(q);
+  }
+  return rib;
+}
+
+// Axes of a chain: x along the mean chord, y on the waste side. Fails when the waste changes sides along the
+// ribs.
+bool set_axes(const surface::RibGraph& graph, const surface::Chain& chain, double waste, ChainTarget& axes) {
+  Eigen::Vector3d chord = Eigen::Vector3d::Zero();
+  double left = 0, total = 0;
+  for (const surface::RibRef& ref : chain.ribs) {
+    const auto& points = graph.sections[static_cast<std::size_t>(ref.section)]
+                             .pieces[static_cast<std::size_t>(ref.piece)]
+                             .points;
+    chord += points.back().p - points.front().p;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      const Eigen::Vector3d d = points[i].p - points[i - 1].p;
+      const Eigen::Vector3d n = waste * (points[i].normal + points[i - 1].normal).normalized();
+      left += graph.normal.cross(d).dot(n);
+      total += d.norm();
+    }
+  }
+  axes.sweep = graph.normal;
+  axes.x = (chord - chord.dot(graph.normal) * graph.normal).normalized();
+  axes.y = (left >= 0 ? 1.0 : -1.0) * graph.normal.cross(axes.x);
+  // On ribs that can be cut at all the waste lies within 60 degrees of the plane and across the rib: a mean
+  // below a tenth says that it changes sides.
+  constexpr double kLeast = 0.1;
+  return std::abs(left) > kLeast * total && chord.norm() > 0;
+}
+
+std::string place_of(const surface::RibGraph& graph, const surface::Chain& chain) {
+  const auto& ref = chain.ribs.front();
+  const Eigen::Vector3d p = graph.sections[static_cast<std::size_t>(ref.section)]
+                                .pieces[static_cast<std::size_t>(ref.piece)]
+                                .points.front()
+                                .p;
+  return fmt::format("chain at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+}
+
+double degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+
+void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, const Settings& settings,
+               TargetReport& report) {
+  ChainTarget target;
+  target.place = place_of(graph, chain);
+  const WasteSide side = waste_side(graph, chain, settings.design.keep);
+  constexpr double kLeastLean = 0.1;
+  if (side.lean < kLeastLean) {
+    report.refusals.push_back(
+        {target.place, "", "lean of the surface towards z", side.lean, kLeastLean, "",
+         "design.keep = \"" + settings.design.keep +
+             "\" says nothing about an upright surface: set design.keep to back or front"});
+    return;
+  }
+  if (!set_axes(graph, chain, side.sign, target)) {
+    report.refusals.push_back(
+        {target.place, "", "side of the waste across the ribs", 0, 0.1, "",
+         "face normals turn over along the ribs: check their orientation or choose another "
+         "slice.direction"});
+    return;
+  }
+  std::size_t steep = 0;
+  double steepest = 0;
+  const auto finish = [&](ChainTarget& run) {
+    if (run.ribs.size() >= 2) report.chains.push_back(run);
+    run.ribs.clear();
+  };
+  ChainTarget run = target;
+  for (const surface::RibRef& ref : chain.ribs) {
+    const surface::Section& section = graph.sections[static_cast<std::size_t>(ref.section)];
+    RibTarget rib = offset_rib(section.pieces[static_cast<std::size_t>(ref.piece)], section.offset_mm, target,
+                               side.sign, settings);
+    if (rib.max_slope_rad <= kMaxSlopeRad && rib.points.size() >= 2) {
+      run.ribs.push_back(std::move(rib));
+      continue;
+    }
+    ++steep;
+    steepest = std::max(steepest, rib.max_slope_rad);
+    finish(run);
+  }
+  finish(run);
+  if (steep > 0) {
+    report.warnings.push_back(fmt::format("{}: {} of {} ribs left out, slope {:.0f} degrees (limit {:.0f})",
+                                          target.place, steep, chain.ribs.size(), degrees(steepest),
+                                          degrees(kMaxSlopeRad)));
+  }
+}
+
+}  // namespace
+
+double melted_band_mm(const Settings& settings, double along) {
+  return settings.blade.kerf_mm + settings.blade.width_mm * std::abs(along);
+}
+
+TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings) {
+  TargetReport report;
+  for (const surface::Chain& chain : graph.chains) {
+    if (chain.ribs.size() >= 2) {
+      add_chain(graph, chain, settings, report);
+    } else {
+      report.warnings.push_back(place_of(graph, chain) + ": a single rib makes no strip, left out");
+    }
+  }
+  return report;
+}
+
+std::vector<Eigen::Vector2d> resample(const RibTarget& rib, double u0, double u1, int n) {
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(static_cast<std::size_t>(n));
+  std::size_t i = 1;
+  for (int k = 0; k < n; ++k) {
+    const double s = rib.s.back() * (u0 + (u1 - u0) * k / (n - 1));
+    while (i + 1 < rib.s.size() && rib.s[i] < s) ++i;
+    const double t = std::clamp((s - rib.s[i - 1]) / (rib.s[i] - rib.s[i - 1]), 0.0, 1.0);
+    points.push_back(rib.points[i - 1] + t * (rib.points[i] - rib.points[i - 1]));
+  }
+  return points;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,52 @@
+// What the blade's centre line shall follow: the design's sections, moved towards the waste by the local half
+// band.
+//
+// The melted band is kerf + width |sin slope| wide, slope being the angle between the design's normal and the
+// rib plane; the kept side follows the band's edge, so the centre line runs half a band away from the design,
+// measured along the design's normal: half / cos(slope) in the rib plane (docs/planning.md).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/refusal.hpp"
+#include "pipeline/settings.hpp"
+#include "surface/slice.hpp"
+
+namespace hotblade::pipeline {
+
+// A rib's target in the axes of its chain.
+struct RibTarget {
+  double offset_mm = 0;                 // plane: sweep . p = offset
+  std::vector<Eigen::Vector2d> points;  // (u, v) on the chain's axes, A to B
+  std::vector<double> s;                // cumulative length, s.front() = 0
+  double max_slope_rad = 0;
+};
+
+// Consecutive ribs in common axes: p = u x + v y + offset sweep (the axes' origin is the design's).
+struct ChainTarget {
+  Eigen::Vector3d sweep, x, y;  // y on the waste side; x cross y = +-sweep
+  std::vector<RibTarget> ribs;
+  std::string place;  // where in the design, for messages
+};
+
+struct TargetReport {
+  std::vector<ChainTarget> chains;
+  std::vector<Refusal> refusals;      // chains that cannot be targeted at all, with the reason
+  std::vector<std::string> warnings;  // ribs left out
+};
+
+// Steeper ribs cannot be reached: the band would be wider than the blade's own width allows to correct.
+inline constexpr double kMaxSlopeRad = 1.0471975511965976;  // 60 degrees
+
+[[nodiscard]] TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings);
+
+// Width of the melted band in mm where the surface normal has component `along` (|sin slope|) on the plane
+// normal.
+[[nodiscard]] double melted_band_mm(const Settings& settings, double along);
+
+// n points evenly spaced by arc length over the shares [u0, u1] of the rib's length.
+[[nodiscard]] std::vector<Eigen::Vector2d> resample(const RibTarget& rib, double u0, double u1, int n);
+
+}  // namespace hotblade::pipeline

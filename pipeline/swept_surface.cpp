@@ -1,0 +1,107 @@
+#include "pipeline/swept_surface.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Poses with foam at least `sample_mm` apart at the blade's middle, first and last included.
+std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
+  std::vector<const BladePose*> rows;
+  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  const BladePose* previous = nullptr;
+  for (const BladePose& pose : strip.poses) {
+    if (!pose.foam) continue;
+    const auto q = elastica::point_at(pose.blade, 0.5 * ((*pose.foam)[0] + (*pose.foam)[1]));
+    const Eigen::Vector3d p = pose.frame.point(q.x, q.y);
+    if (rows.empty() || (p - last).norm() >= sample_mm) {
+      rows.push_back(&pose);
+      last = p;
+    }
+    previous = &pose;
+  }
+  if (previous && !rows.empty() && rows.back() != previous) rows.push_back(previous);
+  return rows;
+}
+
+struct Grid {
+  std::size_t rows = 0, columns = 0;
+  std::vector<Eigen::Vector3d> centre, left;  // blade points, and the direction left of the blade there
+};
+
+Grid blade_grid(const std::vector<const BladePose*>& rows, double sample_mm) {
+  Grid grid;
+  grid.rows = rows.size();
+  double longest = 0;
+  for (const BladePose* pose : rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
+  grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / sample_mm))) + 1;
+  for (const BladePose* pose : rows) {
+    const elastica::ElasticaCurve curve(pose->blade);
+    const auto [s0, s1] = *pose->foam;
+    for (std::size_t j = 0; j < grid.columns; ++j) {
+      const auto q =
+          curve.at(s0 + (s1 - s0) * static_cast<double>(j) / static_cast<double>(grid.columns - 1));
+      grid.centre.push_back(pose->frame.point(q.x, q.y));
+      grid.left.push_back(-std::sin(q.theta) * pose->frame.x + std::cos(q.theta) * pose->frame.y);
+    }
+  }
+  return grid;
+}
+
+// Unit normal of the grid at (i, j), towards the waste, by central differences.
+Eigen::Vector3d grid_normal(const Grid& g, std::size_t i, std::size_t j) {
+  const auto at = [&](std::size_t a, std::size_t b) { return g.centre[a * g.columns + b]; };
+  const Eigen::Vector3d along = at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0);
+  const Eigen::Vector3d sweep = at(std::min(i + 1, g.rows - 1), j) - at(i > 0 ? i - 1 : 0, j);
+  const Eigen::Vector3d& left = g.left[i * g.columns + j];
+  const Eigen::Vector3d n = along.cross(sweep);
+  if (!(n.norm() > 0)) return left;
+  return n.dot(left) < 0 ? Eigen::Vector3d(-n.normalized()) : Eigen::Vector3d(n.normalized());
+}
+
+void add_strip(const Program& program, std::size_t index, double sample_mm, SweptSurface& out) {
+  const auto rows = grid_rows(program.strips[index], sample_mm);
+  if (rows.size() < 2) return;
+  const Grid grid = blade_grid(rows, sample_mm);
+  const auto base = static_cast<int>(out.vertices.size());
+  for (std::size_t i = 0; i < grid.rows; ++i) {
+    for (std::size_t j = 0; j < grid.columns; ++j) {
+      const Eigen::Vector3d n = grid_normal(grid, i, j);
+      const double along = std::abs(n.dot(rows[i]->frame.normal()));
+      const double half_band = 0.5 * (program.blade.kerf_mm + program.blade.width_mm * along);
+      out.vertices.push_back(grid.centre[i * grid.columns + j] - half_band * n);
+      out.normals.push_back(n);
+      out.strip_of_vertex.push_back(static_cast<int>(index));
+    }
+  }
+  const auto columns = static_cast<int>(grid.columns);
+  for (int i = 0; i + 1 < static_cast<int>(grid.rows); ++i) {
+    for (int j = 0; j + 1 < columns; ++j) {
+      const int a = base + i * columns + j, b = a + 1, c = a + columns, d = c + 1;
+      const auto facing = [&](int p, int q, int r) {
+        const auto& v = out.vertices;
+        const auto at = [&](int k) { return v[static_cast<std::size_t>(k)]; };
+        const bool front =
+            (at(q) - at(p)).cross(at(r) - at(p)).dot(out.normals[static_cast<std::size_t>(p)]) >= 0;
+        return front ? std::array<int, 3>{p, q, r} : std::array<int, 3>{p, r, q};
+      };
+      out.triangles.push_back(facing(a, b, d));
+      out.triangles.push_back(facing(a, d, c));
+    }
+  }
+}
+
+}  // namespace
+
+SweptSurface swept_surface(const Program& program, double sample_mm) {
+  if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
+  SweptSurface out;
+  for (std::size_t i = 0; i < program.strips.size(); ++i) add_strip(program, i, sample_mm, out);
+  return out;
+}
+
+}  // namespace hotblade::pipeline

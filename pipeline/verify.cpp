@@ -1,0 +1,189 @@
+#include "pipeline/verify.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "gpu/mesh_distance.hpp"
+#include "pipeline/swept_surface.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Edge = std::pair<int, int>;
+
+Edge edge(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+// Edges with one face, and their vertices.
+struct Border {
+  std::set<Edge> edges;
+  std::vector<bool> vertex;
+
+  explicit Border(const surface::TriangleMesh& mesh) : vertex(mesh.vertices.size(), false) {
+    std::vector<Edge> all;
+    all.reserve(3 * mesh.triangles.size());
+    for (const auto& t : mesh.triangles) {
+      for (std::size_t i = 0; i < 3; ++i) all.push_back(edge(t[i], t[(i + 1) % 3]));
+    }
+    std::sort(all.begin(), all.end());
+    for (std::size_t i = 0; i < all.size();) {
+      std::size_t j = i;
+      while (j < all.size() && all[j] == all[i]) ++j;
+      if (j == i + 1) {
+        edges.insert(all[i]);
+        vertex[static_cast<std::size_t>(all[i].first)] = vertex[static_cast<std::size_t>(all[i].second)] =
+            true;
+      }
+      i = j;
+    }
+  }
+};
+
+struct Facet {
+  Eigen::Vector3d a, b, c;
+  [[nodiscard]] Eigen::Vector3d normal() const { return (b - a).cross(c - a).stableNormalized(); }
+  [[nodiscard]] double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
+};
+
+Facet facet(const surface::TriangleMesh& mesh, int triangle) {
+  const auto& t = mesh.triangles[static_cast<std::size_t>(triangle)];
+  return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
+          mesh.vertices[static_cast<std::size_t>(t[2])]};
+}
+
+// Does the nearest point lie on the design's border? Shares of area below kOnEdge are rounding.
+bool on_border(const surface::TriangleMesh& mesh, const Border& border, const gpu::Nearest& nearest) {
+  constexpr double kOnEdge = 1e-7;
+  const Facet f = facet(mesh, nearest.triangle);
+  const auto& t = mesh.triangles[static_cast<std::size_t>(nearest.triangle)];
+  const double area = f.area();
+  if (!(area > 0)) return false;
+  const std::array<double, 3> share{Facet{nearest.point, f.b, f.c}.area() / area,
+                                    Facet{f.a, nearest.point, f.c}.area() / area,
+                                    Facet{f.a, f.b, nearest.point}.area() / area};
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (share[i] > 1 - kOnEdge) return border.vertex[static_cast<std::size_t>(t[i])];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (share[i] < kOnEdge && border.edges.count(edge(t[(i + 1) % 3], t[(i + 2) % 3])) > 0) return true;
+  }
+  return false;
+}
+
+// Centroids of an even subdivision of every triangle, with their areas.
+struct DesignSamples {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> areas;
+};
+
+DesignSamples sample_design(const surface::TriangleMesh& mesh, double sample_mm) {
+  DesignSamples samples;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Facet f = facet(mesh, static_cast<int>(t));
+    const double longest = std::max({(f.b - f.a).norm(), (f.c - f.b).norm(), (f.a - f.c).norm()});
+    const int k = std::max(1, static_cast<int>(std::ceil(longest / sample_mm)));
+    const Eigen::Vector3d u = (f.b - f.a) / k, v = (f.c - f.a) / k;
+    const double area = f.area() / (static_cast<double>(k) * k);
+    const auto add = [&](double i, double j) {
+      samples.points.push_back(f.a + i * u + j * v);
+      samples.areas.push_back(area);
+    };
+    for (int i = 0; i < k; ++i) {
+      for (int j = 0; i + j < k; ++j) {
+        add(i + 1.0 / 3, j + 1.0 / 3);
+        if (i + j + 1 < k) add(i + 2.0 / 3, j + 2.0 / 3);
+      }
+    }
+  }
+  return samples;
+}
+
+// Distances in, statistics out; sums run in sample order, so they do not depend on threads.
+class Statistics {
+ public:
+  void add(double distance, const Eigen::Vector3d& at) {
+    if (distance > deviation_.max || all_.empty()) {
+      deviation_.max = distance;
+      deviation_.at = at;
+    }
+    sum_ += distance;
+    sum_sq_ += distance * distance;
+    all_.push_back(distance);
+  }
+
+  [[nodiscard]] Deviation result() {
+    if (all_.empty()) return deviation_;
+    const auto n = static_cast<double>(all_.size());
+    deviation_.mean = sum_ / n;
+    deviation_.rms = std::sqrt(sum_sq_ / n);
+    const auto nth = all_.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.99 * n)) - 1;
+    std::nth_element(all_.begin(), nth, all_.end());
+    deviation_.p99 = *nth;
+    return deviation_;
+  }
+
+ private:
+  Deviation deviation_;
+  std::vector<double> all_;
+  double sum_ = 0, sum_sq_ = 0;
+};
+
+}  // namespace
+
+VerifyReport verify(const Program& program, const surface::DesignSurface& design,
+                    const VerifyOptions& options) {
+  VerifyReport report;
+  report.area_mm2 = design.health.area_mm2;
+  report.strip_max_mm.assign(program.strips.size(), 0.0);
+  const SweptSurface cut = swept_surface(program, options.sample_mm);
+  if (cut.triangles.empty()) {
+    report.uncut_mm2 = report.area_mm2;
+    return report;
+  }
+  Statistics statistics;
+  const Border border(design.mesh);
+  const gpu::MeshDistance to_design(design.mesh.vertices, design.mesh.triangles);
+  const std::vector<gpu::Nearest> on_design = to_design.query(cut.vertices);
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    double distance = on_design[i].distance;
+    if (on_border(design.mesh, border, on_design[i])) {
+      const Eigen::Vector3d n = facet(design.mesh, on_design[i].triangle).normal();
+      distance = std::abs(n.dot(cut.vertices[i] - on_design[i].point));
+    }
+    statistics.add(distance, cut.vertices[i]);
+    double& strip = report.strip_max_mm[static_cast<std::size_t>(cut.strip_of_vertex[i])];
+    strip = std::max(strip, distance);
+  }
+  report.cut_samples = cut.vertices.size();
+  const DesignSamples samples = sample_design(design.mesh, options.sample_mm);
+  const gpu::MeshDistance to_cut(cut.vertices, cut.triangles);
+  const std::vector<gpu::Nearest> on_cut = to_cut.query(samples.points);
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    if (on_cut[i].distance > options.reach * options.tolerance_mm) {
+      report.uncut_mm2 += samples.areas[i];
+    } else {
+      statistics.add(on_cut[i].distance, samples.points[i]);
+    }
+  }
+  report.design_samples = samples.points.size();
+  report.deviation = statistics.result();
+  report.within_tolerance =
+      report.deviation.max <= options.tolerance_mm && report.uncut_share() <= options.max_uncut_share;
+  return report;
+}
+
+std::vector<std::string> not_checked() {
+  return {"clamp error that would lose the blade's shape (margin_mm)",
+          "melt-back of a slow or held blade",
+          "in-plane and out-of-plane gravity in the blade's shape (the droop is a budget line only)",
+          "arm reach and arm collision",
+          "thermal spring-back",
+          "plinth outside the kept side",
+          "jerk of the clamps"};
+}
+
+}  // namespace hotblade::pipeline
