@@ -434,4 +434,31 @@ ControllerSnapshot look(const StreamOptions& options) {
   return snapshot;
 }
 
+ResetReport reset(const StreamOptions& options) {
+  const auto place = options.host + ":" + std::to_string(options.port) + ": ";
+  ControllerSnapshot now = look(options);
+  if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
+  const auto patience = Clock::now() + milliseconds(now.ident.lease_ms + 2000);
+  ModbusLink link(options.host, options.port, options.response_ms);
+  std::uint32_t nonce = std::random_device{}();
+  while (now.status.state == State::kFault || now.status.state == State::kEstop) {
+    if (options.interrupted && options.interrupted())
+      return {StreamOutcome::kInterrupted, place + "interrupted"};
+    if (Clock::now() > patience) {
+      return {StreamOutcome::kRefused, place + "RESET refused (" + protocol::name(now.status.last_result) +
+                                           "): the owner of the job is still there; stop it first"};
+    }
+    const auto block =
+        protocol::encode_command({++nonce, Op::kReset, now.status.job_id, now.status.run, 0, 0, {}});
+    std::array<std::uint16_t, protocol::kStatusSize> status{};
+    if (link.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk) {
+      now.status = protocol::decode_status(status);
+    } else {
+      link.connect();
+    }
+    if (now.status.state != State::kIdle) std::this_thread::sleep_for(kBusyRetry);
+  }
+  return {};
+}
+
 }  // namespace hotblade::robot

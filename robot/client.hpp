@@ -67,4 +67,12 @@ struct ControllerSnapshot {
 // One look at a controller, with a few attempts.
 [[nodiscard]] ControllerSnapshot look(const StreamOptions& options);
 
+// Takes a controller out of FAULT or ESTOP to IDLE, once the lease of the job's owner has run out. The job is
+// lost. The message is empty when the controller is IDLE or has nothing to clear.
+struct ResetReport {
+  StreamOutcome outcome = StreamOutcome::kDone;
+  std::string message;
+};
+[[nodiscard]] ResetReport reset(const StreamOptions& options);
+
 }  // namespace hotblade::robot

@@ -48,6 +48,9 @@ void add_plan(CLI::App& app, const Console& console, Action& action);
 void add_verify(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);
 void add_preview(CLI::App& app, const Console& console, Action& action);
+void add_sim(CLI::App& app, const Console& console, Action& action);
+void add_run(CLI::App& app, const Console& console, Action& action);
+void add_dryrun(CLI::App& app, const Console& console, Action& action);
 
 // Set by SIGINT and SIGTERM; long work looks at it and ends with Exit::kInterrupted. A second signal ends the
 // program at once.

@@ -19,6 +19,9 @@ constexpr Registrar kCommands[] = {
     add_verify,
     add_config,
     add_preview,
+    add_sim,
+    add_run,
+    add_dryrun,
 };
 
 std::atomic<bool> g_interrupted{false};

@@ -1,0 +1,243 @@
+// hotblade run: streams a program to a controller, strip by strip.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include "pipeline/cli/command.hpp"
+#include "pipeline/strip_jobs.hpp"
+#include "robot/client.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using robot::Job;
+using robot::StreamOutcome;
+using robot::StreamProgress;
+using robot::protocol::State;
+
+struct RunArguments {
+  std::string program, connect, strip;
+  bool resume = false, reset = false, yes = false, overridden = false, allow_remote = false;
+};
+
+// Which strips are streamed, and how the first of them begins.
+struct Plan {
+  std::size_t first = 0, end = 0;
+  bool resume_first = false;
+  std::uint32_t run = 0;
+};
+
+Exit code_of(StreamOutcome outcome) {
+  if (outcome == StreamOutcome::kDone) return Exit::kOk;
+  return outcome == StreamOutcome::kInterrupted ? Exit::kInterrupted : Exit::kController;
+}
+
+void require_attended(const RunArguments& arguments, const HostPort& where) {
+  if (!where.loopback() && !arguments.allow_remote) {
+    throw CommandError(Exit::kUsage,
+                       "--connect: not this host (" + arguments.connect +
+                           "): a machine may start to move; add --allow-remote if that is meant");
+  }
+  if (!arguments.yes && ::isatty(STDIN_FILENO) == 0) {
+    throw CommandError(Exit::kUsage,
+                       "stdin: no terminal to ask before a strip starts: add --yes to start without asking");
+  }
+}
+
+std::size_t index_of(const std::vector<Job>& jobs, const std::string& strip) {
+  std::string known;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (jobs[i].strip == strip) return i;
+    known += (i > 0 ? ", " : "") + jobs[i].strip;
+  }
+  throw CommandError(Exit::kUsage, "--strip: unknown strip (" + strip + "): the program has " + known);
+}
+
+// Where a run that was left goes on, from what the controller remembers of its last job.
+void find_resume_point(const std::vector<Job>& jobs, const robot::ControllerSnapshot& now,
+                       const std::string& place, Plan& plan) {
+  const auto& status = now.status;
+  const auto found =
+      std::find_if(jobs.begin(), jobs.end(), [&](const Job& job) { return job.id == status.job_id; });
+  if (found == jobs.end()) {
+    if (status.state == State::kIdle) return;  // nothing was begun
+    throw CommandError(Exit::kController, place + ": another job is open (" + robot::to_hex(status.job_id) +
+                                              "): this program has nothing to resume there");
+  }
+  const auto index = static_cast<std::size_t>(found - jobs.begin());
+  const bool whole = status.executed == found->size();
+  plan.run = status.run;
+  plan.resume_first = status.state != State::kIdle;
+  plan.first = std::max(plan.first, plan.resume_first || !whole ? index : index + 1);
+  if (status.state == State::kIdle && !whole && status.executed > 0) {
+    throw CommandError(
+        Exit::kController,
+        fmt::format("{}: strip {} was given up ({} of {} waypoints executed): see to the block, then "
+                    "start it anew with --strip {}",
+                    place, found->strip, status.executed, found->size(), found->strip));
+  }
+}
+
+Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
+               const robot::ControllerSnapshot& now) {
+  Plan plan;
+  plan.end = jobs.size();
+  plan.run = now.status.run + 1;
+  if (arguments.resume) find_resume_point(jobs, now, arguments.connect, plan);
+  if (arguments.strip.empty()) return plan;
+  const std::size_t wanted = index_of(jobs, arguments.strip);
+  if (plan.resume_first && plan.first != wanted) {
+    throw CommandError(Exit::kController, arguments.connect + ": strip " + jobs[plan.first].strip +
+                                              " is open, not " + arguments.strip + ": resume that one first");
+  }
+  if (arguments.resume && plan.first > wanted) {
+    plan.first = plan.end = wanted;  // it is done
+    return plan;
+  }
+  plan.first = wanted;
+  plan.end = wanted + 1;
+  return plan;
+}
+
+// Asks the operator before a strip; false when there is no yes.
+bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Job& job,
+                     const Console& console) {
+  if (arguments.yes) return true;
+  console.end_progress();
+  const auto& size = strip.stock.size_mm;
+  std::cerr << fmt::format(
+      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm, {}\nblade and block in place, cell clear? "
+      "Enter to "
+      "start, Ctrl-C to stop: ",
+      strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(), clock_text(duration_s(job)));
+  std::string line;
+  return static_cast<bool>(std::getline(std::cin, line)) && !interrupted();
+}
+
+std::string progress_text(const Job& job, const StreamProgress& p) {
+  std::string text = fmt::format("{} {} {}/{} {} left", job.strip, robot::protocol::name(p.state), p.executed,
+                                 p.total, clock_text(p.left_s));
+  if (p.fault != robot::protocol::Fault::kNone) text += fmt::format(" ({})", robot::protocol::name(p.fault));
+  if (p.reconnects > 0) text += fmt::format(", {} reconnects", p.reconnects);
+  return text;
+}
+
+class Runner {
+ public:
+  Runner(const RunArguments& arguments, const HostPort& where, const Console& console)
+      : arguments_(arguments), console_(console) {
+    link_.host = where.host;
+    link_.port = where.port;
+    link_.interrupted = [] { return interrupted(); };
+  }
+
+  Exit run(const StripJobs& work);
+
+ private:
+  robot::ControllerSnapshot meet();
+  Exit run_strip(const StripJobs& work, std::size_t index, const Plan& plan, std::size_t total,
+                 std::size_t done);
+
+  const RunArguments& arguments_;
+  const Console& console_;
+  robot::StreamOptions link_;
+};
+
+robot::ControllerSnapshot Runner::meet() {
+  if (arguments_.reset) {
+    const auto cleared = robot::reset(link_);
+    if (cleared.outcome != StreamOutcome::kDone)
+      throw CommandError(code_of(cleared.outcome), cleared.message);
+  }
+  auto now = robot::look(link_);
+  if (!now.reached) throw CommandError(Exit::kController, now.message);
+  const auto capabilities = now.ident.capabilities;
+  if ((capabilities & robot::protocol::kCapSimulator) != 0)
+    console_.note("controller: a simulator, nothing moves");
+  if ((capabilities & robot::protocol::kCapEquilibrium) == 0) {
+    console_.note("controller: does not check the blade's equilibrium");
+  }
+  return now;
+}
+
+Exit Runner::run(const StripJobs& work) {
+  if (!arguments_.strip.empty()) index_of(work.jobs, arguments_.strip);
+  const Plan plan = make_plan(arguments_, work.jobs, meet());
+  std::size_t total = 0, done = 0;
+  for (std::size_t i = plan.first; i < plan.end; ++i) total += work.jobs[i].size();
+  if (total == 0) console_.note("nothing left to run");
+  for (std::size_t i = plan.first; i < plan.end; ++i) {
+    if (!operator_agrees(arguments_, work.program.strips[i], work.jobs[i], console_))
+      return Exit::kInterrupted;
+    if (const Exit code = run_strip(work, i, plan, total, done); code != Exit::kOk) return code;
+    done += work.jobs[i].size();
+  }
+  return Exit::kOk;
+}
+
+Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& plan, std::size_t total,
+                       std::size_t done) {
+  const Job& job = work.jobs[index];
+  robot::StreamOptions options = link_;
+  options.run = plan.run;
+  options.resume = plan.resume_first && index == plan.first;
+  options.progress = [&](const StreamProgress& p) {
+    console_.report_progress(progress_text(job, p),
+                             static_cast<double>(done + p.executed) / static_cast<double>(total));
+  };
+  const robot::StreamReport report = robot::stream(job, options);
+  console_.end_progress();
+  const Exit code = code_of(report.outcome);
+  if (code != Exit::kOk) console_.warn(report.message);
+  if (code == Exit::kInterrupted) {
+    console_.warn(fmt::format("to go on: hotblade run {} --connect {} --resume", arguments_.program,
+                              arguments_.connect));
+    return code;
+  }
+  std::cout << fmt::format("{} {} of {} waypoints executed, run {}, job {}, {} reconnects\n", job.strip,
+                           report.executed, job.size(), report.run, robot::to_hex(job.id), report.reconnects)
+            << std::flush;
+  return code;
+}
+
+Exit run(const RunArguments& arguments, const Console& console) {
+  const HostPort where = parse_host_port(arguments.connect, "--connect");
+  const StripJobs work = read_strip_jobs(arguments.program, arguments.overridden);
+  require_attended(arguments, where);
+  if (arguments.overridden && work.program.verification.status != "passed") {
+    console.warn("--override: the program did not pass its verification (" +
+                 work.program.verification.status + ")");
+  }
+  return Runner(arguments, where, console).run(work);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, const Console& console, Action& action) {
+  auto arguments = std::make_shared<RunArguments>();
+  auto* command = app.add_subcommand("run", "Stream a program to a controller");
+  command->add_option("program", arguments->program, "The program.json to stream")
+      ->required()
+      ->type_name("PROGRAM");
+  command->add_option("--connect", arguments->connect, "The controller")->required()->type_name("HOST:PORT");
+  command->add_option("--strip", arguments->strip, "This strip only")->type_name("ID");
+  command->add_flag("--resume", arguments->resume, "Go on where an interrupted run left the controller");
+  command->add_flag("--reset", arguments->reset, "Clear a FAULT or a latched ESTOP first");
+  command->add_flag("--yes", arguments->yes, "Start every strip without asking");
+  command->add_flag("--override", arguments->overridden, "Run a program that did not pass its verification");
+  command->add_flag("--allow-remote", arguments->allow_remote, "Connect to another host than this");
+  command->footer(
+      "Ctrl-C slows down along the path and holds; --resume goes on. Exit code 6 when the controller "
+      "refuses,\n"
+      "faults, or the link is lost.\nExample: hotblade run out/program.json --connect 127.0.0.1:1502 --yes");
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return run(*arguments, console); };
+  });
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,129 @@
+// hotblade sim: the controller simulator.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <random>
+#include <thread>
+
+#include "pipeline/cli/command.hpp"
+#include "pipeline/strip_jobs.hpp"
+#include "robot/controller.hpp"
+#include "robot/execution_log.hpp"
+#include "robot/server.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+struct SimArguments {
+  std::string listen = "127.0.0.1:1502", log, machine, time_scale = "1";
+  std::vector<std::string> allow;
+  bool no_equilibrium = false;
+};
+
+double parse_time_scale(const std::string& text) {
+  if (text == "max") return robot::kAsFastAsDataComes;
+  std::size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = 0;
+  }
+  // Above this a tick of 5 ms would be minutes of motion.
+  constexpr double kLargest = 10000;
+  if (used != text.size() || !(value > 0) || value > kLargest) {
+    throw CommandError(Exit::kUsage,
+                       "--time-scale: out of range (" + text + ", above 0 to 10000): use a number or max");
+  }
+  return value;
+}
+
+robot::ControllerOptions controller_options(const SimArguments& arguments) {
+  robot::ControllerOptions options;
+  options.time_scale = parse_time_scale(arguments.time_scale);
+  SettingsSources sources;
+  if (!arguments.machine.empty()) sources.files.emplace_back(arguments.machine);
+  const Settings settings = resolve(sources);
+  options.limits = motion_limits(settings.motion, settings.machine);
+  options.boot_id = std::random_device{}() | 1u;
+  return options;
+}
+
+// Ends the server when the program is told to stop; a signal handler may not.
+class StopWatch {
+ public:
+  explicit StopWatch(robot::ControllerServer& server)
+      : thread_([this, &server] {
+          constexpr auto kLook = std::chrono::milliseconds(20);
+          while (!interrupted() && !done_) std::this_thread::sleep_for(kLook);
+          server.stop();
+        }) {}
+  ~StopWatch() {
+    done_ = true;
+    thread_.join();
+  }
+  StopWatch(const StopWatch&) = delete;
+  StopWatch& operator=(const StopWatch&) = delete;
+
+ private:
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+Exit sim(const SimArguments& arguments, const Console& console) {
+  const robot::ControllerOptions options = controller_options(arguments);
+  const HostPort listen = parse_host_port(arguments.listen, "--listen");
+  robot::ServerOptions server_options;
+  server_options.address = listen.host;
+  server_options.port = listen.port;
+  server_options.allow = arguments.allow;
+  try {
+    std::unique_ptr<robot::ExecutionLog> log;
+    if (!arguments.log.empty())
+      log = std::make_unique<robot::ExecutionLog>(arguments.log, robot::ExecutionLog::Options{});
+    robot::Controller controller(options, log.get());
+    robot::ControllerServer server(server_options, controller);
+    console.note("simulator: nothing moves, and the blade's equilibrium is not checked");
+    std::cout << fmt::format("listening on {}:{}\n", listen.host, server.port()) << std::flush;
+    const StopWatch watch(server);
+    server.run();
+  } catch (const robot::LogError& error) {
+    throw CommandError(Exit::kFile, error.what());
+  } catch (const robot::ServerError& error) {
+    throw CommandError(Exit::kUsage, error.what());
+  }
+  return Exit::kOk;
+}
+
+}  // namespace
+
+void add_sim(CLI::App& app, const Console& console, Action& action) {
+  auto arguments = std::make_shared<SimArguments>();
+  auto* command = app.add_subcommand("sim", "Simulate the cell's controller on Modbus TCP");
+  command->add_option("--listen", arguments->listen, "Where to listen; port 0 takes a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  command->add_option("--log", arguments->log, "Append what is executed to this file")->type_name("FILE");
+  command->add_option("--machine", arguments->machine, "Limits from the [machine] and [motion] of this file")
+      ->type_name("TOML");
+  command
+      ->add_option("--time-scale", arguments->time_scale,
+                   "Speed of the motion clock, or max: as fast as data comes")
+      ->type_name("X|max")
+      ->capture_default_str();
+  command->add_option("--allow", arguments->allow, "A peer that may connect, besides this host")
+      ->type_name("ADDR");
+  command->add_flag("--no-equilibrium", arguments->no_equilibrium,
+                    "Leave out the check of the blade's equilibrium (it is always left out in this version)");
+  command->footer("Ends on Ctrl-C.\nExample: hotblade sim --listen 127.0.0.1:1502 --log execution.jsonl");
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return sim(*arguments, console); };
+  });
+}
+
+}  // namespace hotblade::pipeline
