@@ -231,5 +231,67 @@ TEST_F(CommandLine, ConfigValidateLooksAtEveryFile) {
   EXPECT_EQ(ended.err, bad + ":2: blade.safety (0.5, must be 1 to 10)\n");
 }
 
+// ---- plan ----
+
+// The smallest job that plans: coarse ribs on the sample that plans fastest.
+Words plan_hypar(const std::filesystem::path& directory, const Words& more = {}) {
+  const std::string sample = std::string(HOTBLADE_SOURCE_DIR) + "/samples/hypar";
+  Words args{
+      "plan",  sample + ".obj",        "--config", sample + ".toml",  "--set", "slice.direction=[1, 0, 0]",
+      "--set", "slice.spacing_mm=100", "-o",       directory.string()};
+  args.insert(args.end(), more.begin(), more.end());
+  return args;
+}
+
+TEST_F(CommandLine, PlanLeavesWhatIsThereWithoutForce) {
+  const auto directory = files_ / "cut";
+  std::filesystem::create_directory(directory);
+  write("cut/program.json", "precious");
+  const Ended refused = hotblade(plan_hypar(directory));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(directory.string()), HasSubstr("--force")));
+  EXPECT_EQ(testing::read_bytes(directory / "program.json"), "precious");
+  EXPECT_EQ(testing::files_in(directory), 1u);
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--force"})).code, 0);
+  EXPECT_THAT(testing::read_bytes(directory / "program.json"), StartsWith("{"));
+}
+
+TEST_F(CommandLine, PlanCannotWriteUnderAFile) {
+  write("file", "");
+  const Ended ended = hotblade(plan_hypar(files_ / "file" / "cut"));
+  EXPECT_EQ(ended.code, 7);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("file"), Not(HasSubstr("internal error"))));
+}
+
+TEST_F(CommandLine, PlanProgressIsJsonThatNeverGoesBack) {
+  const Ended ended = hotblade(plan_hypar(files_ / "cut", {"--progress", "json"}));
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, Not(HasSubstr("progress")));
+  std::istringstream lines(ended.err);
+  double before = 0;
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("{")) continue;
+    const double now = nlohmann::json::parse(line).at("progress");
+    EXPECT_GE(now, before);
+    before = now;
+    ++count;
+  }
+  EXPECT_GE(count, 3u);
+  EXPECT_EQ(before, 1.0);
+}
+
+TEST_F(CommandLine, PlanThatIsInterruptedExitsWith130AndLeavesNoProgram) {
+  // Fine ribs: long enough to be caught at work.
+  testing::Program program(
+      plan_hypar(files_ / "cut", {"--set", "slice.spacing_mm=0.5", "--progress", "json"}));
+  constexpr int kPatienceMs = 60000;
+  for (int ms = 0; ms < kPatienceMs && !program.printed_to_stderr("progress"); ++ms) usleep(1000);
+  ::kill(program.pid(), SIGINT);
+  const Ended ended = program.wait();
+  EXPECT_EQ(ended.code, 130) << ended.err;
+  EXPECT_FALSE(std::filesystem::exists(files_ / "cut" / "program.json"));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

@@ -51,6 +51,11 @@ class Program {
 
   [[nodiscard]] pid_t pid() const { return pid_; }
 
+  // Whether the text is on stderr by now.
+  [[nodiscard]] bool printed_to_stderr(const std::string& text) const {
+    return read_bytes(files_ / "err").find(text) != std::string::npos;
+  }
+
   Ended wait() {
     int status = 0;
     while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
