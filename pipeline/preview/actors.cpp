@@ -246,7 +246,7 @@ void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const auto add = [&](const std::vector<Polyline>& lines, const Rgb& color, double width) {
     if (!lines.empty()) add_lines(renderer, *lines_of(lines), color, width * zoom, depth.before());
   };
-  add(scene.ribs, kRibColor, 1.1);
+  add(scene.ribs, kRibColor, 0.9);
   add(scene.blades, kBladeColor, 1.4);
   if (scene.blade_now) add({*scene.blade_now}, kBladeNowColor, 3);
   add_clamps(renderer, scene.clamps_a, scene.clamp_size_mm, kClampAColor);

@@ -49,6 +49,12 @@ class Extent {
     add_all(scene.cut.vertices);
     for (const Polyline& blade : scene.blades) add_all(blade.points);
     if (scene.blade_now) add_all(scene.blade_now->points);
+    for (const std::vector<Pose>* clamps : {&scene.clamps_a, &scene.clamps_b}) {
+      for (const Pose& clamp : *clamps) {
+        add(clamp.p + Eigen::Vector3d::Constant(scene.clamp_size_mm));
+        add(clamp.p - Eigen::Vector3d::Constant(scene.clamp_size_mm));
+      }
+    }
     for (const Stock& stock : scene.stocks) {
       for (int i = 0; i < 8; ++i) {
         add(stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,

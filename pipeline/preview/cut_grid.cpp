@@ -44,19 +44,18 @@ int columns_of(const Strip& strip) {
 
 class GridBuilder {
  public:
-  void add_strip(const Strip& strip, int index, double until_s) {
+  void add_strip(const Strip& strip, int index) {
     strip_ = index;
     columns_ = columns_of(strip);
     Row previous;
     bool joined = false;  // the pose before was in the foam as well
-    for (std::size_t i = 0; i < strip.poses.size() && strip.poses[i].t <= until_s; ++i) {
+    for (std::size_t i = 0; i < strip.poses.size(); ++i) {
       if (!strip.poses[i].foam) {
         joined = false;
         continue;
       }
       Row row = row_of(strip, i, columns_);
-      const bool ends =
-          i + 1 == strip.poses.size() || !strip.poses[i + 1].foam || strip.poses[i + 1].t > until_s;
+      const bool ends = i + 1 == strip.poses.size() || !strip.poses[i + 1].foam;
       if (joined && !ends && largest_move(previous, row) < kRowMm) continue;
       add_row(strip, row, joined ? &previous : nullptr);
       row.starts = !joined;
@@ -104,10 +103,10 @@ class GridBuilder {
 
 }  // namespace
 
-CutGrid cut_grid(const Program& program, const std::vector<int>& strips, double until_s) {
+CutGrid cut_grid(const Program& program) {
   GridBuilder builder;
-  for (std::size_t i = 0; i < strips.size(); ++i) {
-    builder.add_strip(program.strips[static_cast<std::size_t>(strips[i])], static_cast<int>(i), until_s);
+  for (std::size_t i = 0; i < program.strips.size(); ++i) {
+    builder.add_strip(program.strips[i], static_cast<int>(i));
   }
   return builder.take();
 }

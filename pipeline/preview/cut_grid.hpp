@@ -13,8 +13,7 @@ struct CutGrid {
   std::vector<double> curvature_per_mm, margin, feed_mm_s;  // a vertex
 };
 
-// Strips whose index is in `strips`, poses up to `until_s`. Rows closer than a few millimetres are thinned
-// out.
-[[nodiscard]] CutGrid cut_grid(const Program& program, const std::vector<int>& strips, double until_s);
+// Over all strips of the program. Rows closer than a few millimetres are thinned out.
+[[nodiscard]] CutGrid cut_grid(const Program& program);
 
 }  // namespace hotblade::pipeline::preview

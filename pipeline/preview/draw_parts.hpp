@@ -18,7 +18,7 @@ constexpr Rgb kInk{0.13, 0.15, 0.18};
 constexpr Rgb kGoodColor{0.07, 0.45, 0.22};
 constexpr Rgb kBadColor{0.75, 0.08, 0.08};
 constexpr Rgb kDesignColor{0.78, 0.79, 0.80};
-constexpr Rgb kRibColor{0.16, 0.19, 0.24};
+constexpr Rgb kRibColor{0.42, 0.45, 0.50};
 constexpr Rgb kBladeColor{0.20, 0.42, 0.62};
 constexpr Rgb kBladeNowColor{0.85, 0.10, 0.10};
 constexpr Rgb kClampAColor{0.10, 0.55, 0.30};

@@ -189,7 +189,7 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double 
 
 Margins overlay_margins(PictureSize size) {
   const double scale = overlay_scale(size);
-  return {290 * scale, 160 * scale, 24 * scale, 24 * scale};
+  return {290 * scale, 190 * scale, 24 * scale, 24 * scale};
 }
 
 void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom) {

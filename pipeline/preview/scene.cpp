@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "pipeline/command_error.hpp"
 #include "pipeline/preview/cut_grid.hpp"
+#include "pipeline/preview/ghosts.hpp"
+#include "pipeline/swept_surface.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -19,9 +20,6 @@ constexpr std::array<std::pair<Color, const char*>, 5> kColors{{{Color::kDeviati
                                                                 {Color::kCurvature, "curvature"},
                                                                 {Color::kMargin, "margin"},
                                                                 {Color::kFeed, "feed"}}};
-// Ghosts of the blade a strip: enough to read the motion, few enough to see the surface between them.
-constexpr int kGhosts = 8;
-constexpr int kLinePoints = 161;  // a blade of 1500 mm in steps under 10 mm
 
 std::vector<int> chosen_strips(const Program& program, const SceneOptions& options) {
   std::vector<int> chosen;
@@ -40,22 +38,6 @@ std::vector<int> chosen_strips(const Program& program, const SceneOptions& optio
   return chosen;
 }
 
-Polyline line_of(const Frame& frame, const elastica::Elastica& curve) {
-  Polyline line;
-  for (const auto& point : elastica::sample(curve, kLinePoints))
-    line.points.push_back(frame.point(point.x, point.y));
-  return line;
-}
-
-// The blade from either clamp to the foam: within the foam the cut surface shows where it was.
-void add_ghost(Scene& scene, const BladePose& pose) {
-  const auto [s0, s1] = *pose.foam;
-  scene.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, 0, s0)));
-  scene.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, s1, pose.blade.length)));
-  scene.clamps_a.push_back(pose.a);
-  scene.clamps_b.push_back(pose.b);
-}
-
 void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   const double end = strip.poses.back().t;
   if (!(at_s >= strip.poses.front().t && at_s <= end)) {
@@ -71,35 +53,10 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, pose.phase);
 }
 
-// Ghosts at even steps of the blade's middle through the foam, the first and the last pose in it included.
-void add_ghosts(Scene& scene, const Strip& strip) {
-  std::vector<const BladePose*> cutting;
-  std::vector<double> way{0};
-  for (const BladePose& pose : strip.poses) {
-    if (!pose.foam) continue;
-    if (!cutting.empty())
-      way.push_back(way.back() +
-                    (pose.a.p + pose.b.p - cutting.back()->a.p - cutting.back()->b.p).norm() / 2);
-    cutting.push_back(&pose);
-  }
-  if (cutting.empty()) return;
-  for (int ghost = 0; ghost < kGhosts; ++ghost) {
-    const double goal = way.back() * ghost / (kGhosts - 1);
-    const auto found = std::lower_bound(way.begin(), way.end(), goal) - way.begin();
-    const BladePose& pose = *cutting[std::min(static_cast<std::size_t>(found), cutting.size() - 1)];
-    add_ghost(scene, pose);
-  }
-  scene.blade_note = fmt::format("blade every {:.0f} mm", way.back() / (kGhosts - 1));
-}
-
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
   for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica));
   scene.stocks.push_back(strip.stock);
-  if (options.at_s) {
-    add_blade_at(scene, strip, *options.at_s);
-  } else {
-    add_ghosts(scene, strip);
-  }
+  if (options.at_s) add_blade_at(scene, strip, *options.at_s);
 }
 
 // A round number at or above x: 1, 1.5, 2, 3, 5 or 7.5 times a power of ten.
@@ -126,39 +83,52 @@ ColorScale sequential_scale(const std::string& title, const std::vector<double>&
   return {title, *low, top, std::nullopt};
 }
 
-void color_by(Scene& scene, Color color, CutGrid& grid, const Program& program,
-              const surface::DesignSurface* design) {
-  if (scene.cut.vertices.empty() || color == Color::kStrip) return;
-  switch (color) {
-    case Color::kDeviation:
-      scene.cut.values = signed_deviation_mm(design->mesh, program.design.keep, scene.cut.vertices);
-      scene.scale = deviation_scale(scene.cut.values, program.verification.tolerance_mm);
-      return;
-    case Color::kCurvature:
-      scene.cut.values = std::move(grid.curvature_per_mm);
-      scene.scale = sequential_scale("blade curvature, 1/mm", scene.cut.values);
-      return;
-    case Color::kMargin:
-      scene.cut.values = std::move(grid.margin);
-      scene.scale = sequential_scale("stability margin", scene.cut.values);
-      return;
-    case Color::kFeed:
-      scene.cut.values = std::move(grid.feed_mm_s);
-      scene.scale = sequential_scale("feed, mm/s", scene.cut.values);
-      return;
-    case Color::kStrip:
-      return;
+// The chosen strips, their poses up to the time to be shown.
+Program shown_part(const Program& program, const std::vector<int>& strips, const SceneOptions& options) {
+  Program part;
+  part.design = program.design;
+  part.blade = program.blade;
+  for (const int index : strips) {
+    Strip& strip = part.strips.emplace_back(program.strips[static_cast<std::size_t>(index)]);
+    if (options.at_s)
+      std::erase_if(strip.poses, [&](const BladePose& pose) { return pose.t > *options.at_s; });
   }
+  return part;
 }
 
-Eigen::Vector3d mean_waste_direction(const CutSurface& cut, const std::string& keep) {
+// The cut, coloured by strip or by its deviation: measured on the kept foam, at the edge of the melted band.
+void add_kept_surface(Scene& scene, Color color, SweptSurface&& swept, const Program& program,
+                      const surface::DesignSurface* design) {
+  scene.cut = {std::move(swept.vertices), std::move(swept.triangles), std::move(swept.strip_of_vertex), {}};
+  if (color != Color::kDeviation || scene.cut.vertices.empty()) return;
+  scene.cut.values = signed_deviation_mm(design->mesh, program.design.keep, scene.cut.vertices);
+  scene.scale = deviation_scale(scene.cut.values, program.verification.tolerance_mm);
+}
+
+// The cut, coloured by what the blade does there: shown at the blade's centre.
+void add_blade_surface(Scene& scene, Color color, CutGrid&& grid) {
+  scene.cut = std::move(grid.surface);
+  if (scene.cut.vertices.empty()) return;
+  const auto colored = [&](std::vector<double>&& values, const char* title) {
+    scene.cut.values = std::move(values);
+    scene.scale = sequential_scale(title, scene.cut.values);
+  };
+  if (color == Color::kCurvature) colored(std::move(grid.curvature_per_mm), "blade curvature, 1/mm");
+  if (color == Color::kMargin) colored(std::move(grid.margin), "stability margin");
+  if (color == Color::kFeed) colored(std::move(grid.feed_mm_s), "feed, mm/s");
+}
+
+Eigen::Vector3d mean_direction(const std::vector<Eigen::Vector3d>& normals) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  const auto at = [&](int i) -> const Eigen::Vector3d& { return cut.vertices[static_cast<std::size_t>(i)]; };
-  for (const auto& [a, b, c] : cut.triangles) sum += (at(b) - at(a)).cross(at(c) - at(a));
-  if (sum.norm() == 0) return sum;
-  sum.normalize();
-  if (keep == "above") return sum.z() > 0 ? Eigen::Vector3d(-sum) : sum;
-  return sum.z() < 0 ? Eigen::Vector3d(-sum) : sum;
+  for (const Eigen::Vector3d& normal : normals) sum += normal;
+  return sum.norm() > 0 ? sum.normalized() : sum;
+}
+
+// Grid step of the cut: what can be told apart in a picture, and no finer than the kept surface is worth.
+double sample_mm(const Program& program) {
+  constexpr double kFinest = 2.5, kStepsAcross = 400;
+  const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];
+  return std::max(kFinest, size.norm() / kStepsAcross);
 }
 
 std::string duration_text(double seconds) {
@@ -220,13 +190,18 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   const std::vector<int> strips = chosen_strips(program, options);
   Scene scene;
   for (const int index : strips) add_strip(scene, program.strips[static_cast<std::size_t>(index)], options);
-  CutGrid grid = cut_grid(program, strips, options.at_s.value_or(std::numeric_limits<double>::infinity()));
-  scene.cut = std::move(grid.surface);
+  const Program part = shown_part(program, strips, options);
+  SweptSurface swept = swept_surface(part, sample_mm(program));
+  scene.waste_direction = mean_direction(swept.normals);
+  if (color == Color::kDeviation || color == Color::kStrip) {
+    add_kept_surface(scene, color, std::move(swept), program, design);
+  } else {
+    add_blade_surface(scene, color, cut_grid(part));
+  }
   scene.clamp_size_mm = 2 * program.blade.width_mm;
-  color_by(scene, color, grid, program, design);
   if (design) scene.design = design->mesh;
-  scene.waste_direction = mean_waste_direction(scene.cut, program.design.keep);
   add_caption(scene, program, strips, design != nullptr);
+  if (!options.at_s) add_ghosts(scene, part);
   return scene;
 }
 

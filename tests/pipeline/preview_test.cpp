@@ -106,10 +106,10 @@ double share_beyond(const Scene& scene) {
 
 TEST(PngOf, TurnsDarkWhereTheToleranceIsPassed) {
   const auto design = vault_design(1);
-  const Program good = vault_program({.half_band_mm = 0, .bulge_mm = 0.4});
-  const Program bad = vault_program({.half_band_mm = 0, .bulge_mm = 2});
+  const Program good = vault_program({.bulge_mm = 0.4});
+  const Program bad = vault_program({.bulge_mm = 2});
   EXPECT_LT(share_beyond(scene_of(good, &design, {})), 0.01);  // the key's lower end alone
-  EXPECT_GT(share_beyond(scene_of(bad, &design, {})), 0.05);
+  EXPECT_GT(share_beyond(scene_of(bad, &design, {})), 0.03);  // the middle of the surface
 }
 
 TEST(SceneOf, ColoursByDeviationOnlyWithADesignAndSaysSo) {
@@ -125,7 +125,7 @@ TEST(SceneOf, ColoursByDeviationOnlyWithADesignAndSaysSo) {
 
 TEST(SceneOf, MeasuresTheBulgeOfTheCut) {
   const auto design = vault_design(1);
-  const Program program = vault_program({.poses = 201, .half_band_mm = 0, .bulge_mm = 1.4});
+  const Program program = vault_program({.poses = 201, .bulge_mm = 1.4});
   const Scene scene = scene_of(program, &design, {});
   const auto [low, high] = std::minmax_element(scene.cut.values.begin(), scene.cut.values.end());
   const double facets = 0.06;  // sagitta of the design's facets, R (1 - cos(half angle / 24))
@@ -141,7 +141,7 @@ TEST(SceneOf, ShowsWhatIsCutUpToATime) {
   const Scene scene = scene_of(program, nullptr, options);
   double furthest = 0;
   for (const auto& vertex : scene.cut.vertices) furthest = std::max(furthest, vertex.y());
-  EXPECT_NEAR(furthest, program.strips[1].poses[50].frame.origin.y(), 1e-9);
+  EXPECT_NEAR(furthest, program.strips[1].poses[50].frame.origin.y(), 1e-3);
   ASSERT_TRUE(scene.blade_now);
   EXPECT_LT((scene.blade_now->points.front() - program.strips[1].poses[50].a.p).norm(), 1e-6);
   EXPECT_LT((scene.blade_now->points.back() - program.strips[1].poses[50].b.p).norm(), 1e-6);
@@ -156,6 +156,25 @@ TEST(SceneOf, GhostsRunFromTheClampsToTheFoam) {
     EXPECT_LT((scene.blades[2 * i].points.front() - scene.clamps_a[i].p).norm(), 1e-6);
     EXPECT_LT((scene.blades[2 * i + 1].points.back() - scene.clamps_b[i].p).norm(), 1e-6);
   }
+}
+
+TEST(SceneOf, LeavesOutBladeEndsOverAnotherStrip) {
+  Program program = vault_program();
+  const Scene alone = scene_of(program, nullptr, {});
+  // The same strip again, beside the first along the blade: clamps B of the first lie over the second.
+  Strip beside = program.strips[0];
+  beside.id = "S002";
+  const Eigen::Vector3d step(312, 0, 0);  // as wide as the vault
+  for (BladePose& pose : beside.poses) {
+    for (Eigen::Vector3d* point : {&pose.frame.origin, &pose.a.p, &pose.b.p}) *point += step;
+  }
+  program.strips.push_back(beside);
+  const Scene both = scene_of(program, nullptr, {});
+  EXPECT_EQ(both.clamps_a.size(), alone.clamps_a.size());
+  EXPECT_EQ(both.clamps_b.size(), alone.clamps_b.size());
+  for (const Pose& clamp : both.clamps_a) EXPECT_LT(clamp.p.x(), 0);
+  for (const Pose& clamp : both.clamps_b) EXPECT_GT(clamp.p.x(), step.x());
+  EXPECT_THAT(both.caption, ::testing::Contains(::testing::HasSubstr("left out")));
 }
 
 TEST(SceneOf, MeasuresFeedAndCurvature) {
