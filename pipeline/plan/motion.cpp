@@ -32,12 +32,56 @@ PathSample path_sample(const BladeShape& shape, const StripPlan& strip) {
   return sample;
 }
 
+Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
+  Eigen::Quaterniond d = q.q * p.q.conjugate();
+  if (d.w() < 0) d.coeffs() = -d.coeffs();
+  return 2 / dt * d.vec();  // the angle between waypoints is far below a degree: sine and angle agree to 1e-6
+}
+
+// Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even step.
+double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripPlan& strip,
+                        const MotionSettings& limits) {
+  std::vector<ClampPair> pairs(law.sigma.size());
+  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
+    const BladeShape shape = stretch.at(law.sigma[i]);
+    pairs[i] = clamps(shape.blade, strip.plane(shape.offset_mm));
+  });
+  double use = 0;
+  for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
+    Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+    for (std::size_t i = 1; i <= pairs.size(); ++i) {
+      // Behind the last waypoint the clamps stand still.
+      const Pose& p = pairs[i - 1].*clamp;
+      const Pose& q = pairs[std::min(i, pairs.size() - 1)].*clamp;
+      const Eigen::Vector3d v1 = (q.p - p.p) / law.step_s, w1 = turn_rate(p, q, law.step_s);
+      use = std::max({use, (v1 - v).norm() / law.step_s / limits.accel_mm_s2,
+                      (w1 - w).norm() / law.step_s / limits.angular_accel_rad_s2});
+      v = v1;
+      w = w1;
+    }
+  }
+  return use;
+}
+
+// The fastest law whose waypoints, too, keep to the acceleration limits: where a path bends faster than its samples
+// show, the limits given to the law are lowered and it is made again.
 TimeLaw law_of(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
   std::vector<PathSample> samples(static_cast<std::size_t>(stretch.samples) + 1);
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
     samples[i] = path_sample(stretch.at(static_cast<double>(i) / stretch.samples), strip);
   });
-  return fastest_time_law(samples, settings.motion);
+  MotionSettings limits = settings.motion;
+  constexpr int kTries = 4;
+  constexpr double kUse = 0.95;
+  TimeLaw law = fastest_time_law(samples, limits);
+  for (int i = 0; i < kTries && law.duration_s > 0; ++i) {
+    const double use = acceleration_use(stretch, law, strip, settings.motion);
+    if (use <= kUse) break;
+    limits.accel_mm_s2 *= kUse / use;
+    limits.angular_accel_rad_s2 *= kUse / use;
+    law = fastest_time_law(samples, limits);
+  }
+  return law;
 }
 
 // The phase of a place in the cutting stretch.
@@ -116,12 +160,6 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
 struct Measured {
   double speed = 0, accel = 0, turn = 0, turn_accel = 0, outside = 0, lowest = 1e300;
 };
-
-Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
-  Eigen::Quaterniond d = q.q * p.q.conjugate();
-  if (d.w() < 0) d.coeffs() = -d.coeffs();
-  return 2 / dt * d.vec();  // the angle between waypoints is far below a degree: sine and angle agree to 1e-6
-}
 
 // Limits measured again from the finished waypoints, in the cell frame, by differences in time.
 Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,

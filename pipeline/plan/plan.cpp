@@ -212,7 +212,8 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   check_interrupt(hooks);
   result.spacing_mm = settings.slice.spacing_mm;
   plan_once(design, settings, hooks, watch, result);
-  while (result.refinements < kMaxRefinements && !result.program.strips.empty() &&
+  // Closer ribs help only against what happens between ribs.
+  while (result.refinements < kMaxRefinements && result.refusals.empty() && !result.program.strips.empty() &&
          result.verification.deviation.max > settings.design.tolerance_mm) {
     ++result.refinements;
     result.spacing_mm /= 2;

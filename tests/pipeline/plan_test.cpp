@@ -1,0 +1,122 @@
+#include "pipeline/plan/plan.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/emit.hpp"
+#include "pipeline/plan/budget.hpp"
+#include "plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+struct Sample {
+  const char* name;
+  std::size_t most_strips;
+  double most_mm;
+};
+
+class PlanSample : public testing::TestWithParam<Sample> {};
+
+PlanResult plan_sample(const std::string& name) {
+  const std::string base = std::string(HOTBLADE_SOURCE_DIR) + "/samples/" + name;
+  const Settings settings = resolve({{base + ".toml"}, {}, {}});
+  return plan(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings, {});
+}
+
+TEST_P(PlanSample, IsCutWithinItsTolerance) {
+  const PlanResult result = plan_sample(GetParam().name);
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_LE(result.verification.deviation.max, GetParam().most_mm);
+  EXPECT_LT(result.verification.uncut_share(), 0.001);
+  EXPECT_LE(result.strips.size(), GetParam().most_strips);
+  for (const StripFacts& f : result.strips) {
+    EXPECT_GE(f.smallest_radius_mm, 1 / result.program.blade.max_curvature_per_mm);
+    EXPECT_GT(f.smallest_margin, 1);
+    EXPECT_GE(f.clamp_clearance_mm, 40);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PlanSample,
+                         testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
+                                         Sample{"hypar", 1, 0.3}, Sample{"bump", 4, 0.7}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
+  std::string texts[2];
+  for (const std::size_t threads : {1u, 2u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    texts[threads - 1] = to_json(plan(cylinder_design(), along_x(), {}).program);
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
+  const auto pipe = grid_design("pipe", 4, 60, [](double u, double v) {
+    const double phi = 2.0 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 50 * std::sin(phi), 50 * std::cos(phi));
+  });
+  const PlanResult result = plan(pipe, along_x(), {});
+  EXPECT_EQ(result.program.verification.status, "refused");
+  ASSERT_FALSE(result.refusals.empty());
+  const std::string message = describe(result.refusals.front());
+  EXPECT_NE(message.find("radius of a rib"), std::string::npos) << message;
+  EXPECT_NEAR(result.refusals.front().value, 50.5, 2);
+  EXPECT_NEAR(result.refusals.front().bound, 70.5, 0.1);
+}
+
+TEST(Plan, RefusesAnUncutShareOverTheLimitByName) {
+  // A step down that no rib across it reaches: the riser stands square to the sweep.
+  const auto step = grid_design("step", 3, 12, [](double u, double v) {
+    const double x[] = {0, 200, 200, 400}, z[] = {0, 0, -120, -120};
+    const auto i = static_cast<std::size_t>(std::lround(3 * u));
+    return Eigen::Vector3d(x[i], 300 * v, z[i]);
+  });
+  const PlanResult result = plan(step, along_x(), {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("uncut share") != std::string::npos;
+  });
+  EXPECT_TRUE(named);
+}
+
+TEST(Plan, FindsTheSameCutInADesignTurnedUpsideDownAndKeptAbove) {
+  Settings settings = along_x();
+  const PlanResult below = plan(cylinder_design(), settings, {});
+  settings.design.keep = "above";
+  const auto turned = grid_design("turned", 4, 120, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 400 * std::sin(phi), -400 * std::cos(phi));
+  });
+  const PlanResult above = plan(turned, settings, {});
+  ASSERT_EQ(above.strips.size(), below.strips.size());
+  EXPECT_NEAR(above.verification.deviation.max, below.verification.deviation.max, 1e-6);
+  EXPECT_NEAR(above.strips[0].smallest_margin, below.strips[0].smallest_margin, 1e-3);
+  EXPECT_EQ(above.strips[0].blade_length_mm, below.strips[0].blade_length_mm);
+}
+
+TEST(DroopMm, MatchesTheMathsExample) {
+  // 8 x 0.5 mm spring steel over 1000 mm: about 0.2 mm.
+  EXPECT_NEAR(droop_mm(BladeSettings{}, 1000), 0.199, 0.01);
+}
+
+TEST(MeshChordMm, OfACylinderIsItsSagitta) {
+  const double step = 0.6 / 60;
+  EXPECT_NEAR(mesh_chord_mm(cylinder_design(60).mesh), 400 * (1 - std::cos(step / 2)), 0.2 * 400 * step * step / 8);
+}
+
+TEST(ReportJson, SaysTheVerdictTheBudgetAndWhatWasNotChecked) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const auto report = nlohmann::json::parse(report_json(result));
+  EXPECT_EQ(report["status"], "passed");
+  EXPECT_EQ(report["strips"].size(), result.strips.size());
+  EXPECT_GT(report["not_checked"].size(), 3u);
+  EXPECT_GT(report["budget_mm"].size(), 4u);
+  EXPECT_EQ(report["directions"].size(), 1u);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

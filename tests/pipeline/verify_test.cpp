@@ -1,0 +1,80 @@
+#include "pipeline/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/swept_surface.hpp"
+#include "plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+const PlanResult& cylinder_plan() {
+  static const PlanResult result = plan(cylinder_design(), along_x(), {});
+  return result;
+}
+
+TEST(SweptSurface, OfACylinderPlanIsTheCylinder) {
+  const SweptSurface cut = swept_surface(cylinder_plan().program);
+  ASSERT_GT(cut.vertices.size(), 1000u);
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    const Eigen::Vector3d& p = cut.vertices[i];
+    // The mesh's chords lie 1e-3 mm under the cylinder.
+    EXPECT_NEAR(std::hypot(p.y(), p.z()), 400, 0.01);
+    EXPECT_NEAR(cut.normals[i].dot(Eigen::Vector3d(0, p.y(), p.z()) / 400), 1, 1e-3);
+  }
+}
+
+TEST(SweptSurface, FacesTheWaste) {
+  const SweptSurface cut = swept_surface(cylinder_plan().program);
+  for (const auto& t : cut.triangles) {
+    const auto at = [&](std::size_t i) { return cut.vertices[static_cast<std::size_t>(t[i])]; };
+    EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).dot(cut.normals[static_cast<std::size_t>(t[0])]), 0);
+  }
+}
+
+TEST(Verify, MeasuresADesignMovedAway) {
+  for (const double by : {0.2, 0.7, 1.4}) {
+    surface::DesignSurface moved = cylinder_design();
+    for (Eigen::Vector3d& p : moved.mesh.vertices) p *= (400 + by) / 400;
+    const VerifyReport report = verify(cylinder_plan().program, moved, {});
+    EXPECT_NEAR(report.deviation.max, by, 0.03);
+    EXPECT_NEAR(report.deviation.p99, by, 0.03);
+    EXPECT_EQ(report.within_tolerance, by < 1);
+  }
+}
+
+TEST(Verify, MeasuresADentWhereItIs) {
+  surface::DesignSurface dented = cylinder_design();
+  auto& mesh = dented.mesh;
+  const Eigen::Vector3d place(150, 0, 400);
+  for (Eigen::Vector3d& p : mesh.vertices) {
+    if ((p - place).norm() < 8) p.z() -= 1.7;
+  }
+  const VerifyReport report = verify(cylinder_plan().program, dented, {});
+  EXPECT_NEAR(report.deviation.max, 1.7, 0.1);
+  EXPECT_LT(std::abs(report.deviation.at.x() - 150), 90);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+TEST(Verify, CountsWhatNoStripReachesAsUncutArea) {
+  // Half as long again: the last 150 mm are not cut, but for the reach of three tolerances.
+  const surface::DesignSurface longer = grid_design("longer", 45, 120, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(450 * u, 400 * std::sin(phi), 400 * std::cos(phi));
+  });
+  const VerifyReport report = verify(cylinder_plan().program, longer, {});
+  EXPECT_NEAR(report.uncut_share(), (450 - 300 - 3.0) / 450, 0.003);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+TEST(Verify, OfAProgramWithoutStripsLeavesEverythingUncut) {
+  const VerifyReport report = verify(Program{}, cylinder_design(), {});
+  EXPECT_EQ(report.uncut_share(), 1);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
