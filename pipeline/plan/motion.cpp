@@ -38,7 +38,8 @@ Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
   return 2 / dt * d.vec();  // the angle between waypoints is far below a degree: sine and angle agree to 1e-6
 }
 
-// Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even step.
+// Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even
+// step.
 double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripPlan& strip,
                         const MotionSettings& limits) {
   std::vector<ClampPair> pairs(law.sigma.size());
@@ -63,8 +64,8 @@ double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripP
   return use;
 }
 
-// The fastest law whose waypoints, too, keep to the acceleration limits: where a path bends faster than its samples
-// show, the limits given to the law are lowered and it is made again.
+// The fastest law whose waypoints, too, keep to the acceleration limits: where a path bends faster than its
+// samples show, the limits given to the law are lowered and it is made again.
 TimeLaw law_of(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
   std::vector<PathSample> samples(static_cast<std::size_t>(stretch.samples) + 1);
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {

@@ -31,7 +31,9 @@ const Planned& planned() {
   return p;
 }
 
-Eigen::Vector3d axis(const Pose& pose, int i) { return pose.q.toRotationMatrix().col(i); }
+Eigen::Vector3d axis(const Pose& pose, int i) {
+  return pose.q.toRotationMatrix().col(i);
+}
 
 TEST(MoveBlade, KeepsEveryLimitByIndependentDifferences) {
   const MotionSettings limits;
@@ -57,7 +59,8 @@ TEST(MoveBlade, ClampsSitOnTheBladesEndsWithItsTangents) {
     const auto ends = elastica::sample(pose.blade, 2);
     for (const auto& [clamp, point] : {std::pair{pose.a, ends[0]}, std::pair{pose.b, ends[1]}}) {
       EXPECT_LT((clamp.p - pose.frame.point(point.x, point.y)).norm(), 1e-9);
-      const Eigen::Vector3d tangent = std::cos(point.theta) * pose.frame.x + std::sin(point.theta) * pose.frame.y;
+      const Eigen::Vector3d tangent =
+          std::cos(point.theta) * pose.frame.x + std::sin(point.theta) * pose.frame.y;
       EXPECT_LT((axis(clamp, 0) - tangent).norm(), 1e-9);
       EXPECT_LT((axis(clamp, 2) - pose.frame.normal()).norm(), 1e-9);
     }
@@ -86,7 +89,8 @@ TEST(MoveBlade, RunsThroughThePhasesInOrderAndHeatsOnlyWhenNeeded) {
     EXPECT_EQ(pose.heat, hot.count(pose.phase) > 0) << pose.phase;
     EXPECT_EQ(pose.foam.has_value(), pose.phase == "cut");
   }
-  EXPECT_EQ(phases, (std::vector<std::string>{"form", "preheat", "approach", "lead_in", "cut", "lead_out", "retract"}));
+  EXPECT_EQ(phases, (std::vector<std::string>{"form", "preheat", "approach", "lead_in", "cut", "lead_out",
+                                              "retract"}));
 }
 
 TEST(MoveBlade, StaysOnOneStableBranch) {
@@ -112,8 +116,8 @@ TEST(LayOutStrips, PutsTheBlockOnThePlinthAboveTheTableCentred) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d size = strip.stock.size_mm;
-    const Eigen::Vector3d p = strip.stock.frame.point((corner & 1) ? size.x() : 0, (corner & 2) ? size.y() : 0,
-                                                      (corner & 4) ? size.z() : 0);
+    const Eigen::Vector3d p = strip.stock.frame.point(
+        (corner & 1) ? size.x() : 0, (corner & 2) ? size.y() : 0, (corner & 4) ? size.z() : 0);
     const Pose cell = transformed(strip.design_to_cell, {p, Eigen::Quaterniond::Identity()});
     low = low.cwiseMin(cell.p);
     high = high.cwiseMax(cell.p);

@@ -44,7 +44,9 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
 INSTANTIATE_TEST_SUITE_P(All, PlanSample,
                          testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
                                          Sample{"hypar", 1, 0.3}, Sample{"bump", 4, 0.7}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const testing::TestParamInfo<Sample>& sample) {
+                           return std::string(sample.param.name);
+                         });
 
 TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
   std::string texts[2];
@@ -105,7 +107,8 @@ TEST(DroopMm, MatchesTheMathsExample) {
 
 TEST(MeshChordMm, OfACylinderIsItsSagitta) {
   const double step = 0.6 / 60;
-  EXPECT_NEAR(mesh_chord_mm(cylinder_design(60).mesh), 400 * (1 - std::cos(step / 2)), 0.2 * 400 * step * step / 8);
+  EXPECT_NEAR(mesh_chord_mm(cylinder_design(60).mesh), 400 * (1 - std::cos(step / 2)),
+              0.2 * 400 * step * step / 8);
 }
 
 TEST(ReportJson, SaysTheVerdictTheBudgetAndWhatWasNotChecked) {

@@ -51,7 +51,8 @@ TEST(MakeTargets, PutsTheWasteWhereKeepSays) {
 }
 
 TEST(MakeTargets, RefusesKeepBelowOnAnUprightWall) {
-  const auto wall = grid_design("wall", 8, 8, [](double u, double v) { return Eigen::Vector3d(300 * u, 0, 400 * v); });
+  const auto wall =
+      grid_design("wall", 8, 8, [](double u, double v) { return Eigen::Vector3d(300 * u, 0, 400 * v); });
   const TargetReport report = targets_of(wall, along_x());
   EXPECT_TRUE(report.chains.empty());
   ASSERT_EQ(report.refusals.size(), 1u);

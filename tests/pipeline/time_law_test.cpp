@@ -19,8 +19,12 @@ std::vector<PathSample> path(int n, const std::function<Eigen::Vector3d(double)>
   return samples;
 }
 
-Eigen::Vector3d line(double u) { return {300 * u, 0, 0}; }
-Eigen::Vector3d wave(double u) { return {300 * u, 20 * std::sin(12 * u), 0}; }
+Eigen::Vector3d line(double u) {
+  return {300 * u, 0, 0};
+}
+Eigen::Vector3d wave(double u) {
+  return {300 * u, 20 * std::sin(12 * u), 0};
+}
 
 TEST(FastestTimeLaw, TakesTheTrapezoidsTimeOnALine) {
   MotionSettings limits;
@@ -62,7 +66,9 @@ TEST(FastestTimeLaw, WaypointsKeepSpeedAndAccelerationOnACurvedPath) {
 }
 
 TEST(FastestTimeLaw, OfAPathThatStandsStillTakesNoTime) {
-  const TimeLaw law = fastest_time_law(path(10, [](double) { return Eigen::Vector3d(1, 2, 3); }, false), {});
+  const TimeLaw law = fastest_time_law(path(
+                                           10, [](double) { return Eigen::Vector3d(1, 2, 3); }, false),
+                                       {});
   EXPECT_EQ(law.duration_s, 0);
 }
 

@@ -40,8 +40,10 @@ TEST(Verify, MeasuresADesignMovedAway) {
     surface::DesignSurface moved = cylinder_design();
     for (Eigen::Vector3d& p : moved.mesh.vertices) p *= (400 + by) / 400;
     const VerifyReport report = verify(cylinder_plan().program, moved, {});
-    EXPECT_NEAR(report.deviation.max, by, 0.03);
     EXPECT_NEAR(report.deviation.p99, by, 0.03);
+    // At the straight edges the scaled design also moves sideways, by 0.3 of the shift.
+    EXPECT_GT(report.deviation.max, by - 0.03);
+    EXPECT_LT(report.deviation.max, std::hypot(by, 0.3 * by) + 0.06);
     EXPECT_EQ(report.within_tolerance, by < 1);
   }
 }
