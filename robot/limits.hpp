@@ -19,9 +19,10 @@ struct MotionLimits {
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
   Eigen::Vector3d envelope_min_mm{-2000, -2000, 0}, envelope_max_mm{2000, 2000, 3000};
   std::uint32_t min_dt_us = 5000;
-  // The chord stays below blade length * (1 - slack): a nearly straight blade has no defined side to bend to.
-  // Flat arcs of 0.10 rad leave 1.7e-3, so 5e-4 refuses nothing that may be commanded.
-  double chord_slack = 5e-4;
+  // The chord stays below blade length * (1 - slack): a blade does not stretch. This is a matter of existence only,
+  // so the slack is what rounding to registers can take away (1.7 um, on blades of about a metre); how close to
+  // straight a blade may safely come depends on its end tangents and is a matter of its equilibrium.
+  double chord_slack = 2e-6;
 };
 
 // Which limit a waypoint broke; the number stands in STATUS as the fault detail.

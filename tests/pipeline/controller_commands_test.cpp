@@ -14,6 +14,7 @@
 #include "tests/pipeline/motion_program.hpp"
 #include "tests/pipeline/run_program.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
+#include "tests/robot/fault_proxy.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -156,6 +157,26 @@ TEST_F(ControllerCommands, RunStreamsEveryStripAndEndsIdle) {
   expect_log_holds();
 }
 
+TEST_F(ControllerCommands, RunThroughTwentyCutsExecutesEverythingOnce) {
+  using robot::testing::LinkFault;
+  write(testing::motion_program(2, 1000));
+  simulate("max");
+  const auto sim_port = port_;
+  {
+    const robot::testing::FaultProxy proxy(sim_port,
+                                           {LinkFault::kCutBefore, LinkFault::kCutWithinRequest,
+                                            LinkFault::kCutAfter, LinkFault::kCutWithinAnswer},
+                                           20, 10, 3);
+    port_ = proxy.port();
+    const Ended ended = hotblade(run_arguments());
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(proxy.faults_done(), 20);
+  }
+  port_ = sim_port;
+  stop_sim();
+  expect_log_holds();
+}
+
 TEST_F(ControllerCommands, AKilledRunIsResumedInItsStrip) {
   write(testing::motion_program(2, 200));
   simulate("8");
@@ -193,6 +214,23 @@ TEST_F(ControllerCommands, CtrlCHoldsAndSaysHowToGoOn) {
   stop_sim();
   expect_log_holds();
 }
+
+class DryrunOfASample : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(DryrunOfASample, ExecutesWhatWasPlanned) {
+  const testing::TemporaryDirectory directory;
+  const std::string sample = std::string(HOTBLADE_SOURCE_DIR) + "/samples/" + GetParam();
+  const std::string out = (directory / "out").string();
+  const Ended planned = hotblade({"plan", sample + ".obj", "--config", sample + ".toml", "-o", out});
+  ASSERT_EQ(planned.code, 0) << planned.err;
+  const Ended ended = hotblade({"dryrun", out + "/program.json", "--design", sample + ".obj"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, ::testing::AllOf(HasSubstr("equal"), ::testing::Not(HasSubstr("DIFFER"))));
+}
+
+INSTANTIATE_TEST_SUITE_P(Samples, DryrunOfASample,
+                         ::testing::Values("barrel_vault", "bump", "hypar", "s_wall"),
+                         [](const auto& sample) { return std::string(sample.param); });
 
 // What a program of another maker prints and how it ends.
 Ended shell(const std::string& command) {
