@@ -92,7 +92,9 @@ LimitCode LimitChecker::check_place(const Waypoint& w) const {
            (p.array() <= limits_.envelope_max_mm.array()).all();
   };
   if (!inside(w.a.p) || !inside(w.b.p)) return LimitCode::kEnvelope;
-  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack)) return LimitCode::kChord;
+  // Two clamps rounded to whole micrometres on three axes move apart by at most sqrt(3) um.
+  constexpr double kRounding_mm = 2e-3;
+  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm) return LimitCode::kChord;
   return LimitCode::kNone;
 }
 

@@ -19,10 +19,9 @@ struct MotionLimits {
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
   Eigen::Vector3d envelope_min_mm{-2000, -2000, 0}, envelope_max_mm{2000, 2000, 3000};
   std::uint32_t min_dt_us = 5000;
-  // The chord stays below blade length * (1 - slack): a blade does not stretch. This is a matter of existence only,
-  // so the slack is what rounding to registers can take away (1.7 um, on blades of about a metre); how close to
-  // straight a blade may safely come depends on its end tangents and is a matter of its equilibrium.
-  double chord_slack = 2e-6;
+  // The chord stays within blade length * (1 - slack), give or take the registers' rounding. None is asked for by
+  // default: ruled surfaces are cut with a straight blade, whose chord is its length.
+  double chord_slack = 0;
 };
 
 // Which limit a waypoint broke; the number stands in STATUS as the fault detail.
