@@ -105,7 +105,7 @@ TEST(LimitChecker, EveryLimitIsNamed) {
       {"below the table", LimitCode::kEnvelope, [](Waypoint& w) { w.a.p.z() = -0.001; }},
       {"outside in y", LimitCode::kEnvelope, [](Waypoint& w) { w.b.p.y() = 2000.001; }},
       {"chord", LimitCode::kChord,
-       [](Waypoint& w) { w.b.p = w.a.p + Eigen::Vector3d(kBladeLength_mm, 0, 0); }},
+       [](Waypoint& w) { w.b.p = w.a.p + Eigen::Vector3d(kBladeLength_mm + 0.003, 0, 0); }},
       {"time stands", LimitCode::kTime, [](Waypoint& w) { w.t_us -= 50000; }},
       {"time runs back", LimitCode::kTime, [](Waypoint& w) { w.t_us -= 60000; }},
       {"time step", LimitCode::kMinDt, [](Waypoint& w) { w.t_us -= 45002; }},
