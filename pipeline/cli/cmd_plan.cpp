@@ -22,8 +22,7 @@ namespace fs = std::filesystem;
 
 struct PlanArguments {
   DesignOptions design;
-  double tolerance_mm = 0;
-  std::string output;
+  std::string tolerance_mm, output;
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false;
 };
@@ -84,16 +83,20 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
   throw CommandError(Exit::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
 }
 
+// With --strict a warning is as good as a limit.
+void refuse_warnings(PlanResult& result) {
+  result.refusals.push_back({"design", "", "warnings with --strict", static_cast<double>(result.warnings.size()), 0, "",
+                             "first: " + result.warnings.front()});
+  result.program.verification.status = "refused";
+}
+
 Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const auto start = std::chrono::steady_clock::now();
   DesignOptions design_options = arguments.design;
-  Settings settings = resolve_design(design_options);
-  if (arguments.tolerance_mm != 0) {
-    settings.design.tolerance_mm = arguments.tolerance_mm;
-    validate(settings);
+  if (!arguments.tolerance_mm.empty()) {
+    design_options.sources.flags.push_back({"--tolerance", "design.tolerance_mm", arguments.tolerance_mm});
   }
-  const fs::path directory = output_directory(arguments);
-  prepare_output(directory, arguments.force);
+  const Settings settings = resolve_design(design_options);
   const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
@@ -108,6 +111,8 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   for (const std::string& line : design.health.repairs) console.note("repaired: " + line);
   for (const std::string& line : design.health.warnings) console.warn("warning: " + line);
   refuse_blocked(design, design_options.file);
+  const fs::path directory = output_directory(arguments);
+  prepare_output(directory, arguments.force);
 
   PlanHooks hooks;
   hooks.progress = [&console](const std::string& stage, double share) {
@@ -116,6 +121,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   hooks.stop = [] { return interrupted(); };
   PlanResult result = plan(design, settings, hooks);
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
+  if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
   console.report_progress("emit", 0.95);
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -125,12 +131,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   for (const std::string& line : result.warnings) console.warn("warning: " + line);
   print_refusals(result, console);
   print_summary(result, directory, emitted);
-  if (!result.refusals.empty()) return Exit::kNotCuttable;
-  if (arguments.strict && !result.warnings.empty()) {
-    console.warn(fmt::format("strict: {} warnings", result.warnings.size()));
-    return Exit::kNotCuttable;
-  }
-  return Exit::kOk;
+  return result.refusals.empty() ? Exit::kOk : Exit::kNotCuttable;
 }
 
 }  // namespace
@@ -140,7 +141,6 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
   auto* command = app.add_subcommand("plan", "Plan, verify and write the cut program of a design");
   add_design_options(*command, arguments->design);
   command->add_option("--tolerance", arguments->tolerance_mm, "Accepted deviation in mm; wins over settings")
-      ->check(CLI::PositiveNumber)
       ->type_name("MM");
   command->add_option("-o,--output", arguments->output, "Directory for the results (default: NAME_cut)")
       ->type_name("DIR");

@@ -210,6 +210,8 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect,
         report.rib = static_cast<int>(worst - checks.begin());
         report.rib_too_sharp = worst->stage == kRibCurvature;
       }
+      if (worst->stage == kRibCurvature) return report;  // no length and no share changes the rib itself
+      if (worst->stage == kLength) break;                // nor a share the length
     }
     if (report.choice) break;
   }

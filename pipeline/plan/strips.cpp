@@ -72,8 +72,12 @@ Served serve(const std::vector<RibFit>& closest, double allowed, const Settings&
   for (const double weight : kTensionWeights) {
     std::vector<RibFit> ribs = weight > kLeastTensionWeight ? calmed(closest, weight) : closest;
     if (ribs[worst_rib(ribs)].deviation_mm > allowed) continue;
-    smooth_ribs(ribs, weight, 0.1 * allowed);
-    served.blade = choose_blade(ribs, stock_rect(ribs, settings.stock), settings);
+    const StockRect rect = stock_rect(ribs, settings.stock);
+    served.blade = choose_blade(ribs, rect, settings);
+    if (served.blade.choice) {
+      smooth_ribs(ribs, weight, 0.1 * allowed);
+      served.blade = choose_blade(ribs, rect, settings);
+    }
     served.ribs = std::move(ribs);
     if (served.blade.choice) break;
   }
