@@ -215,21 +215,64 @@ TEST_F(ControllerCommands, CtrlCHoldsAndSaysHowToGoOn) {
   expect_log_holds();
 }
 
-class DryrunOfASample : public ::testing::TestWithParam<const char*> {};
+// Every sample as planned, streamed by the program over links that fail.
+class StreamSample : public ControllerCommands, public ::testing::WithParamInterface<const char*> {
+ protected:
+  void SetUp() override {
+    const std::string sample = std::string(HOTBLADE_SOURCE_DIR) + "/samples/" + GetParam();
+    const std::string out = (directory_ / "out").string();
+    const Ended planned = hotblade({"plan", sample + ".obj", "--config", sample + ".toml", "-o", out});
+    ASSERT_EQ(planned.code, 0) << planned.err;
+    design_ = sample + ".obj";
+    file_ = directory_ / "out" / "program.json";
+  }
+  void run_through(std::vector<robot::testing::LinkFault> faults, unsigned seed) {
+    std::filesystem::remove(log_);
+    simulate("max");
+    const auto sim_port = port_;
+    {
+      const robot::testing::FaultProxy proxy(sim_port, std::move(faults), 20, 15, seed);
+      port_ = proxy.port();
+      const Ended ended = hotblade(run_arguments());
+      EXPECT_EQ(ended.code, 0) << ended.err;
+      EXPECT_EQ(proxy.faults_done(), 20);
+    }
+    port_ = sim_port;
+    stop_sim();
+    expect_log_holds();
+  }
+  std::string design_;
+};
 
-TEST_P(DryrunOfASample, ExecutesWhatWasPlanned) {
-  const testing::TemporaryDirectory directory;
-  const std::string sample = std::string(HOTBLADE_SOURCE_DIR) + "/samples/" + GetParam();
-  const std::string out = (directory / "out").string();
-  const Ended planned = hotblade({"plan", sample + ".obj", "--config", sample + ".toml", "-o", out});
-  ASSERT_EQ(planned.code, 0) << planned.err;
-  const Ended ended = hotblade({"dryrun", out + "/program.json", "--design", sample + ".obj"});
+TEST_P(StreamSample, DryrunExecutesWhatWasPlanned) {
+  const Ended ended = hotblade({"dryrun", file_.string(), "--design", design_});
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, ::testing::AllOf(HasSubstr("equal"), ::testing::Not(HasSubstr("DIFFER"))));
 }
 
-INSTANTIATE_TEST_SUITE_P(Samples, DryrunOfASample,
-                         ::testing::Values("barrel_vault", "bump", "hypar", "s_wall"),
+TEST_P(StreamSample, TwentyCutsAndTwentyLostAnswersChangeNothing) {
+  using robot::testing::LinkFault;
+  run_through({LinkFault::kCutBefore, LinkFault::kCutWithinRequest, LinkFault::kCutAfter,
+               LinkFault::kCutWithinAnswer},
+              11);
+  run_through({LinkFault::kCutAfter, LinkFault::kSwallowAnswer}, 12);
+}
+
+TEST_P(StreamSample, AKilledRunIsResumed) {
+  simulate("100");
+  {
+    Process first(run_arguments());
+    wait_until([](const auto& status) { return status.executed > 500; });
+    ::kill(first.pid(), SIGKILL);
+    EXPECT_EQ(first.wait().code, 128 + SIGKILL);
+  }
+  const Ended ended = hotblade(run_arguments({"--resume"}));
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  stop_sim();
+  expect_log_holds();
+}
+
+INSTANTIATE_TEST_SUITE_P(All, StreamSample, ::testing::Values("barrel_vault", "bump", "hypar", "s_wall"),
                          [](const auto& sample) { return std::string(sample.param); });
 
 // What a program of another maker prints and how it ends.

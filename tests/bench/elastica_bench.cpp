@@ -1,0 +1,94 @@
+// Curves: evaluation beside Boost's Jacobi functions, residual, projection, fit.
+#include <benchmark/benchmark.h>
+
+#include <boost/math/special_functions/ellint_1.hpp>
+#include <boost/math/special_functions/ellint_2.hpp>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <cmath>
+#include <random>
+
+#include "elastica/fit.hpp"
+#include "elastica/lambda_residual.hpp"
+#include "elastica/project.hpp"
+#include "elastica/stability.hpp"
+
+namespace {
+
+using namespace hotblade::elastica;
+
+// One period of the elastica of modulus k, whose curvature at the vertex is 2 k.
+Elastica one_period(double k) {
+  return {0, 0, 0, 2 * k, 1, 0, 4 * boost::math::ellint_1(k)};
+}
+
+void ElasticaPoints(benchmark::State& state) {
+  const Elastica e = one_period(0.7);
+  const int n = static_cast<int>(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(sample(e, n));
+  state.SetItemsProcessed(state.iterations() * n);
+}
+BENCHMARK(ElasticaPoints)->Arg(16)->Arg(1000);
+
+void ElasticaPointsByBoost(benchmark::State& state) {
+  const double k = 0.7, length = 4 * boost::math::ellint_1(k);
+  const int n = static_cast<int>(state.range(0));
+  for (auto _ : state) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      const double s = length * i / (n - 1);
+      double cn = 0, dn = 0;
+      const double sn = boost::math::jacobi_elliptic(k, s, &cn, &dn);
+      sum += 2 * boost::math::ellint_2(k, std::atan2(sn, cn)) - s + 2 * k * (1 - cn);
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  state.SetItemsProcessed(state.iterations() * n);
+}
+BENCHMARK(ElasticaPointsByBoost)->Arg(1000);
+
+std::vector<Bezier> random_beziers(std::size_t count) {
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<Bezier> curves(count);
+  for (Bezier& b : curves) {
+    for (auto& p : b) p = {u(random), u(random)};
+  }
+  return curves;
+}
+
+void Residual(benchmark::State& state) {
+  const auto curves = random_beziers(1000);
+  for (auto _ : state) {
+    for (const Bezier& b : curves) benchmark::DoNotOptimize(lambda_residual(b));
+  }
+  state.SetItemsProcessed(state.iterations() * 1000);
+}
+BENCHMARK(Residual);
+
+void Projection(benchmark::State& state) {
+  const auto curves = random_beziers(200);
+  for (auto _ : state) {
+    for (const Bezier& b : curves) benchmark::DoNotOptimize(project_feedback(b, 0));
+  }
+  state.SetItemsProcessed(state.iterations() * 200);
+}
+BENCHMARK(Projection);
+
+void Fit(benchmark::State& state) {
+  std::vector<Eigen::Vector2d> q;
+  for (const CurvePoint& p : sample({0, 0, 0.2, 1e-3, 4e-6, -3e-6, 800}, 65)) q.push_back(p.position());
+  const Bezier bezier = fit_bezier(q).bezier;
+  const std::vector<Elastica> starts{first_guess(bezier, lambda_residual(bezier))};
+  for (auto _ : state) benchmark::DoNotOptimize(fit_elastica(q, starts, {}));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Fit);
+
+void Margin(benchmark::State& state) {
+  const Elastica e{0, 0, 0.2, 1e-3, 4e-6, -3e-6, 800};
+  for (auto _ : state) benchmark::DoNotOptimize(stability_margin(e));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(Margin);
+
+}  // namespace

@@ -1,0 +1,139 @@
+// Broken input for everything that reads text from outside: designs, programs, settings.
+// usage: hotblade_fuzz [ROUNDS [SEED]]. Each reader must either accept or throw the error it promises;
+// anything else, and any report of the sanitizers it is built with, ends the run. The seed makes a run
+// repeatable.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <random>
+#include <string>
+
+#include "pipeline/command_error.hpp"
+#include "pipeline/program.hpp"
+#include "pipeline/settings.hpp"
+#include "surface/design_surface.hpp"
+#include "surface/slice.hpp"
+
+namespace {
+
+using namespace hotblade;
+namespace fs = std::filesystem;
+
+// Tokens that have broken readers before.
+constexpr const char* kTokens[] = {"nan",         "inf",  "-1",    "0",        "1e999",      "4294967296",
+                                   "-2147483649", "\\\n", "\x01",  "\r\n",     "f ",         "v ",
+                                   "/",           "//",   "{",     "]",        "\"",         "null",
+                                   "1e-320",      "= ",   "[[x]]", "\xff\xfe", "9999999999", ","};
+
+std::string slurp(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// One to six changes: a byte, a token, a cut, a doubled stretch.
+std::string broken(std::string text, std::mt19937_64& random) {
+  const auto below = [&random](std::size_t n) { return n > 0 ? random() % n : 0; };
+  const std::size_t changes = 1 + below(6);
+  for (std::size_t i = 0; i < changes; ++i) {
+    const std::size_t at = below(text.size());
+    switch (below(4)) {
+      case 0:
+        if (!text.empty()) text[at] = static_cast<char>(random());
+        break;
+      case 1:
+        text.insert(at, kTokens[below(std::size(kTokens))]);
+        break;
+      case 2:
+        text.erase(at, 1 + below(40));
+        break;
+      default:
+        text.insert(at, text.substr(at, 1 + below(60)));
+    }
+  }
+  return text;
+}
+
+void read_design(const std::string& text, const fs::path& file) {
+  std::ofstream(file, std::ios::binary) << text;
+  try {
+    const surface::DesignSurface design = surface::read_obj(file, {"mm", 'z'});
+    if (design.health.blockers.empty()) (void)surface::slice(design, {});
+  } catch (const surface::MeshError&) {
+  } catch (const surface::FileError&) {
+  }
+}
+
+void read_program(const std::string& text) {
+  try {
+    (void)pipeline::parse_program(text, "fuzz.json");
+  } catch (const pipeline::CommandError&) {
+  }
+}
+
+void read_settings(const std::string& text, const fs::path& file) {
+  std::ofstream(file, std::ios::binary) << text;
+  try {
+    (void)pipeline::resolve({{file}, {}, {}});
+  } catch (const pipeline::CommandError&) {
+  }
+}
+
+// A small design: the first rows of a sample would not mesh, so a grid of its own.
+std::string small_obj() {
+  std::string text = "# grid\no grid\n";
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) {
+      text +=
+          "v " + std::to_string(40 * i) + " " + std::to_string(40 * j) + " " + std::to_string(i * j) + ".5\n";
+    }
+  }
+  for (int i = 0; i < 5; ++i) {
+    for (int j = 1; j < 6; ++j) {
+      const int a = 6 * i + j;
+      text += "f " + std::to_string(a) + " " + std::to_string(a + 6) + " " + std::to_string(a + 7) + " " +
+              std::to_string(a + 1) + "\n";
+    }
+  }
+  return text;
+}
+
+std::string small_program() {
+  pipeline::Program program;
+  program.created_by = "fuzz";
+  program.design.file = "fuzz.obj";
+  program.design.source_units = "mm";
+  program.design.keep = "below";
+  program.design.sha256 = std::string(64, '0');
+  program.blade = {{600}, 8, 0.5, 190000, 1010, 1.5, 0.014, 1, 7900};
+  program.verification.status = "passed";
+  program.verification.tolerance_mm = 1;
+  return to_json(program);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const long rounds = argc > 1 ? std::atol(argv[1]) : 20000;
+  const unsigned long seed = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
+  std::mt19937_64 random(seed);
+  const fs::path directory = fs::temp_directory_path() / ("hotblade_fuzz_" + std::to_string(seed));
+  fs::create_directories(directory);
+  const std::string obj = small_obj(), program = small_program(),
+                    settings = slurp(std::string(HOTBLADE_SOURCE_DIR) + "/samples/barrel_vault.toml");
+  for (long i = 0; i < rounds; ++i) {
+    try {
+      read_design(broken(obj, random), directory / "fuzz.obj");
+      read_program(broken(program, random));
+      read_settings(broken(settings, random), directory / "fuzz.toml");
+    } catch (const std::exception& error) {
+      std::printf("round %ld of seed %lu: %s\ninputs left in %s\n", i, seed, error.what(), directory.c_str());
+      return 1;
+    }
+  }
+  fs::remove_all(directory);
+  std::printf("%ld rounds of seed %lu: every input was read or refused as promised\n", rounds, seed);
+  return 0;
+}
