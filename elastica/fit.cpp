@@ -58,12 +58,19 @@ class FitFunction {
         tension_weight_(tension_weight * std::sqrt(static_cast<double>(points.size()))),
         prior_weight_(prior_weight * std::sqrt(static_cast<double>(points.size()))) {}
 
+  // Lengths and turnings worth evaluating; a start outside is not tried.
+  [[nodiscard]] static bool admissible(const double* m) {
+    constexpr double kMaxTurn = 60;
+    return m[6] > 0.1 && m[6] < 10 && taylor_rate(0, m[3], m[4], m[5]) * m[6] < kMaxTurn;
+  }
+
   [[nodiscard]] int NumResiduals() const { return static_cast<int>(2 * points_.size()) + 5; }
 
   bool operator()(const double* m, double* residuals, double* jacobian) const {
-    // Curves no blade can take cost too much, which makes the solver shorten its step (it ignores a refusal).
-    constexpr double kMaxTurn = 60, kTooMuch = 1e6;
-    if (!(m[6] > 0.1 && m[6] < 10) || !(taylor_rate(0, m[3], m[4], m[5]) * m[6] < kMaxTurn)) {
+    // Steps to curves no blade can take cost too much, which makes the solver shorten them (it ignores a
+    // refusal).
+    constexpr double kTooMuch = 1e6;
+    if (!admissible(m)) {
       std::fill_n(residuals, NumResiduals(), kTooMuch);
       return jacobian == nullptr;
     }
@@ -137,6 +144,12 @@ Parameters to_parameters(const MidState& m, const Eigen::Vector2d& origin, doubl
 MidState to_mid_state(const Parameters& p, const Eigen::Vector2d& origin, double scale) {
   return {origin.x() + p[0] * scale, origin.y() + p[1] * scale, p[2],        p[3] / scale,
           p[4] / (scale * scale),    p[5] / (scale * scale),    p[6] * scale};
+}
+
+// A guess may be too wild to be evaluated at all.
+bool evaluable(const Elastica& e) {
+  const double turn = taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length;
+  return turn < kStepOmega * ElasticaCurve::kMaxPieces;
 }
 
 struct FootPoint {
@@ -216,7 +229,10 @@ double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& e) 
   const ElasticaCurve curve(e);
   const std::vector<CurvePoint> samples = sample(e, 129);
   double worst = 0;
-  for (const Eigen::Vector2d& q : points) worst = std::max(worst, foot_point(curve, samples, q).distance_sq);
+  for (const Eigen::Vector2d& q : points) {
+    const double d = foot_point(curve, samples, q).distance_sq;
+    if (!(d <= worst)) worst = d;  // not a number counts as worst
+  }
   return std::sqrt(worst);
 }
 
@@ -237,9 +253,12 @@ ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points, std::span<cons
       from_mid_state({origin.x(), origin.y(), 0, 0, 0, 0, scale});  // when no start gives a finite cost
   double best_cost = std::numeric_limits<double>::infinity();
   std::vector<Parameters> from;
-  for (const Elastica& start : starts) from.push_back(to_parameters(mid_state(start), origin, scale));
+  for (const Elastica& start : starts) {
+    if (evaluable(start)) from.push_back(to_parameters(mid_state(start), origin, scale));
+  }
   for (const Parameters& own : own_starts(normalised)) from.push_back(own);
   for (Parameters p : from) {
+    if (!FitFunction::admissible(p.data())) continue;
     ceres::TinySolver<FitFunction> solver;
     solver.options.max_num_iterations = 60;
     solver.options.gradient_tolerance = 1e-14;

@@ -29,6 +29,50 @@ struct Nodes {
   }
 };
 
+using Column = Eigen::Matrix<double, kNodes, 1>;
+
+struct Columns {
+  Column one, x, y, kappa;
+};
+
+struct Affine {
+  double one = 0, x = 0, y = 0, residual = 0;
+};
+
+// Least squares of kappa by one, x and y: Gram-Schmidt, twice, the wider of x and y first. A column that the
+// others explain to rounding (a curve along a line) is left out.
+Affine fit_affine(const Columns& c) {
+  constexpr double kDependent = 1e-13;
+  const Column q0 = c.one / c.one.norm();
+  const auto without = [](const Column& v, const Column& q) -> Column { return v - q * q.dot(v); };
+  const Column cx = without(without(c.x, q0), q0), cy = without(without(c.y, q0), q0);
+  const bool swap = cy.squaredNorm() > cx.squaredNorm();
+  const Column& first = swap ? cy : cx;
+  const Column& second = swap ? cx : cy;
+  Column rest = without(c.kappa, q0);
+  double f1 = 0, f2 = 0;
+  if (const double n1 = first.norm(); n1 > 0) {
+    const Column q1 = first / n1;
+    const double along = q1.dot(second);
+    const Column left = without(second - along * q1, q1);
+    const double k1 = q1.dot(rest);
+    rest -= k1 * q1;
+    if (const double n2 = left.norm(); n2 > kDependent * n1) {
+      const Column q2 = left / n2;
+      const double k2 = q2.dot(rest);
+      rest -= k2 * q2;
+      f2 = k2 / n2;
+    }
+    f1 = (k1 - f2 * along) / n1;
+  }
+  Affine a;
+  a.x = swap ? f2 : f1;
+  a.y = swap ? f1 : f2;
+  a.one = q0.dot(c.kappa - a.x * c.x - a.y * c.y) / c.one.norm();
+  a.residual = rest.norm();
+  return a;
+}
+
 }  // namespace
 
 LambdaResidual lambda_residual(const Bezier& b) {
@@ -39,11 +83,8 @@ LambdaResidual lambda_residual(const Bezier& b) {
     result.status = ResidualStatus::kCusp;
     return result;
   }
-  // Rows sqrt(ds) (1, -y, x | kappa) in a frame centred on the curve and scaled by the polygon, so that the
-  // columns are of one size.
-  const Eigen::Vector2d centre = 0.25 * (b[0] + b[1] + b[2] + b[3]);
-  Eigen::Matrix<double, kNodes, 3> a;
-  Eigen::Matrix<double, kNodes, 1> k;
+  // Rows sqrt(ds) (1, x, y | kappa) in a frame scaled by the polygon.
+  Columns c;
   double turn = 0;
   for (int i = 0; i < kNodes; ++i) {
     const auto n = static_cast<std::size_t>(i);
@@ -54,20 +95,22 @@ LambdaResidual lambda_residual(const Bezier& b) {
       return result;
     }
     const double root = std::sqrt(nodes.w[n] * speed);
-    const Eigen::Vector2d r = (p.p - centre) / polygon;
-    a.row(i) << root, -root * r.y(), root * r.x();
-    k[i] = root * curvature(p) * polygon;
-    turn += std::abs(k[i]) * root;
+    const Eigen::Vector2d r = (p.p - b[0]) / polygon;
+    c.one[i] = root;
+    c.x[i] = root * r.x();
+    c.y[i] = root * r.y();
+    c.kappa[i] = root * curvature(p) * polygon;
+    turn += std::abs(c.kappa[i]) * root;
   }
   if (turn < kStraightTurn) {
     result.status = ResidualStatus::kStraight;
     return result;
   }
-  const Eigen::Vector3d x = a.completeOrthogonalDecomposition().solve(k);
-  result.value = std::min(1.0, (a * x - k).norm() / k.norm());
-  result.lambda1 = x[1] / (polygon * polygon);
-  result.lambda2 = x[2] / (polygon * polygon);
-  result.alpha = x[0] / polygon + result.lambda1 * centre.y() - result.lambda2 * centre.x();
+  const Affine fit = fit_affine(c);
+  result.value = std::min(1.0, fit.residual / c.kappa.norm());
+  result.lambda2 = fit.x / (polygon * polygon);
+  result.lambda1 = -fit.y / (polygon * polygon);
+  result.alpha = fit.one / polygon + result.lambda1 * b[0].y() - result.lambda2 * b[0].x();
   return result;
 }
 

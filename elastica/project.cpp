@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
-#include "elastica/lambda_residual.hpp"
+#include "elastica/standard_position.hpp"
 
 namespace hotblade::elastica {
 
 namespace {
 
-using Complex = std::complex<double>;
+using Standard = StandardPosition;
 constexpr double kPi = std::numbers::pi;
-
-// Standard position: ends at 0 and 1, end edges of length l1, l2 in directions a1 (p0 -> p1) and a2 (p3 ->
-// p2).
-struct Standard {
-  double a1, a2, l1, l2;
-};
 
 // Shortest end edge of an inflectional curve (the paper prints 2.7 for 0.27), and of a plain one.
 constexpr double kMinInflectional = 0.27;
@@ -28,34 +21,13 @@ constexpr int kRounds = 2;  // and its repetition of the whole procedure
 // Crossing edges are shortened to this share of the way to their crossing.
 constexpr double kUncross = 0.98;
 
-double wrapped(double a) {
-  a = std::remainder(a, 2 * kPi);
-  return a <= -kPi ? kPi : a;
-}
-
-Bezier standard_bezier(const Standard& s) {
-  const Complex p1 = std::polar(s.l1, s.a1), p2 = 1.0 + std::polar(s.l2, s.a2);
-  return {Eigen::Vector2d(0, 0), {p1.real(), p1.imag()}, {p2.real(), p2.imag()}, {1, 0}};
-}
-
 // Where the first and third edge cross, both are shortened to just before the crossing.
 Standard uncrossed(Standard s) {
-  const double d = std::sin(s.a2 - s.a1);
-  if (d == 0) return s;
-  // 0 + u e(a1) = 1 + v e(a2)
-  const double u = std::sin(s.a2) / d, v = std::sin(s.a1) / d;
-  if (u > 0 && v > 0 && u <= s.l1 && v <= s.l2) {
-    s.l1 = std::min(s.l1, kUncross * u);
-    s.l2 = std::min(s.l2, kUncross * v);
-  }
+  if (!edges_cross(s)) return s;
+  const auto meeting = *edge_meeting(s);
+  s.l1 = std::min(s.l1, kUncross * meeting[0]);
+  s.l2 = std::min(s.l2, kUncross * meeting[1]);
   return s;
-}
-
-// Inner polygon angles phi1, phi2 on different sides of pi.
-bool inflectional(const Standard& s) {
-  const Complex p1 = std::polar(s.l1, s.a1), p2 = 1.0 + std::polar(s.l2, s.a2);
-  const auto cross = [](Complex a, Complex b) { return (std::conj(a) * b).imag(); };
-  return cross(p1, p2 - p1) * cross(p2 - p1, 1.0 - p2) < 0;
 }
 
 double longest_edge(double a1, double a2) {
@@ -91,11 +63,6 @@ struct Scored {
   double e;
 };
 
-double score(const Standard& s) {
-  const LambdaResidual r = lambda_residual(standard_bezier(s));
-  return r.status == ResidualStatus::kCusp ? 1.0 : r.value;
-}
-
 // Walks from `from` to edge lengths (m1, m2), stopping at the threshold or, when `inflectional_only`, at the
 // first plain curve, which still counts. Returns the best curve of the walk.
 Scored walk(const Standard& from, const std::array<double, 2>& target, double threshold,
@@ -122,41 +89,28 @@ Scored deform(const Standard& input, double threshold) {
   return walk(start, plain_target(start.a1, start.a2), threshold, false);
 }
 
-bool angle_constraints(const Standard& s) {
-  const auto positive = [](double a) { return a < 0 ? a + 2 * kPi : a; };
-  const double b1 = positive(wrapped(kPi - s.a1)), b2 = positive(s.a2);
-  const auto inside = [](double b) { return b > kPi / 3 && b < 5 * kPi / 3; };
-  return inside(b1) && inside(b2) && std::abs(b1 - b2) < 0.4 * kPi;
-}
-
 }  // namespace
 
 Projection project_feedback(const Bezier& b, double threshold) {
-  const auto z = [](const Eigen::Vector2d& p) { return Complex(p.x(), p.y()); };
-  const Complex chord = z(b[3]) - z(b[0]);
-  const Complex e1 = z(b[1]) - z(b[0]), e2 = z(b[2]) - z(b[3]);
   Projection result;
   result.bezier = b;
-  if (std::abs(chord) == 0 || std::abs(e1) == 0 || std::abs(e2) == 0) {
+  const auto input = standard_position(b);
+  if (!input) {
     result.status = ProjectStatus::kUnsupported;
     return result;
   }
-  const Standard input{wrapped(std::arg(e1 / chord)), wrapped(std::arg(e2 / chord)), std::abs(e1 / chord),
-                       std::abs(e2 / chord)};
-  Scored best{input, score(input)};
-  Standard from = input;
+  Scored best{*input, score(*input)};
+  Standard from = *input;
   for (int round = 0; round < kRounds && best.e > threshold; ++round) {
     const Scored next = deform(from, threshold);
     if (next.e < best.e) best = next;
     from = next.s;
   }
-  // Only the edge lengths change: the end tangents keep their direction to the last bit of the division.
-  result.bezier[1] = b[0] + (b[1] - b[0]) * (best.s.l1 / input.l1);
-  result.bezier[2] = b[3] + (b[2] - b[3]) * (best.s.l2 / input.l2);
+  result.bezier = with_edges(b, *input, best.s);
   result.lambda_residual = best.e;
   result.branch = inflectional(best.s) ? Branch::kInflectional : Branch::kPlain;
-  result.moved = {best.s.l1 - input.l1, best.s.l2 - input.l2};
-  result.angle_constraints_hold = angle_constraints(input);
+  result.moved = {best.s.l1 - input->l1, best.s.l2 - input->l2};
+  result.angle_constraints_hold = angle_constraints_hold(*input);
   result.status = best.e <= threshold ? ProjectStatus::kReached : ProjectStatus::kNotReached;
   return result;
 }

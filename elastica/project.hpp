@@ -28,4 +28,16 @@ struct Projection {
 // unchanged; otherwise the best of the deformation's steps is returned, never worse than the input.
 [[nodiscard]] Projection project_feedback(const Bezier& bezier, double threshold);
 
+enum class WantedBranch { kInflectional, kPlain, kBest };
+
+// The least lambda-residual over both end edges in [kShortestEdge, kLongestEdge] chords without crossing the
+// first and third edge of the polygon, on the branch asked for: a logarithmic grid of both edges, its best
+// cells refined by pattern search. Differs from the paper: the optimum depends on the end directions alone
+// and has one valley on either branch, which a walk from the input can miss. kUnsupported also when the
+// branch has no curve in the domain; `status` is kReached otherwise. The input's own edges are not
+// considered: the result is the same for every curve of the same end points and tangents.
+[[nodiscard]] Projection project_optimal(const Bezier& bezier, WantedBranch wanted);
+
+inline constexpr double kShortestEdge = 0.02, kLongestEdge = 4;
+
 }  // namespace hotblade::elastica

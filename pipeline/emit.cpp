@@ -50,6 +50,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"stability_margin_min", f.smallest_margin},
           {"clamp_clearance_min_mm", f.clamp_clearance_mm},
           {"droop_mm", f.droop_mm},
+          {"droop_error_mm", f.droop_error_mm},
           {"duration_s", f.duration_s},
           {"cut_s", f.cut_s},
           {"feed_slowest_mm_s", f.slowest_feed_mm_s},
@@ -142,19 +143,22 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
     for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
   }
   emitted.program_written = passed || (options.override_refusal && !result.program.strips.empty());
-  // The report goes first: a directory never holds a program without the report that judges it.
-  write_file_atomically(directory / "report.json", report_json(result), options.force);
-  if (emitted.program_written) {
-    write_file_atomically(directory / "program.json", to_json(result.program), options.force);
-  } else {
-    std::error_code error;
-    fs::remove(directory / "program.json", error);
-    if (error) {
-      throw CommandError(Exit::kFile, (directory / "program.json").string() +
-                                          ": an older program cannot be removed (" + error.message() + ")");
-    }
+  // An older program goes first and the new one comes last: no directory holds a program beside a report that
+  // judges another one.
+  std::error_code error;
+  fs::remove(directory / "program.json", error);
+  if (error) {
+    throw CommandError(Exit::kFile, (directory / "program.json").string() +
+                                        ": an older program cannot be removed (" + error.message() + ")");
   }
+  write_file_atomically(directory / "report.json", report_json(result), options.force);
   write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
+  if (emitted.program_written) {
+    const std::string text = to_json(result.program);
+    // What the reader would refuse must not be handed out.
+    (void)parse_program(text, "program.json");
+    write_file_atomically(directory / "program.json", text, options.force);
+  }
   return emitted;
 }
 

@@ -200,6 +200,9 @@ void check_together(const Settings& s, const Origins& origins) {
              "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
                  number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
   }
+  // The blade is formed above the stock, no nearer than clamps may come and not below where it is led in.
+  at_most("motion.lead_mm", s.motion.lead_mm, "motion.approach_mm", s.motion.approach_mm);
+  at_most("stock.clearance_mm", s.stock.clearance_mm, "motion.approach_mm", s.motion.approach_mm);
   at_most("motion.min_feed_mm_s", s.motion.min_feed_mm_s, "motion.feed_mm_s", s.motion.feed_mm_s);
   at_most("motion.feed_mm_s", s.motion.feed_mm_s, "motion.travel_mm_s", s.motion.travel_mm_s);
   at_most("machine.plinth_mm", s.machine.plinth_mm, "the height of machine.envelope_mm",

@@ -9,18 +9,32 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// Poses with foam at least `sample_mm` apart at the blade's middle, first and last included.
+// Both ends and the middle of the part in foam.
+std::array<Eigen::Vector3d, 3> marks_of(const BladePose& pose) {
+  const elastica::ElasticaCurve curve(pose.blade);
+  const auto [s0, s1] = *pose.foam;
+  std::array<Eigen::Vector3d, 3> marks;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto q = curve.at(s0 + 0.5 * static_cast<double>(i) * (s1 - s0));
+    marks[i] = pose.frame.point(q.x, q.y);
+  }
+  return marks;
+}
+
+// Poses with foam, one whenever an end or the middle has moved by `sample_mm`; first and last included.
 std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
   std::vector<const BladePose*> rows;
-  Eigen::Vector3d last = Eigen::Vector3d::Zero();
+  std::array<Eigen::Vector3d, 3> last;
+  last.fill(Eigen::Vector3d::Zero());
   const BladePose* previous = nullptr;
   for (const BladePose& pose : strip.poses) {
     if (!pose.foam) continue;
-    const auto q = elastica::point_at(pose.blade, 0.5 * ((*pose.foam)[0] + (*pose.foam)[1]));
-    const Eigen::Vector3d p = pose.frame.point(q.x, q.y);
-    if (rows.empty() || (p - last).norm() >= sample_mm) {
+    const auto marks = marks_of(pose);
+    double moved = 0;
+    for (std::size_t i = 0; i < 3 && !rows.empty(); ++i) moved = std::max(moved, (marks[i] - last[i]).norm());
+    if (rows.empty() || moved >= sample_mm) {
       rows.push_back(&pose);
-      last = p;
+      last = marks;
     }
     previous = &pose;
   }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "gpu/mesh_distance.hpp"
+#include "pipeline/plan/blade_path.hpp"
 #include "pipeline/swept_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -74,32 +75,53 @@ bool on_border(const surface::TriangleMesh& mesh, const Border& border, const gp
   return false;
 }
 
-// Centroids of an even subdivision of every triangle, with their areas.
+// Points spread over every face no farther apart than the spacing, with the areas they stand for.
 struct DesignSamples {
   std::vector<Eigen::Vector3d> points;
   std::vector<double> areas;
 };
 
+// Rows parallel to the shortest edge, each divided by its own width: a needle makes samples in proportion to
+// its length, not to the square of it.
+void sample_facet(const Facet& f, double sample_mm, DesignSamples& samples) {
+  const double ab = (f.b - f.a).norm(), bc = (f.c - f.b).norm(), ca = (f.a - f.c).norm();
+  Facet g = f;  // b and c on the shortest edge
+  if (ab <= bc && ab <= ca) g = {f.c, f.a, f.b};
+  if (ca < ab && ca <= bc) g = {f.b, f.c, f.a};
+  const double height = std::max((g.b - g.a).norm(), (g.c - g.a).norm()), width = (g.c - g.b).norm();
+  const double rows = std::max(1.0, std::ceil(height / sample_mm));
+  for (double i = 0; i < rows; ++i) {
+    const double t = (i + 0.5) / rows, columns = std::max(1.0, std::ceil(t * width / sample_mm));
+    const double area = f.area() * (2 * i + 1) / (rows * rows * columns);
+    for (double k = 0; k < columns; ++k) {
+      samples.points.push_back(g.a + t * (g.b - g.a + (k + 0.5) / columns * (g.c - g.b)));
+      samples.areas.push_back(area);
+    }
+  }
+}
+
 DesignSamples sample_design(const surface::TriangleMesh& mesh, double sample_mm) {
   DesignSamples samples;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Facet f = facet(mesh, static_cast<int>(t));
-    const double longest = std::max({(f.b - f.a).norm(), (f.c - f.b).norm(), (f.a - f.c).norm()});
-    const int k = std::max(1, static_cast<int>(std::ceil(longest / sample_mm)));
-    const Eigen::Vector3d u = (f.b - f.a) / k, v = (f.c - f.a) / k;
-    const double area = f.area() / (static_cast<double>(k) * k);
-    const auto add = [&](double i, double j) {
-      samples.points.push_back(f.a + i * u + j * v);
-      samples.areas.push_back(area);
-    };
-    for (int i = 0; i < k; ++i) {
-      for (int j = 0; i + j < k; ++j) {
-        add(i + 1.0 / 3, j + 1.0 / 3);
-        if (i + j + 1 < k) add(i + 2.0 / 3, j + 2.0 / 3);
+    sample_facet(facet(mesh, static_cast<int>(t)), sample_mm, samples);
+  }
+  return samples;
+}
+
+// Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
+double clamp_mismatch_mm(const Program& program) {
+  constexpr double kMmPerRad = 1000;
+  double worst = 0;
+  for (const Strip& strip : program.strips) {
+    for (const BladePose& pose : strip.poses) {
+      const ClampPair planned = clamps(pose.blade, pose.frame);
+      for (const auto& [is, should] : {std::pair{pose.a, planned.a}, std::pair{pose.b, planned.b}}) {
+        const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
+        if (!(off <= worst)) worst = off;
       }
     }
   }
-  return samples;
+  return worst;
 }
 
 // Distances in, statistics out; sums run in sample order, so they do not depend on threads.
@@ -159,25 +181,33 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
     strip = std::max(strip, distance);
   }
   report.cut_samples = cut.vertices.size();
+  const surface::TriangleMesh cut_mesh{cut.vertices, cut.triangles};
+  const Border cut_border(cut_mesh);
   const DesignSamples samples = sample_design(design.mesh, options.sample_mm);
   const gpu::MeshDistance to_cut(cut.vertices, cut.triangles);
   const std::vector<gpu::Nearest> on_cut = to_cut.query(samples.points);
+  const double near = options.reach * options.tolerance_mm, far = options.far * options.tolerance_mm;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    if (on_cut[i].distance > options.reach * options.tolerance_mm) {
+    const double distance = on_cut[i].distance;
+    const bool uncut = distance > far || (distance > near && on_border(cut_mesh, cut_border, on_cut[i]));
+    if (uncut) {
       report.uncut_mm2 += samples.areas[i];
     } else {
-      statistics.add(on_cut[i].distance, samples.points[i]);
+      statistics.add(distance, samples.points[i]);
     }
   }
   report.design_samples = samples.points.size();
   report.deviation = statistics.result();
-  report.within_tolerance =
-      report.deviation.max <= options.tolerance_mm && report.uncut_share() <= options.max_uncut_share;
+  report.clamp_mismatch_mm = clamp_mismatch_mm(program);
+  report.within_tolerance = report.clamp_mismatch_mm <= kClampMismatchMm &&
+                            report.deviation.max <= options.tolerance_mm &&
+                            report.uncut_share() <= options.max_uncut_share;
   return report;
 }
 
 std::vector<std::string> not_checked() {
-  return {"clamp error that would lose the blade's shape (margin_mm)",
+  return {"equilibrium between waypoints: the planned shape is taken, and its stability checked at each",
+          "clamp error that would lose the blade's shape (margin_mm)",
           "pull on a straight blade by a clamp error along it",
           "melt-back of a slow or held blade",
           "in-plane and out-of-plane gravity in the blade's shape (the droop is a budget line only)",

@@ -2,8 +2,11 @@
 //
 // Cut to design: every sample of the as-cut surface. A sample whose nearest design point lies on the design's
 // border has run past the edge; only its distance across the design's plane there counts. Design to cut:
-// every sample of the design; one farther than `reach` tolerances from every cut counts as uncut area, not as
-// deviation.
+// every sample of the design; it counts as uncut area, not as deviation, when it lies farther than `reach`
+// tolerances from the cut and its nearest cut point is on the cut's edge, or farther than `far` tolerances
+// from every cut.
+//
+// The blade's shape is taken from the program; that both clamps hold it where the program says is checked.
 #pragma once
 
 #include <vector>
@@ -16,18 +19,22 @@ namespace hotblade::pipeline {
 struct VerifyOptions {
   double tolerance_mm = 1;
   double max_uncut_share = 0.01;
-  double sample_mm = 2.5;  // spacing of samples on both surfaces
-  double reach = 3;        // tolerances
+  double sample_mm = 2.5;      // spacing of samples on both surfaces
+  double reach = 3, far = 20;  // tolerances
 };
 
 struct VerifyReport {
   Deviation deviation;
   std::vector<double> strip_max_mm;  // cut to design, by strip
   double uncut_mm2 = 0, area_mm2 = 0;
+  double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
   bool within_tolerance = false;  // deviation and uncut share both
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
 };
+
+// More is a program whose clamps and blade do not belong together; less is rounding.
+inline constexpr double kClampMismatchMm = 1e-3;
 
 [[nodiscard]] VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                                   const VerifyOptions& options);

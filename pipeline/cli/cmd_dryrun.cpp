@@ -83,7 +83,9 @@ Exit dryrun(const DryRunArguments& arguments, const Console& console) {
     console.report_progress(strip, fraction);
   };
   options.interrupted = [] { return interrupted(); };
-  console.note("dry run: the simulator does not check the blade's equilibrium; verify does");
+  console.note(
+      "dry run: the simulator does not check the blade's equilibrium; plan checked its stability at every "
+      "pose");
   const DryRunReport report = dry_run(work.jobs, options);
   console.end_progress();
   std::cout << table(report);

@@ -37,6 +37,14 @@ double max_uncut_share(const Program& program) {
   return settings[path].get<double>();
 }
 
+// A cut within tolerance is not enough when the plan was refused for another limit.
+Exit expect_passed(const Program& program, const Console& console) {
+  if (program.verification.status == "passed") return Exit::kOk;
+  console.warn("the plan's status is " + program.verification.status + ": not to be run");
+  for (const std::string& line : program.overrides) console.warn("overridden: " + line);
+  return Exit::kNotCuttable;
+}
+
 Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const Program program = read_program(arguments.program);
   const fs::path design_file = find_design(arguments, program);
@@ -71,8 +79,13 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   for (const std::string& item : program.verification.not_checked)
     std::cout << "not checked: " << item << "\n";
+  if (report.clamp_mismatch_mm > kClampMismatchMm) {
+    std::cout << fmt::format("clamps are {:.3f} mm off the planned blade's ends (limit {} mm)\n",
+                             report.clamp_mismatch_mm, kClampMismatchMm);
+  }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
-  return report.within_tolerance ? Exit::kOk : Exit::kDeviation;
+  if (!report.within_tolerance) return Exit::kDeviation;
+  return expect_passed(program, console);
 }
 
 }  // namespace
@@ -93,7 +106,8 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
   command->footer(
-      "Exit code 5 when the deviation or the uncut area is over the program's limits.\n"
+      "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the plan was "
+      "refused.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return verify_program(*arguments, console); };

@@ -44,16 +44,19 @@ bool crosses_itself(const std::vector<Eigen::Vector2d>& q) {
   return false;
 }
 
-// Depth by which a point of the blade beyond the rib lies in the kept foam under the rib, inside the stock.
-double depth_under(const Eigen::Vector2d& q, const std::vector<Eigen::Vector2d>& rib, const StockRect& rect) {
-  if (rect.distance(q) > 0) return 0;
-  for (std::size_t i = 0; i + 1 < rib.size(); ++i) {
-    const Eigen::Vector2d a = rib[i], b = rib[i + 1];
-    if ((q.x() - a.x()) * (q.x() - b.x()) > 0 || a.x() == b.x()) continue;
-    const double v = a.y() + (b.y() - a.y()) * (q.x() - a.x()) / (b.x() - a.x());
-    if (q.y() < v) return v - q.y();
+// Depth of a point on the kept side (the right) of the cutting part; 0 on the waste side and past its ends.
+double depth_behind(const Eigen::Vector2d& q, const std::vector<Eigen::Vector2d>& part) {
+  double nearest = std::numeric_limits<double>::infinity(), depth = 0;
+  for (std::size_t i = 0; i + 1 < part.size(); ++i) {
+    const Eigen::Vector2d ab = part[i + 1] - part[i];
+    const double t = (q - part[i]).dot(ab) / ab.squaredNorm();
+    const Eigen::Vector2d away = q - part[i] - std::clamp(t, 0.0, 1.0) * ab;
+    if (!(away.norm() < nearest)) continue;
+    nearest = away.norm();
+    const bool past_end = (i == 0 && t < 0) || (i + 2 == part.size() && t > 1);
+    depth = !past_end && cross(ab, away) < 0 ? nearest : 0;
   }
-  return 0;
+  return depth;
 }
 
 RibCheck check_rib(const RibFit& rib, double length, double share, const StockRect& rect,
@@ -76,19 +79,10 @@ RibCheck check_rib(const RibFit& rib, double length, double share, const StockRe
   const Eigen::Vector2d a = curve.at(0).position(), b = curve.at(length).position();
   c.clearance = std::min(rect.distance(a), rect.distance(b));
   if (c.clearance < settings.stock.clearance_mm) return {kClearance, c.clearance};
-  std::vector<Eigen::Vector2d> points;
-  for (int i = 0; i < kBladeSamples; ++i)
-    points.push_back(curve.at(length * i / (kBladeSamples - 1)).position());
-  const double s0 = share * spare, s1 = s0 + rib.elastica.length;
-  // The rib's own end lies on its edge: a tenth of a millimetre of depth is the sampling's, not a cut.
-  constexpr double kDepth = 0.1;
-  for (int i = 0; i < kBladeSamples; ++i) {
-    const double s = length * i / (kBladeSamples - 1);
-    if (s >= s0 && s <= s1) continue;
-    const double depth = depth_under(points[static_cast<std::size_t>(i)], rib.target, rect);
-    if (depth > kDepth) return {kReentry, depth};
-  }
-  if (crosses_itself(points)) return {kCrossing, 1};
+  const double s0 = share * spare;
+  const FreeParts free = examine_free_parts(blade, s0, s0 + rib.elastica.length, rect);
+  if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
+  if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(blade);
   if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
   return c;
@@ -135,7 +129,7 @@ Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
               "",
               "depth of the blade's free part in the kept foam",
               c.value,
-              0.1,
+              kFreePartDepthMm,
               "mm",
               "the rib turns too far for the blade to leave the block: allow more splits"};
     case kCrossing:
@@ -153,6 +147,13 @@ Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
   }
 }
 
+// The earlier stage, then the larger amount: depth and length grow with the harm, everything else shrinks
+// with it.
+bool worse(const RibCheck& a, const RibCheck& b) {
+  if (a.stage != b.stage) return a.stage < b.stage;
+  return a.stage == kLength || a.stage == kReentry ? a.value > b.value : a.value < b.value;
+}
+
 BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double share) {
   BladeChoice choice{length, share, checks.front().margin, 0, checks.front().clearance};
   for (const RibCheck& c : checks) {
@@ -168,6 +169,23 @@ BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double
 double StockRect::distance(const Eigen::Vector2d& q) const {
   const Eigen::Vector2d out = (low - q).cwiseMax(q - high).cwiseMax(0);
   return out.norm();
+}
+
+FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
+  const elastica::ElasticaCurve curve(blade);
+  std::vector<Eigen::Vector2d> all, part;
+  for (int i = 0; i < kBladeSamples; ++i) {
+    all.push_back(curve.at(blade.length * i / (kBladeSamples - 1)).position());
+    part.push_back(curve.at(s0 + (s1 - s0) * i / (kBladeSamples - 1)).position());
+  }
+  FreeParts free{crosses_itself(all), 0};
+  for (int i = 0; i < kBladeSamples; ++i) {
+    const double s = blade.length * i / (kBladeSamples - 1);
+    const Eigen::Vector2d& q = all[static_cast<std::size_t>(i)];
+    if ((s < s0 || s > s1) && rect.distance(q) <= 0)
+      free.depth_mm = std::max(free.depth_mm, depth_behind(q, part));
+  }
+  return free;
 }
 
 StockRect stock_rect(const std::vector<RibFit>& ribs, const StockSettings& settings) {
@@ -196,9 +214,7 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect,
       tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
         checks[i] = check_rib(ribs[i], length, share, rect, settings);
       });
-      const auto worst =
-          std::min_element(checks.begin(), checks.end(),
-                           [](const RibCheck& a, const RibCheck& b) { return a.stage < b.stage; });
+      const auto worst = std::min_element(checks.begin(), checks.end(), worse);
       if (worst->stage == kPassed) {
         const BladeChoice choice = summarise(checks, length, share);
         if (!report.choice || choice.largest_curvature_per_mm < report.choice->largest_curvature_per_mm) {

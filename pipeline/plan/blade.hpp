@@ -30,6 +30,18 @@ struct StockRect {
   [[nodiscard]] double distance(const Eigen::Vector2d& q) const;  // 0 inside
 };
 
+// What the free parts of a blade do beside its foam interval [s0, s1].
+struct FreeParts {
+  bool crosses_itself = false;
+  // Largest depth of a free part, inside the stock, on the kept side of the part that cuts; 0 when there is
+  // none.
+  double depth_mm = 0;
+};
+[[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
+                                           const StockRect& rect);
+// Deeper is a cut into the part; less is the sampling of the blade's curve.
+inline constexpr double kFreePartDepthMm = 0.1;
+
 [[nodiscard]] StockRect stock_rect(const std::vector<RibFit>& ribs, const StockSettings& settings);
 
 [[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect,

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <unsupported/Eigen/Splines>
 
 namespace hotblade::pipeline {
@@ -80,6 +82,19 @@ struct Forming {
   }
 };
 
+// Sideways on the waste side until the whole blade, worked or flat, is clear of the block.
+double way_out_mm(const StripPlan& strip, const Forming& forming, const StockSettings& stock) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double share : {0.0, 0.5, 1.0}) {
+    for (const elastica::CurvePoint& p : elastica::sample(forming.at(share).blade, 65))
+      lowest = std::min(lowest, p.y);
+  }
+  const Frame& block = strip.stock.frame;
+  const double top = (block.origin + strip.stock.size_mm.y() * block.y).dot(strip.y);
+  // A tenth more than the clearance: the three shapes stand for all between them.
+  return std::max(0.0, top + 1.1 * stock.clearance_mm - lowest);
+}
+
 BladeShape in_air(BladeShape shape, double offset_mm) {
   shape.offset_mm = offset_mm;
   shape.foam0 = shape.foam1 = 0;
@@ -115,8 +130,7 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   const double above = marks.first_rib_mm - settings.stock.border_mm - settings.motion.approach_mm;
   const Forming first(in_air(spline->at(marks.first_rib_mm), above));
   const Forming last(in_air(spline->at(marks.last_rib_mm), marks.end_mm));
-  // Sideways out of the block on the waste side, until the whole blade is clear of it.
-  const double aside = strip.stock.size_mm.y() + settings.stock.clearance_mm;
+  const double aside = way_out_mm(strip, last, settings.stock);
   const auto moved = [](BladeShape shape, double by) {
     shape.blade.y += by;
     return shape;

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "elastica/stability.hpp"
+#include "pipeline/plan/blade.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/plan/time_law.hpp"
 
@@ -112,7 +113,8 @@ void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimeLaw
             const SweepMarks& marks, const StripPlan& strip) {
   const bool cutting = stretch.phase == "cut";
   const double t0 = poses.empty() ? 0 : poses.back().t;
-  const std::size_t skip = poses.empty() ? 0 : 1;  // a stretch starts where the one before ended
+  if (!poses.empty() && !(law.duration_s > 0)) return;  // a stretch that does not move
+  const std::size_t skip = poses.empty() ? 0 : 1;       // a stretch starts where the one before ended
   std::vector<BladePose> added(law.sigma.size() - skip);
   tbb::parallel_for(std::size_t{0}, added.size(), [&](std::size_t i) {
     const std::size_t k = i + skip;
@@ -125,6 +127,7 @@ void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimeLaw
 
 // Standing still with the heat on.
 void append_preheat(std::vector<BladePose>& poses, const MotionSettings& motion) {
+  if (!(motion.preheat_s > 0)) return;
   const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(motion.preheat_s / motion.waypoint_s)));
   const BladePose still = poses.back();
   for (std::size_t k = 1; k <= steps; ++k) {
@@ -159,7 +162,7 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
 }
 
 struct Measured {
-  double speed = 0, accel = 0, turn = 0, turn_accel = 0, outside = 0, lowest = 1e300;
+  double speed = 0, accel = 0, turn = 0, turn_accel = 0, outside = 0, lowest = 1e300, shortest_step = 1e300;
 };
 
 // Limits measured again from the finished waypoints, in the cell frame, by differences in time.
@@ -168,6 +171,7 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
   Measured m;
   for (const auto clamp : {&BladePose::a, &BladePose::b}) {
     Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
+    double dt = 1;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Eigen::Vector3d cell = transformed(strip.design_to_cell, poses[i].*clamp).p;
       m.outside =
@@ -175,7 +179,8 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
                     std::abs(cell.y()) - machine.envelope_mm[1] / 2, cell.z() - machine.envelope_mm[2]});
       m.lowest = std::min(m.lowest, cell.z());
       if (i == 0) continue;
-      const double dt = poses[i].t - poses[i - 1].t;
+      dt = poses[i].t - poses[i - 1].t;
+      m.shortest_step = std::min(m.shortest_step, dt);
       const Eigen::Vector3d v1 = ((poses[i].*clamp).p - (poses[i - 1].*clamp).p) / dt;
       const Eigen::Vector3d w1 = turn_rate(poses[i - 1].*clamp, poses[i].*clamp, dt);
       m.speed = std::max(m.speed, v1.norm());
@@ -185,37 +190,109 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
       v = v1;
       w = w1;
     }
+    m.accel = std::max(m.accel, v.norm() / dt);  // and to rest
+    m.turn_accel = std::max(m.turn_accel, w.norm() / dt);
   }
   return m;
 }
 
+// Shapes and places of one pose: bending, clamp clearance to the block, free parts.
+struct PoseCheck {
+  double curvature = 0, clearance = 0, depth = 0;
+  bool crosses = false;
+};
+
+double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
+  const Eigen::Vector3d d = p - stock.frame.origin;
+  const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+  return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
+}
+
+PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const StockRect& rect) {
+  PoseCheck c;
+  c.curvature = elastica::ElasticaCurve(pose.blade).max_abs_curvature();
+  c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
+  const bool cuts = pose.foam.has_value();
+  const FreeParts free = examine_free_parts(pose.blade, cuts ? (*pose.foam)[0] : 0,
+                                            cuts ? (*pose.foam)[1] : pose.blade.length, rect);
+  c.crosses = free.crosses_itself;
+  if (cuts) c.depth = free.depth_mm;
+  return c;
+}
+
+// The limits of the blade's shape, at every pose: the interpolated ones between the ribs too.
+void check_shapes(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
+  const StockRect rect = stock_rect(strip.ribs, settings.stock);
+  std::vector<PoseCheck> checks(motion.poses.size());
+  tbb::parallel_for(std::size_t{0}, checks.size(),
+                    [&](std::size_t i) { checks[i] = check_pose(motion.poses[i], strip, rect); });
+  const auto first_by = [&](auto before) {
+    return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
+  };
+  const std::size_t bent = first_by([](const auto& a, const auto& b) { return a.curvature > b.curvature; });
+  const std::size_t near = first_by([](const auto& a, const auto& b) { return a.clearance < b.clearance; });
+  const std::size_t deep = first_by([](const auto& a, const auto& b) { return a.depth > b.depth; });
+  const std::size_t crossed = first_by([](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
+  motion.largest_curvature_per_mm = checks[bent].curvature;
+  motion.smallest_clearance_mm = checks[near].clearance;
+  const auto refuse = [&](std::size_t i, const char* name, double value, double bound, const char* unit,
+                          const char* hint) {
+    const BladePose& pose = motion.poses[i];
+    motion.refusals.push_back({strip.id, "", fmt::format("{} while {} at {:.2f} s", name, pose.phase, pose.t),
+                               value, bound, unit, hint});
+  };
+  const double sharpest = max_curvature_per_mm(settings.blade);
+  if (!(checks[bent].curvature <= sharpest)) {
+    refuse(bent, "blade radius", 1 / checks[bent].curvature, 1 / sharpest, "mm",
+           "the blade would exceed yield between the ribs: closer ribs, or a thinner blade");
+  }
+  if (!(checks[near].clearance >= settings.stock.clearance_mm)) {
+    refuse(near, "clamp clearance to the stock", checks[near].clearance, settings.stock.clearance_mm, "mm",
+           "add a longer blade to blade.free_lengths_mm");
+  }
+  if (!(checks[deep].depth <= kFreePartDepthMm)) {
+    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
+           "mm", "closer ribs or more splits");
+  }
+  if (checks[crossed].crosses)
+    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
+}
+
 void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const Measured m = measure(motion.poses, strip, settings.machine);
+  // Written so that a value that is not a number is refused.
   const auto limit = [&](const char* name, double value, double bound, const char* unit, const char* hint) {
-    if (value > bound) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
+    if (!(value <= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
   };
-  limit("clamp speed", m.speed, settings.motion.travel_mm_s, "mm/s", "lower motion.feed_mm_s");
-  limit("clamp acceleration", m.accel, settings.motion.accel_mm_s2, "mm/s2", "lower motion.feed_mm_s");
-  limit("clamp angular speed", m.turn, settings.motion.angular_rad_s, "rad/s", "lower motion.feed_mm_s");
-  limit("clamp angular acceleration", m.turn_accel, settings.motion.angular_accel_rad_s2, "rad/s2",
-        "lower motion.feed_mm_s");
+  const char* slower = "lower motion.feed_mm_s";
+  limit("clamp speed", m.speed, settings.motion.travel_mm_s, "mm/s", slower);
+  limit("clamp acceleration", m.accel, settings.motion.accel_mm_s2, "mm/s2", slower);
+  limit("clamp angular speed", m.turn, settings.motion.angular_rad_s, "rad/s", slower);
+  limit("clamp angular acceleration", m.turn_accel, settings.motion.angular_accel_rad_s2, "rad/s2", slower);
   limit("distance outside the envelope", m.outside, 0, "mm", "choose a shorter blade or a larger machine");
-  if (m.lowest < settings.stock.clearance_mm) {
-    motion.refusals.push_back({strip.id, "", "clamp height above the table", m.lowest,
-                               settings.stock.clearance_mm, "mm", "raise machine.plinth_mm"});
-  }
+  // Registers count time in u32 microseconds.
+  constexpr double kLongest_s = 4294.0;
+  limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
+  const auto at_least = [&](const std::string& name, double value, double bound, const char* unit,
+                            const char* hint) {
+    if (!(value >= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
+  };
+  constexpr double kShortestStep_s = 0.005, kTimeRounding_s = 1e-6;
+  at_least("time between waypoints", m.shortest_step, kShortestStep_s - kTimeRounding_s, "s",
+           "raise motion.waypoint_s");
+  at_least("clamp height above the table", m.lowest, settings.stock.clearance_mm, "mm",
+           "raise machine.plinth_mm");
+  at_least("feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",
+           "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
   const auto worst =
       std::min_element(motion.poses.begin(), motion.poses.end(),
                        [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
   motion.smallest_margin = worst->margin;
-  if (worst->margin < settings.blade.min_margin) {
-    motion.refusals.push_back(
-        {strip.id, "", fmt::format("stability margin while {} at {:.2f} s", worst->phase, worst->t),
-         worst->margin, settings.blade.min_margin, "", "the blade could snap on the way"});
-  }
+  at_least(fmt::format("stability margin while {} at {:.2f} s", worst->phase, worst->t), worst->margin,
+           settings.blade.min_margin, "", "the blade could snap on the way");
 }
 
-// Slowest foam point over the middle of the cut, where the time law does not start or stop.
+// Slowest blade point in foam over the cut; the time law starts and stops outside the block.
 double slowest_feed(const std::vector<BladePose>& poses) {
   double slowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -249,13 +326,8 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
     if (motion.poses[i].phase == "cut") motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
   motion.slowest_feed_mm_s = slowest_feed(motion.poses);
-  if (motion.slowest_feed_mm_s < settings.motion.min_feed_mm_s) {
-    motion.warnings.push_back(
-        fmt::format("{}: slowest blade point {:.2f} mm/s (limit {:.2f} mm/s): melt-back there "
-                    "is not modelled",
-                    strip.id, motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s));
-  }
   check_limits(strip, settings, motion);
+  check_shapes(strip, settings, motion);
   return motion;
 }
 

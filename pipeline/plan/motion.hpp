@@ -15,10 +15,10 @@ namespace hotblade::pipeline {
 struct BladeMotion {
   std::vector<BladePose> poses;
   double duration_s = 0, cut_s = 0;
-  double slowest_feed_mm_s = 0;   // of any blade point in foam while cutting at constant rate
-  double smallest_margin = 0;     // over all poses
+  double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;  // over all poses
+
   std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
-  std::vector<std::string> warnings;
 };
 
 [[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 
 #include "pipeline/command_error.hpp"
 #include "pipeline/plan/budget.hpp"
@@ -93,9 +94,9 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   f.id = plan.id;
   f.ribs = plan.ribs.size();
   f.blade_length_mm = plan.blade_length_mm;
-  f.smallest_radius_mm = plan.largest_curvature_per_mm > 0 ? 1 / plan.largest_curvature_per_mm : 0;
+  f.smallest_radius_mm = motion.largest_curvature_per_mm > 0 ? 1 / motion.largest_curvature_per_mm : 0;
   f.smallest_margin = std::min(plan.smallest_margin, motion.smallest_margin);
-  f.clamp_clearance_mm = plan.smallest_clearance_mm;
+  f.clamp_clearance_mm = motion.smallest_clearance_mm;
   for (const RibFit& rib : plan.ribs) {
     f.projected_ribs += rib.projected ? 1 : 0;
     f.worst_fit_mm = std::max(f.worst_fit_mm, rib.deviation_mm);
@@ -106,6 +107,9 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   f.cut_s = motion.cut_s;
   f.slowest_feed_mm_s = motion.slowest_feed_mm_s;
   f.droop_mm = droop_mm(settings.blade, plan.blade_length_mm);
+  double steepest = 0;
+  for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
+  f.droop_error_mm = f.droop_mm * std::sin(steepest);
   f.stock_volume_mm3 = plan.stock.size_mm.prod();
   return f;
 }
@@ -157,7 +161,6 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
     result.program.strips.push_back(make_strip(layout.strips[i], motion));
     result.strips.push_back(facts_of(layout.strips[i], motion, settings));
     result.refusals.insert(result.refusals.end(), motion.refusals.begin(), motion.refusals.end());
-    result.warnings.insert(result.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   }
   watch.lap("pose");
   hooks.progress("verify", 0.8);
@@ -175,6 +178,18 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
 // Limits of the whole: the deviation and the area left out.
 void judge(const Settings& settings, PlanResult& result) {
   const VerifyReport& v = result.verification;
+  if (result.program.strips.empty() && result.refusals.empty()) {
+    result.refusals.push_back(
+        {"design", "", "strips", 0, 1, "", "no chain of ribs was found: see the warnings"});
+  }
+  for (const StripFacts& f : result.strips) {
+    const double together = f.deviation_max_mm + f.droop_error_mm;
+    if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
+      continue;
+    result.refusals.push_back({f.id, "", "deviation with the droop of the blade", together,
+                               settings.design.tolerance_mm, "mm",
+                               "a shorter or wider blade, or another slice.direction"});
+  }
   if (v.deviation.max > settings.design.tolerance_mm) {
     const auto worst = std::max_element(v.strip_max_mm.begin(), v.strip_max_mm.end());
     const std::string strip =
@@ -227,6 +242,9 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   v.budget_mm = error_budget(design, settings, program);
   v.samples = result.verification.cut_samples + result.verification.design_samples;
   v.not_checked = not_checked();
+  if (!result.verification.within_tolerance && result.refusals.empty()) {
+    throw std::logic_error("a deviation that is not a number must not pass");
+  }
   v.status = !result.refusals.empty() ? "refused" : "passed";
   return result;
 }

@@ -20,7 +20,8 @@ struct StripFacts {
   double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
   double deviation_max_mm = 0;
   double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
-  double droop_mm = 0;
+  double droop_mm = 0;        // sag of the blade's middle out of its plane
+  double droop_error_mm = 0;  // what it moves the surface where it is steepest
   double stock_volume_mm3 = 0;
 };
 

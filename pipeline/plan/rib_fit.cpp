@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "elastica/lambda_residual.hpp"
@@ -22,6 +23,7 @@ constexpr int kSmoothingSweeps = 6;
 RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& settings) {
   RibFit fit;
   fit.offset_mm = rib.offset_mm;
+  fit.max_slope_rad = rib.max_slope_rad;
   fit.target = resample(rib, u0, u1, kRibSamples);
   const elastica::BezierFit bezier = elastica::fit_bezier(fit.target);
   fit.bezier = bezier.bezier;
@@ -94,10 +96,10 @@ std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weigh
   return calm;
 }
 
-void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm) {
+void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm, double most_mm) {
   if (ribs.size() < 3) return;
   std::vector<double> bound;
-  for (const RibFit& rib : ribs) bound.push_back(rib.deviation_mm + allowance_mm);
+  for (const RibFit& rib : ribs) bound.push_back(std::min(rib.deviation_mm + allowance_mm, most_mm));
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) {
     std::vector<MidState> mids;
     for (const RibFit& rib : ribs) mids.push_back(mid_state(rib.elastica));

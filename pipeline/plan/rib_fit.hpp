@@ -12,6 +12,7 @@ namespace hotblade::pipeline {
 
 struct RibFit {
   double offset_mm = 0;
+  double max_slope_rad = 0;             // of the design against the rib plane
   std::vector<Eigen::Vector2d> target;  // evenly spaced, chain axes
   elastica::Bezier bezier;              // after projection where its lambda-residual was above the threshold
   double lambda_residual = 0;
@@ -38,8 +39,8 @@ inline constexpr double kLeastTensionWeight = 1e-6;
 
 // Refits each rib with a weak pull towards its neighbours' curvature and tensions, which decides only what
 // the points leave open: the blade beyond a rib's ends then moves smoothly from rib to rib. Ribs whose
-// deviation would grow by more than `allowance_mm` stay as they are. `tension_weight` as the ribs were fitted
-// with.
-void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm);
+// deviation would grow by more than `allowance_mm`, or beyond `most_mm`, stay as they are. `tension_weight`
+// as the ribs were fitted with.
+void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm, double most_mm);
 
 }  // namespace hotblade::pipeline

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "pipeline/plan/blade.hpp"
 
@@ -11,12 +12,19 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// Extents of a block, largest first, against the stock's, likewise: a block may be turned any way.
-bool fits_stock(Eigen::Vector3d size, const StockSettings& stock) {
+// An edge of a block that is longer than the stock's edge of the same rank; a block may be turned any way.
+struct EdgeOver {
+  double edge_mm = 0, stock_mm = 0;
+};
+
+std::optional<EdgeOver> edge_over_stock(Eigen::Vector3d size, const StockSettings& stock) {
   Eigen::Vector3d most(stock.max_size_mm[0], stock.max_size_mm[1], stock.max_size_mm[2]);
   std::sort(size.begin(), size.end());
   std::sort(most.begin(), most.end());
-  return (size.array() <= most.array()).all();
+  for (int i = 0; i < 3; ++i) {
+    if (size[i] > most[i]) return EdgeOver{size[i], most[i]};
+  }
+  return std::nullopt;
 }
 
 // One share [u0, u1] of some ribs as a strip, or why not.
@@ -75,7 +83,7 @@ Served serve(const std::vector<RibFit>& closest, double allowed, const Settings&
     const StockRect rect = stock_rect(ribs, settings.stock);
     served.blade = choose_blade(ribs, rect, settings);
     if (served.blade.choice) {
-      smooth_ribs(ribs, weight, 0.1 * allowed);
+      smooth_ribs(ribs, weight, 0.1 * allowed, allowed);
       served.blade = choose_blade(ribs, rect, settings);
     }
     served.ribs = std::move(ribs);
@@ -128,12 +136,12 @@ Attempt try_share(const ChainTarget& chain, std::span<const RibTarget> targets, 
     return attempt;
   }
   StripPlan strip = make_strip_plan(chain, served, settings);
-  if (!fits_stock(strip.stock.size_mm, settings.stock)) {
+  if (const auto over = edge_over_stock(strip.stock.size_mm, settings.stock)) {
     attempt.refusal = {rib_place(chain, strip.ribs, 0),
                        "",
-                       "largest block edge",
-                       strip.stock.size_mm.maxCoeff(),
-                       settings.stock.max_size_mm[0],
+                       "block edge",
+                       over->edge_mm,
+                       over->stock_mm,
                        "mm",
                        "allow more splits or larger stock.max_size_mm"};
     return attempt;
@@ -148,6 +156,7 @@ std::vector<std::pair<std::size_t, std::size_t>> sweep_runs(const ChainTarget& c
   const double most =
       *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end()) -
       2 * settings.stock.border_mm;
+  if (!(most > 0)) return {{0, chain.ribs.size() - 1}};  // refused later, by its block's size
   const double extent = chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
   const auto count =
       std::min(chain.ribs.size() - 1, static_cast<std::size_t>(std::max(1.0, std::ceil(extent / most))));
@@ -163,7 +172,7 @@ void lay_out_run(const ChainTarget& chain, std::span<const RibTarget> ribs, cons
   // The first refusal of pieces that an elastica serves says most; before that, how far the last one was off.
   Refusal said;
   bool fitted = false, hopeless = false;
-  for (int pieces = 1; pieces <= settings.fit.max_splits && !hopeless; ++pieces) {
+  for (int pieces = 1; pieces <= settings.fit.max_splits + 1 && !hopeless; ++pieces) {
     std::vector<StripPlan> strips;
     for (int i = 0; i < pieces; ++i) {
       Attempt attempt = try_share(chain, ribs, static_cast<double>(i) / pieces, (i + 1.0) / pieces, settings);

@@ -83,5 +83,75 @@ TEST(ProjectFeedback, LeavesACurveWithoutChordAlone) {
   EXPECT_EQ(project_feedback(b, 0.1).status, ProjectStatus::kUnsupported);
 }
 
+// The least residual on a dense grid of both edges, first and third edge not crossing: other code, other
+// spacing.
+double brute_force(const Bezier& b) {
+  const std::complex<double> p0(b[0].x(), b[0].y()), chord = std::complex<double>(b[3].x(), b[3].y()) - p0;
+  const double a1 = std::arg((std::complex<double>(b[1].x(), b[1].y()) - p0) / chord);
+  const double a2 = std::arg((std::complex<double>(b[2].x(), b[2].y()) - p0 - chord) / chord);
+  const auto segments_cross = [](std::complex<double> p, std::complex<double> q) {
+    const auto cross = [](std::complex<double> u, std::complex<double> v) {
+      return (std::conj(u) * v).imag();
+    };
+    return cross(p, 1.0) * cross(p, q) < 0 && cross(q - 1.0, -1.0) * cross(q - 1.0, p - 1.0) < 0;
+  };
+  double best = 1;
+  constexpr int n = 120;
+  for (int i = 0; i <= n; ++i) {
+    for (int j = 0; j <= n; ++j) {
+      const auto p1 = std::polar(0.02 * std::pow(200.0, static_cast<double>(i) / n), a1);
+      const auto p2 = 1.0 + std::polar(0.02 * std::pow(200.0, static_cast<double>(j) / n), a2);
+      if (segments_cross(p1, p2)) continue;
+      const LambdaResidual r =
+          lambda_residual({Eigen::Vector2d(0, 0), {p1.real(), p1.imag()}, {p2.real(), p2.imag()}, {1, 0}});
+      if (r.status == ResidualStatus::kOk) best = std::min(best, r.value);
+    }
+  }
+  return best;
+}
+
+TEST(ProjectOptimal, IsWithinAPercentOfBruteForce) {
+  for (const Bezier& b : papers_curves(100, 11)) {
+    const Projection p = project_optimal(b, WantedBranch::kBest);
+    EXPECT_EQ(p.status, ProjectStatus::kReached);
+    EXPECT_LE(p.lambda_residual, 1.01 * brute_force(b) + 1e-6);
+    EXPECT_NEAR(lambda_residual(p.bezier).value, p.lambda_residual, 1e-9);
+  }
+}
+
+TEST(ProjectOptimal, HalvesThePapersMean) {
+  double feedback = 0, optimal = 0;
+  const auto curves = papers_curves(400, 12);
+  for (const Bezier& b : curves) {
+    feedback += project_feedback(b, 0).lambda_residual / static_cast<double>(curves.size());
+    optimal += project_optimal(b, WantedBranch::kBest).lambda_residual / static_cast<double>(curves.size());
+  }
+  EXPECT_NEAR(optimal, 0.0219, 0.004);
+  EXPECT_LT(optimal, 0.6 * feedback);
+}
+
+TEST(ProjectOptimal, StaysOnTheBranchAskedFor) {
+  for (const Bezier& b : papers_curves(100, 13)) {
+    const double best = project_optimal(b, WantedBranch::kBest).lambda_residual;
+    for (const auto& [wanted, branch] : {std::pair{WantedBranch::kInflectional, Branch::kInflectional},
+                                         std::pair{WantedBranch::kPlain, Branch::kPlain}}) {
+      const Projection p = project_optimal(b, wanted);
+      if (p.status == ProjectStatus::kUnsupported) continue;
+      EXPECT_EQ(p.branch, branch);
+      EXPECT_GE(p.lambda_residual, best - 1e-6);
+    }
+  }
+}
+
+TEST(ProjectOptimal, KeepsEndPointsAndEndTangents) {
+  for (const Bezier& b : papers_curves(200, 14)) {
+    const Projection p = project_optimal(b, WantedBranch::kBest);
+    EXPECT_EQ(p.bezier[0], b[0]);
+    EXPECT_EQ(p.bezier[3], b[3]);
+    EXPECT_LT(((p.bezier[1] - b[0]).normalized() - (b[1] - b[0]).normalized()).norm(), 1e-12);
+    EXPECT_LT(((p.bezier[2] - b[3]).normalized() - (b[2] - b[3]).normalized()).norm(), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace hotblade::elastica

@@ -9,13 +9,15 @@
 
 #include "pipeline/settings.hpp"
 #include "surface/design_surface.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
 
 // A grid surface over [0, 1]^2, written as an OBJ and read back.
 inline surface::DesignSurface grid_design(const std::string& name, int nu, int nv,
                                           const std::function<Eigen::Vector3d(double, double)>& p) {
-  const auto file = std::filesystem::temp_directory_path() / ("hotblade_" + name + ".obj");
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / (name + ".obj");
   {
     std::ofstream out(file);
     out.precision(17);
@@ -32,9 +34,7 @@ inline surface::DesignSurface grid_design(const std::string& name, int nu, int n
       }
     }
   }
-  surface::DesignSurface design = surface::read_obj(file, {"mm", 'z'});
-  std::filesystem::remove(file);
-  return design;
+  return surface::read_obj(file, {"mm", 'z'});
 }
 
 // Part of a cylinder along x: radius 400 mm, 300 mm long, 0.6 rad wide. Its sections are elastica (circles).

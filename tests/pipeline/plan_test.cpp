@@ -19,7 +19,7 @@ struct Sample {
   double most_mm;
 };
 
-class PlanSample : public testing::TestWithParam<Sample> {};
+class PlanSample : public ::testing::TestWithParam<Sample> {};
 
 PlanResult plan_sample(const std::string& name) {
   const std::string base = std::string(HOTBLADE_SOURCE_DIR) + "/samples/" + name;
@@ -42,9 +42,9 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PlanSample,
-                         testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
-                                         Sample{"hypar", 1, 0.3}, Sample{"bump", 4, 0.7}),
-                         [](const testing::TestParamInfo<Sample>& sample) {
+                         ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
+                                           Sample{"hypar", 1, 0.3}, Sample{"bump", 4, 0.7}),
+                         [](const ::testing::TestParamInfo<Sample>& sample) {
                            return std::string(sample.param.name);
                          });
 
@@ -72,9 +72,9 @@ TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
 }
 
 TEST(Plan, RefusesAnUncutShareOverTheLimitByName) {
-  // A step down that no rib across it reaches: the riser stands square to the sweep.
+  // A floor that ends in a wall down, square to the sweep, which no rib plane meets.
   const auto step = grid_design("step", 3, 12, [](double u, double v) {
-    const double x[] = {0, 200, 200, 400}, z[] = {0, 0, -120, -120};
+    const double x[] = {0, 200, 400, 400}, z[] = {0, 0, 0, -120};
     const auto i = static_cast<std::size_t>(std::lround(3 * u));
     return Eigen::Vector3d(x[i], 300 * v, z[i]);
   });
@@ -98,6 +98,48 @@ TEST(Plan, FindsTheSameCutInADesignTurnedUpsideDownAndKeptAbove) {
   EXPECT_NEAR(above.verification.deviation.max, below.verification.deviation.max, 1e-6);
   EXPECT_NEAR(above.strips[0].smallest_margin, below.strips[0].smallest_margin, 1e-3);
   EXPECT_EQ(above.strips[0].blade_length_mm, below.strips[0].blade_length_mm);
+}
+
+TEST(Plan, WithoutPreheatStillGivesAReadableProgram) {
+  Settings settings = along_x();
+  settings.motion.preheat_s = 0;
+  settings.motion.approach_mm = settings.motion.lead_mm = 40;
+  const PlanResult result = plan(cylinder_design(), settings, {});
+  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_NO_THROW((void)parse_program(to_json(result.program), "program.json"));
+}
+
+TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
+  // The cylinder leans along the sweep, so that sag out of the rib plane moves the surface.
+  const auto leaning = grid_design("leaning", 60, 60, [](double u, double v) {
+    return Eigen::Vector3d(300 * u, 1300 * (v - 0.5), 60 * u - 120 * (v - 0.5) * (v - 0.5));
+  });
+  Settings settings = along_x();
+  settings.stock.max_size_mm = {{1500, 1500, 1500}};
+  settings.blade.free_lengths_mm = {2000};
+  settings.fit.max_splits = 0;
+  settings.design.tolerance_mm = 0.5;
+  settings.machine.plinth_mm = 500;
+  const PlanResult result = plan(leaning, settings, {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(),
+                                 [](const Refusal& r) { return r.limit.find("droop") != std::string::npos; });
+  EXPECT_TRUE(named);
+  EXPECT_EQ(result.program.verification.status, "refused");
+}
+
+TEST(Plan, RefusesASlowBladePointByName) {
+  // A fan about a line close to one border: the blade all but stands there.
+  const auto fan = grid_design("fan", 60, 60, [](double u, double v) {
+    const double turn = 0.5 * (u - 0.5), r = 60 + 500 * v;
+    return Eigen::Vector3d(r * std::sin(turn), r * std::cos(turn), 0);
+  });
+  Settings settings = along_x();
+  settings.motion.min_feed_mm_s = settings.motion.feed_mm_s;
+  const PlanResult result = plan(fan, settings, {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("feed of the slowest") != std::string::npos;
+  });
+  EXPECT_TRUE(named);
 }
 
 TEST(DroopMm, MatchesTheMathsExample) {
