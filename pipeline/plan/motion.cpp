@@ -73,7 +73,7 @@ TimeLaw law_of(const Stretch& stretch, const StripPlan& strip, const Settings& s
     samples[i] = path_sample(stretch.at(static_cast<double>(i) / stretch.samples), strip);
   });
   MotionSettings limits = settings.motion;
-  constexpr int kTries = 4;
+  constexpr int kTries = 12;
   constexpr double kUse = 0.95;
   TimeLaw law = fastest_time_law(samples, limits);
   for (int i = 0; i < kTries && law.duration_s > 0; ++i) {

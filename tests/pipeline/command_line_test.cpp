@@ -256,6 +256,56 @@ TEST_F(CommandLine, PlanLeavesWhatIsThereWithoutForce) {
   EXPECT_THAT(testing::read_bytes(directory / "program.json"), StartsWith("{"));
 }
 
+TEST_F(CommandLine, ARefusedPlanWritesItsReportAndAProgramOnlyWhenOverridden) {
+  const auto directory = files_ / "cut";
+  const std::vector<std::string> too_stable{"--set", "blade.min_margin=100"};
+  const Ended refused = hotblade(plan_hypar(directory, too_stable));
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("stability margin"), HasSubstr("limit 100")));
+  EXPECT_TRUE(std::filesystem::exists(directory / "report.json"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "program.json"));
+
+  // Strips that no blade serves cannot be written at all: overridden is a limit of the motion.
+  const std::vector<std::string> too_slow{
+      "--set", "motion.min_feed_mm_s=6.99", "--set", "motion.feed_mm_s=7", "--force", "--override"};
+  const Ended overridden = hotblade(plan_hypar(directory, too_slow));
+  EXPECT_EQ(overridden.code, 4);
+  EXPECT_THAT(overridden.err, HasSubstr("feed of the slowest blade point"));
+  const std::string program = (directory / "program.json").string();
+  EXPECT_THAT(testing::read_bytes(program), HasSubstr("feed of the slowest blade point"));
+  const Ended verified =
+      hotblade({"verify", program, "--design", std::string(HOTBLADE_SOURCE_DIR) + "/samples/hypar.obj"});
+  EXPECT_EQ(verified.code, 4) << "a good cut of a refused plan";
+  EXPECT_THAT(verified.err, HasSubstr("not to be run"));
+  EXPECT_EQ(hotblade({"dryrun", program}).code, 4);
+
+  // A later refusal takes the program away with it.
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--set", "blade.min_margin=100", "--force"})).code, 4);
+  EXPECT_FALSE(std::filesystem::exists(program));
+}
+
+TEST_F(CommandLine, StrictTurnsWarningsIntoARefusal) {
+  const auto directory = files_ / "cut";
+  // Smaller than anything that is cut: a sign of wrong units.
+  write("speck.obj", "v 0 0 0\nv 15 0 0\nv 15 15 0\nv 0 15 0\nf 1 2 3 4\n");
+  const std::vector<std::string> plan{
+      "plan", (files_ / "speck.obj").string(), "--units", "mm", "-o", directory.string()};
+  auto strict = plan;
+  strict.insert(strict.end(), {"--strict", "--force"});
+  const Ended lenient = hotblade(plan);
+  const Ended refused = hotblade(strict);
+  EXPECT_THAT(lenient.err, HasSubstr("warning"));
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("--strict"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "program.json"));
+}
+
+TEST_F(CommandLine, AToleranceOutOfRangeNamesTheFlag) {
+  const Ended ended = hotblade(plan_hypar(files_ / "cut", {"--tolerance", "nan"}));
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("--tolerance"));
+}
+
 TEST_F(CommandLine, PlanCannotWriteUnderAFile) {
   write("file", "");
   const Ended ended = hotblade(plan_hypar(files_ / "file" / "cut"));
