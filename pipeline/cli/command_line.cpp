@@ -18,6 +18,7 @@ constexpr Registrar kCommands[] = {
     add_plan,
     add_verify,
     add_config,
+    add_curve,
     add_preview,
     add_sim,
     add_run,

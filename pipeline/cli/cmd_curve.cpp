@@ -1,0 +1,262 @@
+// hotblade curve: curve tools for other programs, JSON lines in, JSON lines out.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "elastica/fit.hpp"
+#include "elastica/lambda_residual.hpp"
+#include "elastica/project.hpp"
+#include "pipeline/cli/command.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using elastica::Bezier;
+using elastica::Elastica;
+
+// A line that cannot be used; what() is what its answer says.
+struct LineError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Larger numbers lose the digits that a curve's shape needs.
+constexpr double kLargest = 1e9;
+constexpr std::size_t kMostPoints = 1'000'000;
+constexpr int kFitPoints = 129;
+
+const Json& field(const Json& line, const char* name) {
+  if (!line.is_object() || !line.contains(name))
+    throw LineError(fmt::format("{}: missing: one object a line", name));
+  return line[name];
+}
+
+double number(const Json& value, const std::string& name) {
+  if (!value.is_number()) throw LineError(fmt::format("{}: not a number", name));
+  const double v = value.get<double>();
+  if (!(std::abs(v) <= kLargest))
+    throw LineError(fmt::format("{}: out of range ({}, limit {})", name, v, kLargest));
+  return v;
+}
+
+std::vector<Eigen::Vector2d> points(const Json& value, const std::string& name) {
+  if (!value.is_array() || value.size() > kMostPoints) {
+    throw LineError(fmt::format("{}: not a list of at most {} points", name, kMostPoints));
+  }
+  std::vector<Eigen::Vector2d> list;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    const std::string place = fmt::format("{}[{}]", name, i);
+    if (!value[i].is_array() || value[i].size() != 2) throw LineError(place + ": a point is [x, y]");
+    list.emplace_back(number(value[i][0], place), number(value[i][1], place));
+  }
+  return list;
+}
+
+Bezier bezier(const Json& line) {
+  const auto list = points(field(line, "bezier"), "bezier");
+  if (list.size() != 4) throw LineError(fmt::format("bezier: has {} points (4 needed)", list.size()));
+  return {list[0], list[1], list[2], list[3]};
+}
+
+Elastica elastica_of(const Json& line) {
+  const Json& e = field(line, "elastica");
+  const auto value = [&e](const char* name) {
+    return number(field(e, name), std::string("elastica.") + name);
+  };
+  const Elastica curve{value("x"),       value("y"),       value("theta"), value("kappa"),
+                       value("lambda1"), value("lambda2"), value("length")};
+  if (!(curve.length > 0)) throw LineError("elastica.length: must be positive");
+  return curve;
+}
+
+Json to_json(const Elastica& e) {
+  return {{"x", e.x},
+          {"y", e.y},
+          {"theta", e.theta},
+          {"kappa", e.kappa},
+          {"lambda1", e.lambda1},
+          {"lambda2", e.lambda2},
+          {"length", e.length}};
+}
+
+Json to_json(const Bezier& b) {
+  Json list = Json::array();
+  for (const Eigen::Vector2d& p : b) list.push_back({p.x(), p.y()});
+  return list;
+}
+
+const char* status_text(elastica::ResidualStatus status) {
+  switch (status) {
+    case elastica::ResidualStatus::kStraight:
+      return "straight";
+    case elastica::ResidualStatus::kCusp:
+      return "cusp";
+    default:
+      return "ok";
+  }
+}
+
+Json residual(const Json& line) {
+  const elastica::LambdaResidual r = elastica::lambda_residual(bezier(line));
+  if (r.status == elastica::ResidualStatus::kCusp)
+    throw LineError("bezier: has a cusp or an end edge of length zero");
+  return {{"lambda_residual", r.value},
+          {"lambda1", r.lambda1},
+          {"lambda2", r.lambda2},
+          {"alpha", r.alpha},
+          {"status", status_text(r.status)}};
+}
+
+struct ProjectArguments {
+  std::string method = "feedback", branch = "best";
+  double threshold = 0;
+};
+
+Json project(const Json& line, const ProjectArguments& arguments) {
+  using elastica::WantedBranch;
+  const Bezier b = bezier(line);
+  const WantedBranch wanted = arguments.branch == "inflectional" ? WantedBranch::kInflectional
+                              : arguments.branch == "plain"      ? WantedBranch::kPlain
+                                                                 : WantedBranch::kBest;
+  const elastica::Projection p = arguments.method == "optimal"
+                                     ? elastica::project_optimal(b, wanted)
+                                     : elastica::project_feedback(b, arguments.threshold);
+  if (p.status == elastica::ProjectStatus::kUnsupported) {
+    throw LineError("bezier: its ends coincide, an end edge is zero, or the branch has no curve");
+  }
+  return {{"bezier", to_json(p.bezier)},
+          {"lambda_residual", p.lambda_residual},
+          {"branch", p.branch == elastica::Branch::kInflectional ? "inflectional" : "plain"},
+          {"moved", {p.moved[0], p.moved[1]}},
+          {"angle_constraints_hold", p.angle_constraints_hold},
+          {"status",
+           p.lambda_residual <= arguments.threshold || arguments.method == "optimal" ? "ok" : "not_reached"}};
+}
+
+// Points of a polyline, evenly spaced by its length.
+std::vector<Eigen::Vector2d> even_points(const std::vector<Eigen::Vector2d>& q) {
+  std::vector<double> s(q.size(), 0.0);
+  for (std::size_t i = 1; i < q.size(); ++i) s[i] = s[i - 1] + (q[i] - q[i - 1]).norm();
+  if (!(s.back() > 0)) throw LineError("points: all the same");
+  std::vector<Eigen::Vector2d> even;
+  std::size_t i = 1;
+  for (int k = 0; k < kFitPoints; ++k) {
+    const double want = s.back() * k / (kFitPoints - 1);
+    while (i + 1 < s.size() && s[i] < want) ++i;
+    const double width = s[i] - s[i - 1];
+    even.push_back(q[i - 1] + (width > 0 ? std::min(1.0, (want - s[i - 1]) / width) : 0) * (q[i] - q[i - 1]));
+  }
+  return even;
+}
+
+Json fit(const Json& line) {
+  const bool from_bezier = line.is_object() && line.contains("bezier");
+  std::vector<Eigen::Vector2d> q;
+  std::vector<Elastica> starts;
+  if (from_bezier) {
+    const Bezier b = bezier(line);
+    const elastica::LambdaResidual r = elastica::lambda_residual(b);
+    if (r.status == elastica::ResidualStatus::kCusp)
+      throw LineError("bezier: has a cusp or an end edge of length zero");
+    starts.push_back(first_guess(b, r));
+    for (const double t : elastica::even_parameters(b, kFitPoints)) q.push_back(elastica::evaluate(b, t).p);
+  } else {
+    const auto given = points(field(line, "points"), "points");
+    if (given.size() < 8) throw LineError(fmt::format("points: {} given (at least 8 needed)", given.size()));
+    q = even_points(given);
+  }
+  const elastica::ElasticaFit f = fit_elastica(q, starts, {});
+  Json answer{{"elastica", to_json(f.elastica)}};
+  if (from_bezier) {
+    const elastica::CurveDistance d = distance(bezier(line), f.elastica);
+    answer["l2"] = d.l2;
+    answer["h1"] = d.h1;
+    answer["hausdorff"] = d.hausdorff;
+  } else {
+    answer["l2"] = f.rms / f.elastica.length;
+    answer["h1"] = nullptr;  // points have no tangents
+    answer["hausdorff"] = f.max;
+  }
+  answer["starts_tried"] = f.starts_tried;
+  answer["status"] = f.converged ? "ok" : "not_converged";
+  return answer;
+}
+
+Json sample(const Json& line) {
+  const Elastica e = elastica_of(line);
+  const double n = number(field(line, "n"), "n");
+  if (!(n >= 2 && n <= static_cast<double>(kMostPoints)) || n != std::floor(n)) {
+    throw LineError(fmt::format("n: out of range ({}, 2 to {})", n, kMostPoints));
+  }
+  Json answer{{"points", Json::array()}, {"theta", Json::array()}, {"kappa", Json::array()}};
+  for (const elastica::CurvePoint& p : elastica::sample(e, static_cast<int>(n))) {
+    answer["points"].push_back({p.x, p.y});
+    answer["theta"].push_back(p.theta);
+    answer["kappa"].push_back(p.kappa);
+  }
+  return answer;
+}
+
+// Answers every line at its place; exit code 3 when any was bad.
+Exit each_line(const std::function<Json(const Json&)>& answer) {
+  Exit result = Exit::kOk;
+  std::string text;
+  for (std::size_t number = 1; std::getline(std::cin, text) && !interrupted(); ++number) {
+    Json out;
+    try {
+      out = answer(Json::parse(text));
+    } catch (const nlohmann::json::exception&) {
+      out = {{"error", fmt::format("line {}: not JSON: one object a line", number)}};
+    } catch (const std::exception& error) {  // a LineError, or a curve that cannot be evaluated
+      out = {{"error", fmt::format("line {}: {}", number, error.what())}};
+    }
+    if (out.contains("error")) result = Exit::kBadInput;
+    std::cout << out.dump() << "\n";
+  }
+  return interrupted() ? Exit::kInterrupted : result;
+}
+
+void add_tool(CLI::App& curve, const char* name, const char* about, Action& action,
+              std::function<Json(const Json&)> tool, const char* example) {
+  auto* command = curve.add_subcommand(name, about);
+  command->footer(std::string("Example: ") + example);
+  command->callback([&action, tool] { action = [tool] { return each_line(tool); }; });
+}
+
+}  // namespace
+
+void add_curve(CLI::App& app, const Console&, Action& action) {
+  auto* curve = app.add_subcommand("curve", "Curve tools: JSON lines on stdin, JSON lines on stdout");
+  curve->require_subcommand(1);
+  curve->footer(
+      "A bad line is answered by {\"error\": ...} at its place, and exit code 3 at the end.\n"
+      "Example: hotblade curve residual < beziers.jsonl");
+  add_tool(*curve, "residual", "lambda-residual of cubic Beziers", action, residual,
+           "hotblade curve residual < beziers.jsonl");
+  add_tool(*curve, "fit", "True elastica near a Bezier or points, ends free", action, fit,
+           "hotblade curve fit < points.jsonl");
+  add_tool(*curve, "sample", "Points of an elastica, evenly spaced", action, sample,
+           "hotblade curve sample < elastica.jsonl");
+  auto arguments = std::make_shared<ProjectArguments>();
+  auto* projecting =
+      curve->add_subcommand("project", "Beziers moved towards elastica, ends and end tangents kept");
+  projecting
+      ->add_option("--method", arguments->method, "The paper's feedback, or the optimum over both end edges")
+      ->check(CLI::IsMember({"feedback", "optimal"}));
+  projecting->add_option("--threshold", arguments->threshold, "Feedback stops at this lambda-residual")
+      ->check(CLI::Range(0.0, 1.0));
+  projecting->add_option("--branch", arguments->branch, "Branch of the optimum")
+      ->check(CLI::IsMember({"inflectional", "plain", "best"}));
+  projecting->footer("Example: hotblade curve project --method optimal < beziers.jsonl");
+  projecting->callback([&action, arguments] {
+    action = [arguments] {
+      return each_line([arguments](const Json& line) { return project(line, *arguments); });
+    };
+  });
+}
+
+}  // namespace hotblade::pipeline

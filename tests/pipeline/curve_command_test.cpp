@@ -1,0 +1,92 @@
+// hotblade curve as other programs call it.
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/pipeline/temporary_directory.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+struct Answers {
+  int code = 0;
+  std::vector<nlohmann::json> lines;
+};
+
+Answers curve(const std::string& arguments, const std::string& input) {
+  const testing::TemporaryDirectory directory;
+  const std::string in = (directory / "in.jsonl").string();
+  std::ofstream(in) << input;
+  const std::string command = std::string(HOTBLADE_BINARY_DIR) + "/hotblade curve " + arguments + " < " + in;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  std::string out;
+  char text[4096];
+  while (std::fgets(text, sizeof text, pipe) != nullptr) out += text;
+  Answers answers;
+  answers.code = WEXITSTATUS(::pclose(pipe));
+  std::istringstream stream(out);
+  for (std::string line; std::getline(stream, line);) answers.lines.push_back(nlohmann::json::parse(line));
+  return answers;
+}
+
+constexpr const char* kArch = R"({"bezier":[[0,0],[0.2,0.5],[0.8,0.5],[1,0]]})";
+
+TEST(CurveCommand, AnswersEveryLineAtItsPlaceAndEndsWithThreeWhenOneWasBad) {
+  const Answers a =
+      curve("residual", std::string(kArch) +
+                            "\nnot json\n{\"bezier\":[[0,0],[1,1]]}\n{\"bezier\":[[0,0],[0,0],[0,0],[0,0]]}\n"
+                            "{\"bezier\":[[0,0],[1,1e300],[2,1],[3,0]]}\n[1]\n" +
+                            kArch + "\n");
+  EXPECT_EQ(a.code, 3);
+  ASSERT_EQ(a.lines.size(), 7u);
+  EXPECT_EQ(a.lines[0], a.lines[6]);
+  EXPECT_GT(a.lines[0]["lambda_residual"], 0);
+  const char* reasons[] = {"not JSON", "4 needed", "cusp", "out of range", "missing"};
+  for (std::size_t i = 0; i < 5; ++i) {
+    const std::string error = a.lines[i + 1].at("error");
+    EXPECT_THAT(error, ::testing::HasSubstr("line " + std::to_string(i + 2)));
+    EXPECT_THAT(error, ::testing::HasSubstr(reasons[i]));
+  }
+}
+
+TEST(CurveCommand, OptimalProjectionIsAtLeastAsGoodAsFeedback) {
+  const char* wave = R"({"bezier":[[0,0],[0.9,0.6],[0.3,-0.7],[1,0]]})";
+  const Answers feedback = curve("project", wave), optimal = curve("project --method optimal", wave);
+  EXPECT_EQ(feedback.code, 0);
+  EXPECT_EQ(optimal.code, 0);
+  EXPECT_LE(optimal.lines[0]["lambda_residual"].get<double>(),
+            feedback.lines[0]["lambda_residual"].get<double>() + 1e-6);
+  EXPECT_EQ(optimal.lines[0]["bezier"][0], (nlohmann::json{0.0, 0.0}));
+  EXPECT_EQ(optimal.lines[0]["bezier"][3], (nlohmann::json{1.0, 0.0}));
+}
+
+TEST(CurveCommand, FitRecoversWhatSampleWrote) {
+  const char* circle =
+      R"({"elastica":{"x":1,"y":2,"theta":0.3,"kappa":0.5,"lambda1":0,"lambda2":0,"length":3},"n":200})";
+  const Answers sampled = curve("sample", circle);
+  ASSERT_EQ(sampled.code, 0);
+  ASSERT_EQ(sampled.lines[0]["points"].size(), 200u);
+  EXPECT_EQ(sampled.lines[0]["kappa"][100], 0.5);
+  const Answers fitted = curve("fit", nlohmann::json{{"points", sampled.lines[0]["points"]}}.dump());
+  ASSERT_EQ(fitted.code, 0);
+  // Chords of 200 points lie 1e-5 under the arc.
+  EXPECT_LT(fitted.lines[0]["hausdorff"], 1e-4);
+  EXPECT_NEAR(fitted.lines[0]["elastica"]["kappa"], 0.5, 1e-3);
+  EXPECT_NEAR(fitted.lines[0]["elastica"]["length"], 3, 1e-3);
+}
+
+TEST(CurveCommand, ACurveThatCannotBeEvaluatedIsABadLineNotACrash) {
+  const Answers a = curve(
+      "sample",
+      R"({"elastica":{"x":0,"y":0,"theta":0,"kappa":1e8,"lambda1":0,"lambda2":0,"length":1000},"n":9})");
+  EXPECT_EQ(a.code, 3);
+  EXPECT_TRUE(a.lines.at(0).contains("error"));
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
