@@ -30,7 +30,7 @@ struct CurvePoint {
 };
 
 // An elastica expanded once into Taylor pieces; evaluates anywhere in [0, length] to rounding
-// (1e-13 of the length, tested against closed forms and high-order quadrature).
+// (2e-12 of the length over three periods, tested against the closed form).
 class ElasticaCurve {
  public:
   // Throws std::logic_error when a parameter is not finite, length is negative, or the curve winds so tightly

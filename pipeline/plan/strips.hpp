@@ -31,7 +31,7 @@ struct StripLayout {
   std::vector<std::string> warnings;
 };
 
-// Splits along the ribs into 1, 2, 3 .. max_splits equal shares of arc length, common to all ribs of a chain,
+// Splits along the ribs into 1, 2 .. max_splits + 1 equal shares of arc length, common to all ribs of a chain,
 // and keeps the first that serves every rib.
 [[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings);
 
