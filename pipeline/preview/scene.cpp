@@ -167,13 +167,6 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
 
 }  // namespace
 
-std::string name_of(Color color) {
-  for (const auto& [one, name] : kColors) {
-    if (one == color) return name;
-  }
-  return "";
-}
-
 std::optional<Color> color_named(const std::string& name) {
   for (const auto& [color, one] : kColors) {
     if (one == name) return color;

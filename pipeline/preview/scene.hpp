@@ -14,8 +14,7 @@ namespace hotblade::pipeline::preview {
 
 enum class Color { kDeviation, kStrip, kCurvature, kMargin, kFeed };
 
-// The name of a colour mode on the command line, and back; an unknown name gives nothing.
-[[nodiscard]] std::string name_of(Color color);
+// The colour mode of a name on the command line; an unknown name gives nothing.
 [[nodiscard]] std::optional<Color> color_named(const std::string& name);
 
 struct Polyline {
