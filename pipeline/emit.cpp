@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFiles[] = {"program.json", "report.json", "run.json"};
+constexpr const char* kFiles[] = {"program.json", "report.json", "report.html", "preview.png", "run.json"};
 
 Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -98,6 +98,13 @@ std::string report_json(const PlanResult& result) {
   const Deviation& d = v.deviation_mm;
   report["deviation_mm"] = {
       {"max", d.max}, {"p99", d.p99}, {"rms", d.rms}, {"mean", d.mean}, {"at", vector_json(d.at)}};
+  report["percentiles_mm"] = Json::array();
+  for (const auto& [percent, mm] : result.verification.percentiles_mm) {
+    report["percentiles_mm"].push_back({{"percent", percent}, {"mm", mm}});
+  }
+  const DeviationHistogram& histogram = result.verification.histogram;
+  report["histogram"] = {
+      {"bin_mm", histogram.bin_mm}, {"counts", histogram.counts}, {"beyond", histogram.beyond}};
   report["uncut_mm2"] = v.uncut_mm2;
   report["uncut_share"] = result.verification.uncut_share();
   report["samples"] = {{"cut", result.verification.cut_samples},
@@ -135,8 +142,8 @@ void prepare_output(const fs::path& directory, bool force) {
   }
 }
 
-Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts,
-             const EmitOptions& options) {
+Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts, const EmitOptions& options,
+             const ReportPictures& pictures) {
   Emitted emitted;
   const bool passed = result.program.verification.status == "passed";
   if (!passed && options.override_refusal) {
@@ -152,6 +159,13 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
                                         ": an older program cannot be removed (" + error.message() + ")");
   }
   write_file_atomically(directory / "report.json", report_json(result), options.force);
+  write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
+                        options.force);
+  if (!pictures.pictures.empty()) {
+    write_file_atomically(directory / "preview.png", pictures.pictures.front().png, options.force);
+  } else {
+    fs::remove(directory / "preview.png", error);
+  }
   write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
   if (emitted.program_written) {
     const std::string text = to_json(result.program);

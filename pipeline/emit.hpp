@@ -1,9 +1,11 @@
-// The emit stage: program.json, report.json and run.json in one directory, each whole or not there.
+// The emit stage: program.json, report.json, report.html, preview.png and run.json in one directory, each
+// whole or not there.
 #pragma once
 
 #include <filesystem>
 
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/report/pictures.hpp"
 
 namespace hotblade::pipeline {
 
@@ -28,11 +30,12 @@ struct Emitted {
 // without force, or a directory that cannot be written to. Called before the work starts.
 void prepare_output(const std::filesystem::path& directory, bool force);
 
-// Writes the three files. A refused plan's program is written only with override_refusal, its refusals
-// recorded in program.overrides; an older program.json in the way is then removed, so that no directory holds
-// a program beside a report that refuses it. Throws CommandError (7).
+// Writes the files; preview.png is the first picture, and is absent where there is none. A refused plan's
+// program is written only with override_refusal, its refusals recorded in program.overrides; an older
+// program.json in the way is then removed, so that no directory holds a program beside a report that refuses
+// it. Throws CommandError (7).
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,
-             const EmitOptions& options);
+             const EmitOptions& options, const ReportPictures& pictures);
 
 // report.json's text: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
 [[nodiscard]] std::string report_json(const PlanResult& result);

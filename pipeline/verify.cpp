@@ -142,10 +142,31 @@ class Statistics {
     const auto n = static_cast<double>(all_.size());
     deviation_.mean = sum_ / n;
     deviation_.rms = std::sqrt(sum_sq_ / n);
-    const auto nth = all_.begin() + static_cast<std::ptrdiff_t>(std::ceil(0.99 * n)) - 1;
-    std::nth_element(all_.begin(), nth, all_.end());
-    deviation_.p99 = *nth;
+    deviation_.p99 = percentile(99);
     return deviation_;
+  }
+
+  // The deviation that this percentage of the samples stays within; 0 without samples.
+  [[nodiscard]] double percentile(double percent) {
+    if (all_.empty()) return 0;
+    const double rank = std::ceil(percent / 100 * static_cast<double>(all_.size()));
+    const auto nth = all_.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, rank)) - 1;
+    std::nth_element(all_.begin(), nth, all_.end());
+    return *nth;
+  }
+
+  [[nodiscard]] DeviationHistogram histogram(double tolerance_mm) const {
+    constexpr std::size_t kBins = 45;  // thirty up to the tolerance
+    DeviationHistogram h{tolerance_mm / 30, std::vector<std::size_t>(kBins, 0), 0};
+    for (const double distance : all_) {
+      const double bin = distance / h.bin_mm;
+      if (bin < static_cast<double>(kBins)) {
+        ++h.counts[static_cast<std::size_t>(bin)];
+      } else {
+        ++h.beyond;
+      }
+    }
+    return h;
   }
 
  private:
@@ -198,6 +219,10 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   }
   report.design_samples = samples.points.size();
   report.deviation = statistics.result();
+  report.histogram = statistics.histogram(options.tolerance_mm);
+  for (const double percent : {50.0, 90.0, 95.0, 99.0, 99.9, 100.0}) {
+    report.percentiles_mm.emplace_back(percent, statistics.percentile(percent));
+  }
   report.clamp_mismatch_mm = clamp_mismatch_mm(program);
   report.within_tolerance = report.clamp_mismatch_mm <= kClampMismatchMm &&
                             report.deviation.max <= options.tolerance_mm &&

@@ -23,8 +23,19 @@ struct VerifyOptions {
   double reach = 3, far = 20;  // tolerances
 };
 
+// How many samples deviate by how much: bin i holds [i, i + 1) * bin_mm, `beyond` what lies past the last
+// one.
+struct DeviationHistogram {
+  double bin_mm = 0;
+  std::vector<std::size_t> counts;
+  std::size_t beyond = 0;
+};
+
 struct VerifyReport {
   Deviation deviation;
+  DeviationHistogram histogram;  // up to 1.5 tolerances
+  std::vector<std::pair<double, double>>
+      percentiles_mm;                // percent of the samples, deviation they stay within
   std::vector<double> strip_max_mm;  // cut to design, by strip
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade

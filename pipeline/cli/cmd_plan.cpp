@@ -24,7 +24,7 @@ struct PlanArguments {
   DesignOptions design;
   std::string tolerance_mm, output;
   int jobs = 0;
-  bool force = false, override_refusal = false, strict = false;
+  bool force = false, override_refusal = false, strict = false, no_pictures = false;
 };
 
 fs::path output_directory(const PlanArguments& arguments) {
@@ -65,7 +65,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
                            100 * result.verification.uncut_share());
   std::cout << fmt::format("status {}\n", v.status);
   if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
-  std::cout << "report " << (directory / "report.json").string() << "\n";
+  std::cout << "report " << (directory / "report.html").string() << "\n";
 }
 
 void print_refusals(const PlanResult& result, const Console& console) {
@@ -85,7 +85,8 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
 
 // With --strict a warning is as good as a limit.
 void refuse_warnings(PlanResult& result) {
-  result.refusals.push_back({"design", "", "warnings with --strict", static_cast<double>(result.warnings.size()), 0, "",
+  result.refusals.push_back({"design", "", "warnings with --strict",
+                             static_cast<double>(result.warnings.size()), 0, "",
                              "first: " + result.warnings.front()});
   result.program.verification.status = "refused";
 }
@@ -126,7 +127,12 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), gpu::backend_name(), threads, seconds};
-  const Emitted emitted = emit(result, directory, facts, {arguments.force, arguments.override_refusal});
+  const ReportPictures pictures = arguments.no_pictures ? ReportPictures{{}, "not asked for (--no-pictures)"}
+                                                        : take_pictures(result, design);
+  if (!arguments.no_pictures && pictures.pictures.empty())
+    console.warn("warning: no pictures: " + pictures.note);
+  const Emitted emitted =
+      emit(result, directory, facts, {arguments.force, arguments.override_refusal}, pictures);
   console.report_progress("done", 1);
   for (const std::string& line : result.warnings) console.warn("warning: " + line);
   print_refusals(result, console);
@@ -148,6 +154,7 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->add_flag("--override", arguments->override_refusal,
                     "Write the program of a refused plan all the same, recorded in it; still exit code 4");
+  command->add_flag("--no-pictures", arguments->no_pictures, "No preview.png, no pictures in report.html");
   command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");
   command->footer(
       "Exit code 4 when the design is not cuttable as asked: which strip, limit and amount is said.\n"

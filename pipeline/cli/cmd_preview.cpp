@@ -26,6 +26,7 @@ struct PreviewOptions {
   std::string color;
   std::string shot;
   std::string size = "1280x720";
+  std::string view = "best";
   preview::SceneOptions scene;
   bool force = false;
 };
@@ -90,6 +91,7 @@ preview::Scene design_scene(const PreviewOptions& options) {
 
 Exit run_preview(PreviewOptions options) {
   const preview::PictureSize size = picture_size(options.size);
+  const preview::View view = preview::view_named(options.view).value_or(preview::View::kBest);
   options.scene.color = color_of(options.color);
   if (options.shot.empty()) {
     preview::expect_display();
@@ -99,10 +101,10 @@ Exit run_preview(PreviewOptions options) {
   const bool is_program = fs::path(options.input.file).extension() == ".json";
   const preview::Scene scene = is_program ? program_scene(options) : design_scene(options);
   if (options.shot.empty()) {
-    preview::show(scene, size);
+    preview::show(scene, size, view);
     return Exit::kOk;
   }
-  write_file_atomically(options.shot, preview::png_of(scene, size), options.force);
+  write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
   std::cout << options.shot << '\n';
   return Exit::kOk;
 }
@@ -124,6 +126,9 @@ void add_preview(CLI::App& app, const Console&, Action& action) {
       ->type_name("deviation|strip|curvature|margin|feed");
   command->add_option("--shot", options->shot, "Write a PNG file; needs no display")->type_name("FILE");
   command->add_option("--size", options->size, "Of picture or window, pixels")->type_name("WIDTHxHEIGHT");
+  command->add_option("--view", options->view, "Where to look from; else obliquely on the cut side")
+      ->check(CLI::IsMember({"best", "top", "front", "right"}))
+      ->type_name("best|top|front|right");
   command->add_flag("--force", options->force, "Overwrite an existing picture");
   command->footer(
       "In the window: drag turns, middle button moves, wheel zooms, q closes.\n"

@@ -2,8 +2,10 @@
 #include <vtkRenderer.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "pipeline/preview/draw_parts.hpp"
 
@@ -34,6 +36,18 @@ Eigen::Vector3d best_eye(const Eigen::Vector3d& waste) {
     }
   }
   return best;
+}
+
+// Where to look from, and what is up in the picture.
+struct Stance {
+  Eigen::Vector3d eye, up;
+};
+
+Stance stance_of(View view, const Eigen::Vector3d& waste) {
+  if (view == View::kTop) return {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY()};
+  if (view == View::kFront) return {-Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()};
+  if (view == View::kRight) return {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
+  return {best_eye(waste), Eigen::Vector3d::UnitZ()};
 }
 
 // What the picture has to hold, seen along two axes of the picture.
@@ -71,9 +85,19 @@ class Extent {
 
 }  // namespace
 
-void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size) {
-  const Eigen::Vector3d eye = best_eye(scene.waste_direction);
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitZ().cross(eye).normalized();
+std::optional<View> view_named(const std::string& name) {
+  constexpr std::array<std::pair<View, const char*>, 4> kViews{
+      {{View::kBest, "best"}, {View::kTop, "top"}, {View::kFront, "front"}, {View::kRight, "right"}}};
+  for (const auto& [view, one] : kViews) {
+    if (one == name) return view;
+  }
+  return std::nullopt;
+}
+
+void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view) {
+  const Stance stance = stance_of(view, scene.waste_direction);
+  const Eigen::Vector3d& eye = stance.eye;
+  const Eigen::Vector3d right = stance.up.cross(eye).normalized();
   const Eigen::Vector3d up = eye.cross(right);
   Extent extent(right, up);
   extent.add_scene(scene);
@@ -98,7 +122,7 @@ void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size) {
   camera.SetParallelScale(size.height / (2 * pixels_per_mm));
   camera.SetFocalPoint(focus.data());
   camera.SetPosition(position.data());
-  camera.SetViewUp(0, 0, 1);
+  camera.SetViewUp(up.data());
   renderer.ResetCameraClippingRange();
 }
 

@@ -22,11 +22,11 @@ namespace {
 // slower on the software rasterisers that machines without a display have.
 constexpr int kZoom = 2;
 
-void compose(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom) {
+void compose(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom, View view) {
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
   add_actors(scene, renderer, zoom);
   add_overlay(scene, renderer, size, zoom);
-  aim_camera(scene, renderer, size);
+  aim_camera(scene, renderer, size, view);
 }
 
 // RGB rows from the bottom, averaged over kZoom x kZoom pixels.
@@ -108,16 +108,16 @@ class OffscreenWindow {
 
 }  // namespace
 
-std::string png_of(const Scene& scene, PictureSize size) {
+std::string png_of(const Scene& scene, PictureSize size, View view) {
   const OffscreenContext context;
   vtkNew<vtkRenderer> renderer;
   OffscreenWindow window(size);
-  compose(scene, *renderer, size, kZoom);
+  compose(scene, *renderer, size, kZoom, view);
   const auto pixels = window.render(*renderer);
   return encoded(*reduced(*pixels, size));
 }
 
-void show(const Scene& scene, PictureSize size) {
+void show(const Scene& scene, PictureSize size, View view) {
   expect_display();
   vtkNew<vtkRenderWindow> window;
   window->SetSize(size.width, size.height);
@@ -125,7 +125,7 @@ void show(const Scene& scene, PictureSize size) {
   window->SetMultiSamples(4);
   vtkNew<vtkRenderer> renderer;
   window->AddRenderer(renderer);
-  compose(scene, *renderer, size, 1);
+  compose(scene, *renderer, size, 1, view);
   vtkNew<vtkRenderWindowInteractor> interactor;
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   interactor->SetInteractorStyle(style);

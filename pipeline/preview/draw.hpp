@@ -1,6 +1,7 @@
 // Drawing a scene with VTK: into memory without a display, or in a window.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "pipeline/preview/scene.hpp"
@@ -11,15 +12,21 @@ struct PictureSize {
   int width = 1280, height = 720;
 };
 
+// From where a picture is taken: obliquely on the cut side, or along an axis of the design frame.
+enum class View { kBest, kTop, kFront, kRight };
+
+// The view of a name on the command line (best, top, front, right); an unknown name gives nothing.
+[[nodiscard]] std::optional<View> view_named(const std::string& name);
+
 // The scene as the bytes of a PNG file. Needs EGL but no display. Throws CommandError with exit code 1 when
 // the machine has no EGL that can draw off screen.
-[[nodiscard]] std::string png_of(const Scene& scene, PictureSize size);
+[[nodiscard]] std::string png_of(const Scene& scene, PictureSize size, View view = View::kBest);
 
 // Throws CommandError with exit code 2 when there is no display for a window.
 void expect_display();
 
 // Opens a window and returns when it is closed: drag turns, middle button moves, wheel or right button zooms,
 // q ends. Throws CommandError with exit code 2 when there is no display.
-void show(const Scene& scene, PictureSize size);
+void show(const Scene& scene, PictureSize size, View view = View::kBest);
 
 }  // namespace hotblade::pipeline::preview

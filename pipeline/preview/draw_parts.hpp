@@ -32,7 +32,7 @@ constexpr Rgb kStockColor{0.55, 0.57, 0.60};
 
 // `zoom` is how many pixels are drawn for one of the picture.
 void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
-void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size);
+void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view);
 void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom);
 
 // Pixels of the picture kept free of geometry, for the overlay.

@@ -1,0 +1,22 @@
+// The pictures of a report: what is cut, from three sides.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/report/report_html.hpp"
+#include "surface/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+struct ReportPictures {
+  std::vector<ReportPicture> pictures;
+  std::string note;  // why there are none
+};
+
+// Drawn without a display. A machine that cannot draw gets none and a note, never an error: the figures do
+// not depend on pictures.
+[[nodiscard]] ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,240 @@
+#include "pipeline/report/report_html.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/report/report_plots.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr const char* kStyle = R"css(
+:root{--ink:#22262b;--soft:#5c6670;--line:#d5dade;--good:#12703a;--bad:#b3261e}
+*{box-sizing:border-box}
+body{font:15px/1.45 "Helvetica Neue",Arial,sans-serif;color:var(--ink);margin:0 auto;max-width:1060px;padding:24px}
+h1{font-size:24px;margin:0 0 2px}h2{font-size:17px;margin:30px 0 8px;border-bottom:1px solid var(--line);padding-bottom:3px}
+p.sub{color:var(--soft);margin:0 0 16px;overflow-wrap:anywhere}
+.verdict{border-left:6px solid;padding:10px 16px;margin:12px 0;background:#f5f6f7}
+.verdict b{font-size:20px}.passed{border-color:var(--good)}.passed b{color:var(--good)}
+.refused{border-color:var(--bad)}.refused b{color:var(--bad)}
+.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(150px,1fr));gap:10px;margin:14px 0}
+.figures div{border:1px solid var(--line);padding:8px 12px}.figures b{display:block;font-size:19px}
+.figures span{color:var(--soft);font-size:13px}
+table{border-collapse:collapse;width:100%;font-size:13px}
+th,td{padding:4px 7px;text-align:right;border-bottom:1px solid var(--line);vertical-align:top}
+th{color:var(--soft);font-weight:600}th small{font-weight:400;display:block}
+td.l,th.l{text-align:left}td.n{white-space:nowrap}td.bad{color:var(--bad);font-weight:600}tr.bad td:first-child{color:var(--bad)}
+.pictures{display:grid;grid-template-columns:1fr 1fr;gap:12px}.pictures figure{margin:0}
+.pictures figure:first-child{grid-column:1/-1}.pictures img{width:100%;border:1px solid var(--line)}
+figcaption{color:var(--soft);font-size:13px}.scroll{overflow-x:auto}svg{max-width:100%;height:auto}
+pre{font-size:12px;background:#f5f6f7;padding:10px;white-space:pre-wrap;overflow-wrap:anywhere}
+@media print{@page{size:A4;margin:14mm}body{padding:0;font-size:11px;max-width:none}h2{break-after:avoid}
+table{font-size:9px}th,td{padding:2px 4px}figure,.verdict,svg,tr{break-inside:avoid}details{display:none}}
+)css";
+
+std::string base64(const std::string& bytes) {
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
+  const int n =
+      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                      reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
+  text.resize(static_cast<std::size_t>(n));
+  return text;
+}
+
+std::string place(const Eigen::Vector3d& p) {
+  return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+}
+
+std::string duration(double seconds) {
+  const long whole = std::lround(seconds);
+  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {:02} s", whole / 60, whole % 60);
+}
+
+double total_duration_s(const PlanResult& result) {
+  double sum = 0;
+  for (const StripFacts& f : result.strips) sum += f.duration_s;
+  return sum;
+}
+
+std::string verdict_section(const PlanResult& result) {
+  const Verification& v = result.program.verification;
+  const bool passed = v.status == "passed";
+  std::string html = fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", passed ? "passed" : "refused",
+                                 passed ? "Can be cut as planned" : "Not cuttable as asked");
+  if (result.verification.cut_samples == 0) {
+    html += "Nothing is cut: no deviation could be measured.";
+  } else {
+    html += fmt::format(
+        "The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
+        "(tolerance "
+        "{:g} mm); worst at {}.",
+        v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
+  }
+  return html + fmt::format(" {:.2f} % of the design is left uncut.</div>\n",
+                            100 * result.verification.uncut_share());
+}
+
+std::string refusals_section(const PlanResult& result) {
+  if (result.refusals.empty()) return "";
+  std::string html =
+      "<h2>Why it is refused</h2><table><tr><th class=\"l\">where</th><th class=\"l\">limit</th><th>is</th>"
+      "<th>allowed</th><th class=\"l\">what would help</th></tr>\n";
+  for (const Refusal& r : result.refusals) {
+    html += fmt::format(
+        "<tr><td class=\"l\">{} {}</td><td class=\"l\">{}</td><td class=\"bad\">{:.4g} {}</td><td>{:.4g} "
+        "{}</td>"
+        "<td class=\"l\">{}</td></tr>\n",
+        escaped(r.strip), escaped(r.rib), escaped(r.limit), r.value, escaped(r.unit), r.bound,
+        escaped(r.unit), escaped(r.hint));
+  }
+  return html + "</table>\n";
+}
+
+std::string figure(const std::string& value, const std::string& name) {
+  return fmt::format("<div><b>{}</b><span>{}</span></div>\n", value, name);
+}
+
+std::string figures_section(const PlanResult& result) {
+  std::size_t ribs = 0;
+  double foam_l = 0;
+  for (const StripFacts& f : result.strips) {
+    ribs += f.ribs;
+    foam_l += f.stock_volume_mm3 * 1e-6;
+  }
+  const Deviation& d = result.program.verification.deviation_mm;
+  std::string html = "<div class=\"figures\">";
+  html += figure(fmt::format("{:.3f} mm", d.max), "largest deviation");
+  html += figure(fmt::format("{:.3f} mm", d.p99), "deviation of 99 % of the samples");
+  html += figure(fmt::format("{}", result.strips.size()), "strips (blocks of foam)");
+  html += figure(fmt::format("{}", ribs), fmt::format("ribs, at most {:.3g} mm apart", result.spacing_mm));
+  html += figure(duration(total_duration_s(result)), "time on the machine");
+  html += figure(fmt::format("{:.1f} l", foam_l), "foam in all blocks");
+  return html + "</div>\n";
+}
+
+std::string pictures_section(const std::vector<ReportPicture>& pictures, const std::string& note) {
+  if (pictures.empty()) return fmt::format("<h2>Pictures</h2><p>None: {}.</p>\n", escaped(note));
+  std::string html = "<h2>What is cut</h2><div class=\"pictures\">\n";
+  for (const ReportPicture& p : pictures) {
+    html += fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+        escaped(p.caption), base64(p.png));
+  }
+  return html + "</div>\n";
+}
+
+std::string strips_section(const PlanResult& result) {
+  if (result.strips.empty()) return "";
+  std::string html =
+      "<h2>Strips</h2><div class=\"scroll\"><table><tr><th "
+      "class=\"l\">strip</th><th>ribs</th><th>blade<small>mm"
+      "</small></th><th>deviation<small>mm</small></th><th>rib fit<small>mm</small></th><th>smallest "
+      "radius<small>mm"
+      "</small></th><th>stability margin</th><th>clamp to "
+      "foam<small>mm</small></th><th>droop<small>mm</small></th>"
+      "<th>slowest feed<small>mm/s</small></th><th>block<small>mm</small></th><th>time</th><th "
+      "class=\"l\">verdict"
+      "</th></tr>\n";
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const StripFacts& f = result.strips[i];
+    const Eigen::Vector3d size = result.program.strips[i].stock.size_mm;
+    const auto refused = static_cast<std::size_t>(
+        std::count_if(result.refusals.begin(), result.refusals.end(),
+                      [&](const Refusal& r) { return r.strip.rfind(f.id, 0) == 0; }));
+    html += fmt::format(
+        "<tr{}><td class=\"l\">{}</td><td>{}</td><td>{:.0f}</td><td>{:.3f}</td><td>{:.3f}</td><td>{}</td>"
+        "<td>{:.1f}</td><td>{:.1f}</td><td>{:.3f}</td><td>{:.2f}</td><td class=\"n\">{:.0f} x {:.0f} x "
+        "{:.0f}</td><td class=\"n\">{}</td>"
+        "<td class=\"l\">{}</td></tr>\n",
+        refused > 0 ? " class=\"bad\"" : "", escaped(f.id), f.ribs, f.blade_length_mm, f.deviation_max_mm,
+        f.worst_fit_mm, f.smallest_radius_mm > 0 ? fmt::format("{:.0f}", f.smallest_radius_mm) : "straight",
+        f.smallest_margin, f.clamp_clearance_mm, f.droop_mm, f.slowest_feed_mm_s, size.x(), size.y(),
+        size.z(), duration(f.duration_s), refused > 0 ? fmt::format("{} over", refused) : "ok");
+  }
+  return html + "</table></div>\n";
+}
+
+std::string deviation_section(const PlanResult& result) {
+  const VerifyReport& v = result.verification;
+  if (v.cut_samples == 0) return "";
+  std::string html = fmt::format(
+      "<h2>Deviation</h2><p>{} samples of the cut against the design, {} of the design against the "
+      "cut.</p>\n",
+      v.cut_samples, v.design_samples);
+  html += histogram_svg(v.histogram, result.program.verification.tolerance_mm);
+  std::string heads, cells;
+  for (const auto& [percent, mm] : v.percentiles_mm) {
+    heads += fmt::format("<th>{:g} %</th>", percent);
+    cells += fmt::format("<td>{:.4f}</td>", mm);
+  }
+  return html + "<table><tr><th class=\"l\">share of the samples</th>" + heads +
+         "</tr><tr><td class=\"l\">within, mm</td>" + cells + "</tr></table>\n";
+}
+
+std::string budget_section(const PlanResult& result) {
+  const Verification& v = result.program.verification;
+  if (v.budget_mm.empty()) return "";
+  return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own.</p>\n" +
+         budget_svg(v.budget_mm, v.tolerance_mm);
+}
+
+std::string ranking_section(const PlanResult& result) {
+  if (result.ranking.empty()) return "";
+  std::string html =
+      "<h2>Directions tried</h2><table><tr><th class=\"l\">plane normal</th><th>strips</th><th>served</th>"
+      "<th>score</th></tr>\n";
+  for (const DirectionScore& d : result.ranking) {
+    html += fmt::format(
+        "<tr><td class=\"l\">({:.4f}, {:.4f}, {:.4f})</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td></tr>\n",
+        d.normal.x(), d.normal.y(), d.normal.z(), d.strips, 100 * d.covered_share, d.score);
+  }
+  return html + "</table><p class=\"sub\">The lowest score is taken; slice.direction fixes it.</p>\n";
+}
+
+std::string list_section(const std::string& title, const std::vector<std::string>& lines) {
+  if (lines.empty()) return "";
+  std::string html = "<h2>" + title + "</h2><ul>\n";
+  for (const std::string& line : lines) html += "<li>" + escaped(line) + "</li>\n";
+  return html + "</ul>\n";
+}
+
+std::string settings_section(const PlanResult& result) {
+  return "<h2>Settings</h2><details><summary>all values this plan was made with</summary><pre>" +
+         escaped(nlohmann::ordered_json::parse(result.program.settings_json).dump(2)) + "</pre></details>\n";
+}
+
+std::string heading(const PlanResult& result) {
+  const DesignData& d = result.program.design;
+  const Eigen::Vector3d size = d.bbox_mm[1] - d.bbox_mm[0];
+  return fmt::format(
+      "<h1>{}</h1><p class=\"sub\">{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}. SHA-256 "
+      "{}. "
+      "{}.</p>\n",
+      escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), escaped(d.keep),
+      escaped(d.sha256), escaped(result.program.created_by));
+}
+
+}  // namespace
+
+std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
+                        const std::string& picture_note) {
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\"><title>" +
+      escaped(result.program.design.file) + ": " + escaped(result.program.verification.status) +
+      "</title><style>" + kStyle + "</style></head><body>\n";
+  html += heading(result) + verdict_section(result) + refusals_section(result) + figures_section(result);
+  html += pictures_section(pictures, picture_note) + strips_section(result) + deviation_section(result);
+  html += budget_section(result) + list_section("Warnings", result.warnings);
+  html += list_section("Refusals overridden", result.program.overrides);
+  html += list_section("Not checked", result.program.verification.not_checked);
+  html += ranking_section(result) + settings_section(result);
+  return html + "</body></html>\n";
+}
+
+}  // namespace hotblade::pipeline

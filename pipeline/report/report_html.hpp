@@ -1,0 +1,22 @@
+// report.html: one self-contained page (no script, no network) that says whether a design can be cut, how
+// well, and why not. Its figures are those of report.json.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.hpp"
+
+namespace hotblade::pipeline {
+
+struct ReportPicture {
+  std::string caption;
+  std::string png;  // bytes of a PNG file
+};
+
+// `picture_note` says why there are no pictures, where there are none. The text depends on the arguments
+// alone.
+[[nodiscard]] std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
+                                      const std::string& picture_note);
+
+}  // namespace hotblade::pipeline

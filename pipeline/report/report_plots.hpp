@@ -1,0 +1,23 @@
+// Small plots of a report as SVG text: no script, no outside file, legible in print.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/verify.hpp"
+
+namespace hotblade::pipeline {
+
+// Text made safe for HTML and SVG.
+[[nodiscard]] std::string escaped(const std::string& text);
+
+// Share of the samples by deviation, with the tolerance marked; what lies beyond the last bin stands in a bar
+// of its own.
+[[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm);
+
+// One bar a line of the error budget, against the tolerance.
+[[nodiscard]] std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm,
+                                     double tolerance_mm);
+
+}  // namespace hotblade::pipeline
