@@ -4,17 +4,13 @@
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
+#include "elastica/kernels/lambda_residual.h"
+
 namespace hotblade::elastica {
 
 namespace {
 
 constexpr int kNodes = 24;
-// A speed below this share of the control polygon's length is a cusp: the curvature integral is then
-// dominated by one node and says nothing.
-constexpr double kCuspShare = 1e-9;
-// Curvature whose total turning stays below this is rounding of a straight line.
-constexpr double kStraightTurn = 1e-12;
-
 struct Nodes {
   std::array<double, kNodes> t{}, w{};
   Nodes() {
@@ -73,38 +69,36 @@ Affine fit_affine(const Columns& c) {
   return a;
 }
 
+// As the batch kernels decide it.
+ResidualStatus status_of(const Bezier& b) {
+  const Eigen::Vector2d d1 = b[1] - b[0], d2 = b[2] - b[0], d3 = b[3] - b[0];
+  hb_legs legs{d1.x(), d1.y(), d2.x(), d2.y(), d3.x(), d3.y()};
+  const double frame = hb_unit_frame(&legs);
+  if (frame != HB_RESIDUAL_OK) return static_cast<ResidualStatus>(frame);
+  const hb_cubic cubic = hb_cubic_of_legs(&legs);
+  return static_cast<ResidualStatus>(hb_residual_status(&legs, &cubic));
+}
+
 }  // namespace
 
 LambdaResidual lambda_residual(const Bezier& b) {
   static const Nodes nodes;
-  const double polygon = (b[1] - b[0]).norm() + (b[2] - b[1]).norm() + (b[3] - b[2]).norm();
   LambdaResidual result;
-  if (!(polygon > 0)) {
-    result.status = ResidualStatus::kCusp;
-    return result;
-  }
-  // Rows sqrt(ds) (1, x, y | kappa) in a frame scaled by the polygon.
+  result.status = status_of(b);
+  if (result.status != ResidualStatus::kOk) return result;
+  // Rows sqrt(ds) (1, x, y | kappa), from the first point, in units of the polygon.
+  const double polygon = (b[1] - b[0]).norm() + (b[2] - b[1]).norm() + (b[3] - b[2]).norm();
+  const Bezier from_start{b[0] - b[0], b[1] - b[0], b[2] - b[0], b[3] - b[0]};
   Columns c;
-  double turn = 0;
   for (int i = 0; i < kNodes; ++i) {
     const auto n = static_cast<std::size_t>(i);
-    const BezierPoint p = evaluate(b, nodes.t[n]);
-    const double speed = p.d1.norm() / polygon;
-    if (!(speed > kCuspShare)) {
-      result.status = ResidualStatus::kCusp;
-      return result;
-    }
-    const double root = std::sqrt(nodes.w[n] * speed);
-    const Eigen::Vector2d r = (p.p - b[0]) / polygon;
+    const BezierPoint p = evaluate(from_start, nodes.t[n]);
+    const double root = std::sqrt(nodes.w[n] * p.d1.norm() / polygon);
+    const Eigen::Vector2d r = p.p / polygon;
     c.one[i] = root;
     c.x[i] = root * r.x();
     c.y[i] = root * r.y();
     c.kappa[i] = root * curvature(p) * polygon;
-    turn += std::abs(c.kappa[i]) * root;
-  }
-  if (turn < kStraightTurn) {
-    result.status = ResidualStatus::kStraight;
-    return result;
   }
   const Affine fit = fit_affine(c);
   result.value = std::min(1.0, fit.residual / c.kappa.norm());

@@ -6,16 +6,24 @@
 // under similarity. A design-time guide: acceptance is in mm against a true elastica.
 #pragma once
 
+#include <cstdint>
+
 #include "elastica/bezier.hpp"
 #include "elastica/elastica.hpp"
 
 namespace hotblade::elastica {
 
-enum class ResidualStatus {
+enum class ResidualStatus : std::uint8_t {
   kOk,
-  kStraight,  // curvature vanishes everywhere: e = 0 by definition
-  kCusp,      // the derivative vanishes, at an end of zero edge length or inside: e is not defined
+  kStraight,   // the control points lie on a line: e = 0 by definition
+  kCusp,       // the derivative vanishes, at an end of zero edge length or inside: Int kappa^2 ds diverges
+  kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e290
 };
+
+// The residual has a value (0 for a straight line).
+[[nodiscard]] constexpr bool has_value(ResidualStatus status) {
+  return status == ResidualStatus::kOk || status == ResidualStatus::kStraight;
+}
 
 struct LambdaResidual {
   double value = 0;                            // e in [0, 1]
@@ -24,6 +32,7 @@ struct LambdaResidual {
 };
 
 // 24-point Gauss quadrature: error below 1e-9 where the speed |B'| stays above a tenth of its mean.
+// Many curves at once: elastica/residual_batch.hpp.
 [[nodiscard]] LambdaResidual lambda_residual(const Bezier& bezier);
 
 // The elastica of the fitted (lambda1, lambda2, alpha), started at the Bezier's start with its tangent and

@@ -69,7 +69,7 @@ bool angle_constraints_hold(const StandardPosition& s) {
 
 double score(const StandardPosition& s) {
   const LambdaResidual r = lambda_residual(to_bezier(s));
-  return r.status == ResidualStatus::kCusp ? 1.0 : r.value;
+  return has_value(r.status) ? r.value : 1.0;
 }
 
 }  // namespace hotblade::elastica

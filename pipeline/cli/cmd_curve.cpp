@@ -90,20 +90,13 @@ Json to_json(const Bezier& b) {
 }
 
 const char* status_text(elastica::ResidualStatus status) {
-  switch (status) {
-    case elastica::ResidualStatus::kStraight:
-      return "straight";
-    case elastica::ResidualStatus::kCusp:
-      return "cusp";
-    default:
-      return "ok";
-  }
+  return status == elastica::ResidualStatus::kStraight ? "straight" : "ok";
 }
 
 Json residual(const Json& line) {
   const elastica::LambdaResidual r = elastica::lambda_residual(bezier(line));
-  if (r.status == elastica::ResidualStatus::kCusp)
-    throw LineError("bezier: has a cusp or an end edge of length zero");
+  if (!has_value(r.status))
+    throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e290");
   return {{"lambda_residual", r.value},
           {"lambda1", r.lambda1},
           {"lambda2", r.lambda2},
@@ -160,8 +153,8 @@ Json fit(const Json& line) {
   if (from_bezier) {
     const Bezier b = bezier(line);
     const elastica::LambdaResidual r = elastica::lambda_residual(b);
-    if (r.status == elastica::ResidualStatus::kCusp)
-      throw LineError("bezier: has a cusp or an end edge of length zero");
+    if (!has_value(r.status))
+      throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e290");
     starts.push_back(first_guess(b, r));
     for (const double t : elastica::even_parameters(b, kFitPoints)) q.push_back(elastica::evaluate(b, t).p);
   } else {

@@ -37,7 +37,7 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   }
   fit.lambda_residual = residual.value;
   std::vector<Elastica> starts;
-  if (residual.status != elastica::ResidualStatus::kCusp) starts.push_back(first_guess(fit.bezier, residual));
+  if (has_value(residual.status)) starts.push_back(first_guess(fit.bezier, residual));
   const elastica::ElasticaFit best = fit_elastica(fit.target, starts, {kLeastTensionWeight, nullptr, 0});
   fit.elastica = best.elastica;
   fit.deviation_mm = best.max;

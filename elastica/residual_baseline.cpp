@@ -1,0 +1,8 @@
+// Compiled for one instruction set; see CMakeLists.txt.
+#include "elastica/residual_kernels.hpp"
+
+namespace hotblade::elastica {
+
+const ResidualKernels kResidualBaseline = kResidualKernels;
+
+}  // namespace hotblade::elastica
