@@ -23,6 +23,7 @@ constexpr Registrar kCommands[] = {
     add_sim,
     add_run,
     add_dryrun,
+    add_export,
 };
 
 std::atomic<bool> g_interrupted{false};

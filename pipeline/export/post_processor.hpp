@@ -1,0 +1,42 @@
+// Robot programs from a vendor-neutral job: one interface, one implementation a controller language.
+//
+// Both arms run one program each and have to stay together within a waypoint's time. What every target keeps:
+// positions in the cell frame as the arms' common work object, tool centre point in the clamp's jaw with x
+// along the blade from A to B, y in the blade's plane; the heat on an output of arm A; a halt between strips.
+// Nothing here has been run on hardware: signals, tool and work object have to be set to those of the cell.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/export/exported_file.hpp"
+#include "pipeline/program.hpp"
+
+namespace hotblade::pipeline {
+
+struct RobotStrip {
+  std::string id;
+  double blade_length_mm = 0;
+  std::vector<robot::Waypoint> path;  // cell frame, at least 2
+};
+
+struct RobotJob {
+  std::string created_by, design;
+  std::vector<RobotStrip> strips;
+};
+
+[[nodiscard]] RobotJob robot_job(const Program& program);
+
+class PostProcessor {
+ public:
+  virtual ~PostProcessor() = default;
+  // Every file of the job; the same job gives the same text.
+  [[nodiscard]] virtual std::vector<ExportedFile> files(const RobotJob& job) const = 0;
+};
+
+// "rapid": ABB RAPID with MultiMove, synchronised moves with the same \ID in both tasks. "krl": KUKA KRL, a
+// spline a strip with its times in a time block, started together by signals. nullptr: no such target.
+[[nodiscard]] std::unique_ptr<PostProcessor> post_processor(const std::string& target);
+
+}  // namespace hotblade::pipeline

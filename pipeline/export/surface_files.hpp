@@ -1,0 +1,15 @@
+// The surface as cut, for CAD and mesh tools: mm, design frame, fronts on the waste side.
+#pragma once
+
+#include "pipeline/export/exported_file.hpp"
+#include "pipeline/program.hpp"
+
+namespace hotblade::pipeline {
+
+// as_cut.obj: one group a strip. `sample_mm` as in swept_surface().
+[[nodiscard]] ExportedFile as_cut_obj(const Program& program, double sample_mm);
+
+// as_cut.ply, text form: x y z, normal, and the strip's index (from 0) a vertex.
+[[nodiscard]] ExportedFile as_cut_ply(const Program& program, double sample_mm);
+
+}  // namespace hotblade::pipeline
