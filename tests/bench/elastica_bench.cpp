@@ -5,9 +5,11 @@
 #include <boost/math/special_functions/ellint_2.hpp>
 #include <boost/math/special_functions/jacobi_elliptic.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "elastica/fit.hpp"
+#include "elastica/fit_bezier.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
 #include "elastica/stability.hpp"
@@ -83,6 +85,39 @@ void Fit(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations());
 }
 BENCHMARK(Fit);
+
+// Cubics of the paper's angle and edge constraints, e <= 0.4, all from the one start that they need.
+std::vector<Bezier> constrained_beziers(std::size_t n) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<Bezier> curves;
+  while (curves.size() < n) {
+    const double a1 = u(random) * 2 * std::numbers::pi / 3, l1 = 0.27 + 0.5 * (u(random) + 1) * 0.4;
+    const double a2 = std::numbers::pi * (1 + 0.4 * u(random)) - a1, l2 = 0.27 + 0.5 * (u(random) + 1) * 0.4;
+    const Bezier b{Eigen::Vector2d(0, 0),
+                   {l1 * std::cos(a1), l1 * std::sin(a1)},
+                   {1 + l2 * std::cos(a2), l2 * std::sin(a2)},
+                   {1, 0}};
+    if (lambda_residual(b).value <= 0.4) curves.push_back(b);
+  }
+  return curves;
+}
+
+void FitBeziers(benchmark::State& state) {
+  const auto curves = constrained_beziers(4096);
+  for (auto _ : state) benchmark::DoNotOptimize(fit_bezier_elastica(curves));
+  state.SetItemsProcessed(state.iterations() * 4096);
+}
+BENCHMARK(FitBeziers);
+
+void FitOneBezier(benchmark::State& state) {
+  const auto curves = constrained_beziers(256);
+  for (auto _ : state) {
+    for (const Bezier& b : curves) benchmark::DoNotOptimize(fit_bezier_elastica(b));
+  }
+  state.SetItemsProcessed(state.iterations() * 256);
+}
+BENCHMARK(FitOneBezier);
 
 void Margin(benchmark::State& state) {
   const Elastica e{0, 0, 0.2, 1e-3, 4e-6, -3e-6, 800};
