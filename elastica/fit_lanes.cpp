@@ -303,20 +303,12 @@ bool resolved_finely(const Shape& z, int steps) {
   return taylor_rate(0, z[0], z[1], z[2]) <= kFineOmegaStep * steps;
 }
 
-InstructionSet widest_set() {
+void solve(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks, Simd simd) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) return InstructionSet::kAvx512;
-  if (__builtin_cpu_supports("avx2")) return InstructionSet::kAvx2;
+  if (simd == Simd::kAvx512) return solve_512(grid, data, tasks);
+  if (simd == Simd::kAvx2) return solve_256(grid, data, tasks);
 #endif
-  return InstructionSet::kBaseline;
-}
-
-void solve(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks, InstructionSet set) {
-#if defined(__x86_64__)
-  if (set == InstructionSet::kAvx512) return solve_512(grid, data, tasks);
-  if (set == InstructionSet::kAvx2) return solve_256(grid, data, tasks);
-#endif
-  static_cast<void>(set);
+  static_cast<void>(simd);
   solve_body(grid, data, tasks);
 }
 

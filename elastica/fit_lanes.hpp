@@ -4,10 +4,11 @@
 // runs over z = (K, T1, T2) of shape_lanes.hpp alone. Internal to fit.cpp and fit_bezier.cpp.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <span>
 #include <vector>
+
+#include "elastica/simd.hpp"
 
 namespace hotblade::elastica::lanes {
 
@@ -40,14 +41,10 @@ struct FitTask {
   bool converged = false;
 };
 
-// Vector instructions of this processor; each set computes the same bits.
-enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
-[[nodiscard]] InstructionSet widest_set();
-
 // Levenberg-Marquardt on every task. The result of a task depends on its own data alone, not on its company
-// or the instruction set, which must not be wider than widest_set().
+// or the instruction set, which must be a supported one.
 void solve(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks,
-           InstructionSet set = widest_set());
+           Simd simd = best_simd());
 
 // A shape laid onto its points: state of its middle and start in the data's frame.
 struct Placed {

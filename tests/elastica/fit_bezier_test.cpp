@@ -188,11 +188,11 @@ TEST(FitLanes, EveryInstructionSetComputesTheSameBits) {
     tasks.push_back({i, {noise(random), 0, 0}, 0, 0, false});
   }
   auto baseline = tasks;
-  lanes::solve(grid, data, baseline, lanes::InstructionSet::kBaseline);
-  for (const auto set : {lanes::InstructionSet::kAvx2, lanes::InstructionSet::kAvx512}) {
-    if (set > lanes::widest_set()) GTEST_SKIP() << "this processor has no wider vectors to compare";
+  lanes::solve(grid, data, baseline, Simd::kBaseline);
+  for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+    if (!supported(simd)) GTEST_SKIP() << "this processor has no wider vectors to compare";
     auto wide = tasks;
-    lanes::solve(grid, data, wide, set);
+    lanes::solve(grid, data, wide, simd);
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       EXPECT_EQ(wide[i].z, baseline[i].z);
       EXPECT_EQ(wide[i].iterations, baseline[i].iterations);
