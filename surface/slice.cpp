@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "surface/event_planes.hpp"
 #include "surface/place_text.hpp"
 #include "surface/rib_links.hpp"
 #include "surface/section_march.hpp"
@@ -159,23 +160,36 @@ class Graph {
   Eigen::Vector3d u_, v_;
 };
 
+std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+                                   const std::vector<double>& offsets, double spacing,
+                                   const SliceOptions& options, std::vector<std::string>& warnings) {
+  auto sections = march_sections(mesh, normal, offsets);
+  drop_short_pieces(sections, offsets, options.min_piece_mm, warnings);
+  return link_pieces(std::move(sections), spacing);
+}
+
 }  // namespace
 
 RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   check(design, options);
   const Eigen::Vector3d normal = options.normal.normalized();
   const auto [u, v] = plane_axes(normal);
-  const std::vector<double> offsets = spread_planes(design.mesh, normal, options);
+  std::vector<double> offsets = spread_planes(design.mesh, normal, options);
   if (offsets.empty()) {
     RibGraph flat;
     flat.normal = normal;
     flat.warnings.push_back("the design has no extent along the plane normal: no sections");
     return flat;
   }
-  auto sections = march_sections(design.mesh, normal, offsets);
+  const double spacing = offsets[1] - offsets[0];
   std::vector<std::string> warnings;
-  drop_short_pieces(sections, offsets, options.min_piece_mm, warnings);
-  std::vector<RibNode> nodes = link_pieces(std::move(sections), offsets[1] - offsets[0]);
+  std::vector<RibNode> nodes = linked_pieces(design.mesh, normal, offsets, spacing, options, warnings);
+  std::vector<double> all = with_event_planes(design.mesh, normal, nodes, offsets, options.end_inset_mm);
+  if (all.size() > offsets.size()) {
+    offsets = std::move(all);
+    std::vector<std::string> unsaid;  // short pieces at a border's tips: the even planes have told of others
+    nodes = linked_pieces(design.mesh, normal, offsets, spacing, options, unsaid);
+  }
   cut_loops_open(nodes, u, v);
   RibGraph graph = Graph(std::move(nodes), u, v).build(normal, offsets);
   graph.warnings = std::move(warnings);

@@ -55,9 +55,10 @@ struct SliceOptions {
   double min_piece_mm = 5;     // shorter pieces are dropped, with a warning
 };
 
-// Section planes are spread evenly from the first to the last. Closed loops are cut open into two open pieces
-// where the loop is extreme across its longest extent, at the same side in every section. Throws
-// std::logic_error when options are not finite or the design's health has blockers.
+// Section planes are spread evenly from the first to the last; where chains end or begin on the way, planes
+// are added as far below and above the place as the first and last plane lie inside the design. Closed loops
+// are cut open into two open pieces where the loop is extreme across its longest extent, at the same side in
+// every section. Throws std::logic_error when options are not finite or the design's health has blockers.
 [[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
 
 }  // namespace hotblade::surface

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "surface/event_planes.hpp"
 #include "tests/surface/meshes.hpp"
 
 namespace hotblade::surface {
@@ -267,6 +268,53 @@ TEST(Slice, EndsChainsWhereAWindowOpensAndCloses) {
   expect_sound_chains(g);
   EXPECT_LT(rib(g, g.chains[1].ribs[0]).points[0].p.y(), rib(g, g.chains[2].ribs[0]).points[0].p.y());
   for (const RibRef& ref : g.chains[1].ribs) EXPECT_NEAR(rib(g, ref).length_mm, 70, 1e-10);
+}
+
+TEST(Slice, ReachesUpToTheEdgesOfAWindow) {
+  const auto flat = [](double s, double t) { return Vector3d(200 * s, 200 * t, 0); };
+  const auto frame = [](int i, int j) { return i < 7 || i > 12 || j < 7 || j > 12; };
+  const RibGraph g = slice(from_mesh(grid(20, 20, flat, frame)), along(Vector3d::UnitX(), 20));
+  expect_sound_chains(g);
+  ASSERT_THAT(g.chains, SizeIs(4));
+  const auto reach = [&](const Chain& c) {
+    return std::pair(g.sections[static_cast<std::size_t>(c.ribs.front().section)].offset_mm,
+                     g.sections[static_cast<std::size_t>(c.ribs.back().section)].offset_mm);
+  };
+  // The window is open from x = 70 to 130; the planes next to its edges lie 0.05 mm off.
+  const std::pair<double, double> expected[] = {
+      {0.05, 69.95}, {70.05, 129.95}, {70.05, 129.95}, {130.05, 199.95}};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(reach(g.chains[i]).first, expected[i].first, 1e-9) << i;
+    EXPECT_NEAR(reach(g.chains[i]).second, expected[i].second, 1e-9) << i;
+  }
+}
+
+TEST(CriticalHeights, OfAPlateWithAWindowAreItsEdges) {
+  const auto flat = [](double s, double t) { return Vector3d(200 * s, 200 * t, 0); };
+  const auto frame = [](int i, int j) { return i < 7 || i > 12 || j < 7 || j > 12; };
+  EXPECT_THAT(critical_heights(grid(20, 20, flat, frame), Vector3d::UnitX()),
+              ::testing::ElementsAre(0, 70, 130, 200));
+}
+
+TEST(CriticalHeights, OfATorusAreFour) {
+  // Upright: a minimum, two saddles, a maximum (Euler characteristic 0).
+  constexpr int kAround = 40, kTube = 24;
+  TriangleMesh torus;
+  for (int i = 0; i < kAround; ++i) {
+    for (int j = 0; j < kTube; ++j) {
+      const double a = 2 * std::numbers::pi * (i + 0.3) / kAround,
+                   b = 2 * std::numbers::pi * (j + 0.2) / kTube;
+      const double r = 200 + 60 * std::cos(b);
+      torus.vertices.emplace_back(r * std::cos(a), 60 * std::sin(b), r * std::sin(a));
+      const auto at = [&](int k, int l) { return k % kAround * kTube + l % kTube; };
+      torus.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      torus.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+  const std::vector<double> heights = critical_heights(torus, Vector3d::UnitZ());
+  ASSERT_THAT(heights, SizeIs(4));
+  const double expected[] = {-260, -140, 140, 260};
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(heights[i], expected[i], 3);
 }
 
 TEST(Slice, GoesOnPastASliver) {
