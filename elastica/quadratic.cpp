@@ -20,23 +20,25 @@ hb_quadratic_edges edges(const Quadratic& q) {
 // The root in [lo, hi] of an increasing function that is negative at lo and positive at hi: Anderson and
 // Bjorck's regula falsi, a bisection when an end stays.
 template <typename F>
-double rising_root(double lo, double f_lo, double hi, double f_hi, const F& f) {
+double rising_root(double lo, double f_lo, double hi, double f_hi, double small, const F& f) {
   constexpr int kMost = 100;  // twice what bisection needs for the bits of a double
+  int side = 0;               // of the last step, when the other end stayed
   for (int i = 0; i < kMost && hi - lo > 1e-15 * hi; ++i) {
     double x = (lo * f_hi - hi * f_lo) / (f_hi - f_lo);
-    if (!(x > lo && x < hi) || i % 4 == 3) x = 0.5 * (lo + hi);
+    if (!(x > lo && x < hi) || i % 8 == 7) x = 0.5 * (lo + hi);
     const double y = f(x);
-    if (y == 0) return x;
+    if (std::abs(y) <= small) return x;
+    const double m = 1 - y / (y > 0 ? f_hi : f_lo), shrink = m > 0 ? m : 0.5;
     if (y > 0) {
-      const double m = 1 - y / f_hi;
       hi = x;
       f_hi = y;
-      f_lo *= m > 0 ? m : 0.5;
+      if (side > 0) f_lo *= shrink;
+      side = 1;
     } else {
-      const double m = 1 - y / f_lo;
       lo = x;
       f_lo = y;
-      f_hi *= m > 0 ? m : 0.5;
+      if (side < 0) f_hi *= shrink;
+      side = -1;
     }
   }
   return 0.5 * (lo + hi);
@@ -60,7 +62,7 @@ double reach(double scale, double level, const F& value) {
     (f < 0 ? lo : hi) = middle;
     (f < 0 ? f_lo : f_hi) = f;
   }
-  return rising_root(lo, f_lo, hi, f_hi, [&](double x) { return value(x) - level; });
+  return rising_root(lo, f_lo, hi, f_hi, 4e-15 * level, [&](double x) { return value(x) - level; });
 }
 
 void check_level(const Vector2d& b0, const Vector2d& b2, double level, int n) {
