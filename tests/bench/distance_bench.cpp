@@ -1,40 +1,32 @@
-// Points to a mesh: ours beside CGAL's AABB tree, ordered queries near the surface and scattered ones.
-#include <CGAL/AABB_face_graph_triangle_primitive.h>
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/Simple_cartesian.h>
-#include <CGAL/Surface_mesh.h>
+// Points to a mesh: ours beside Embree, CGAL and VTK, ordered queries near the surface and scattered ones.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <map>
 #include <random>
 
 #include "gpu/mesh_distance.hpp"
+#include "tests/bench/distance_peers.hpp"
 
 namespace {
 
-using Kernel = CGAL::Simple_cartesian<double>;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Mesh>>>;
-
-struct Shell {
-  std::vector<Eigen::Vector3d> vertices;
-  std::vector<std::array<int, 3>> triangles;
-};
+using hotblade::bench::Peer;
+using hotblade::bench::PeerMesh;
+using hotblade::gpu::MeshDistance;
 
 double height(double x, double y) {
   return 60 * std::sin(x / 130) * std::cos(y / 170);
 }
 
 // A wavy square of about `count` triangles, 1000 mm wide.
-Shell shell(std::int64_t count) {
-  Shell s;
+PeerMesh shell(std::int64_t count) {
+  PeerMesh s;
   const int n = static_cast<int>(std::sqrt(static_cast<double>(count) / 2));
   for (int i = 0; i <= n; ++i) {
     for (int j = 0; j <= n; ++j) {
       const double x = 1000.0 * i / n, y = 1000.0 * j / n;
-      s.vertices.emplace_back(x, y, height(x, y));
+      s.vertices.push_back({x, y, height(x, y)});
     }
   }
   for (int i = 0; i < n; ++i) {
@@ -47,58 +39,104 @@ Shell shell(std::int64_t count) {
   return s;
 }
 
-constexpr int kQueries = 20000;
+std::vector<Eigen::Vector3d> vectors(const std::vector<std::array<double, 3>>& points) {
+  std::vector<Eigen::Vector3d> v;
+  for (const auto& p : points) v.emplace_back(p[0], p[1], p[2]);
+  return v;
+}
 
-// Ordered: a grid half a millimetre off the surface, row by row. Otherwise scattered in the shell's box.
-std::vector<Eigen::Vector3d> queries(bool ordered) {
+// Ordered: a grid half a millimetre off the surface, row by row. Otherwise scattered as near as that, or
+// (far) through the shell's box.
+enum Order { kScattered = 0, kOrdered = 1, kFar = 2 };
+
+std::vector<std::array<double, 3>> queries(std::int64_t order, int count) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> u(0, 1000), z(-60, 60);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < kQueries; ++i) {
-    const double x = ordered ? 1000.0 * (i / 200) / 100 : u(random),
-                 y = ordered ? 5.0 * (i % 200) : u(random);
-    points.emplace_back(x, y, ordered ? height(x, y) + 0.5 : z(random));
+  const int side = static_cast<int>(std::sqrt(count));
+  std::vector<std::array<double, 3>> points;
+  for (int i = 0; i < side * side; ++i) {
+    double x = 1000.0 * (i / side) / side, y = 1000.0 * (i % side) / side;
+    if (order != kOrdered) {
+      x = u(random);
+      y = u(random);
+    }
+    points.push_back({x, y, order == kFar ? z(random) : height(x, y) + 0.5});
   }
   return points;
 }
 
-void PointsToMesh(benchmark::State& state) {
+// As many as there are triangles, as when a design is verified, within what a peer answers in a few seconds.
+int query_count(std::int64_t triangles) {
+  return static_cast<int>(std::clamp<std::int64_t>(triangles, 20000, 200000));
+}
+
+void ours(benchmark::State& state) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(state.range(2)));
-  const Shell s = shell(state.range(0));
-  const hotblade::gpu::MeshDistance mesh(s.vertices, s.triangles);
-  const auto points = queries(state.range(1) != 0);
+  const PeerMesh s = shell(state.range(0));
+  const MeshDistance mesh(vectors(s.vertices), s.triangles);
+  const auto points = vectors(queries(state.range(1), query_count(state.range(0))));
   for (auto _ : state) benchmark::DoNotOptimize(mesh.query(points));
-  state.SetItemsProcessed(state.iterations() * kQueries);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
 }
-BENCHMARK(PointsToMesh)
-    ->ArgNames({"triangles", "ordered", "threads"})
-    ->ArgsProduct({{10000, 100000, 1000000}, {1, 0}, {1, 2}})
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
 
-void PointsToMeshByCgal(benchmark::State& state) {
-  const Shell s = shell(state.range(0));
-  Mesh mesh;
-  for (const auto& p : s.vertices) mesh.add_vertex({p.x(), p.y(), p.z()});
-  for (const auto& t : s.triangles) {
-    mesh.add_face(Mesh::Vertex_index(static_cast<unsigned>(t[0])),
-                  Mesh::Vertex_index(static_cast<unsigned>(t[1])),
-                  Mesh::Vertex_index(static_cast<unsigned>(t[2])));
-  }
-  Tree tree(faces(mesh).begin(), faces(mesh).end(), mesh);
-  tree.accelerate_distance_queries();
-  const auto points = queries(state.range(1) != 0);
-  for (auto _ : state) {
-    for (const auto& p : points)
-      benchmark::DoNotOptimize(tree.closest_point_and_primitive({p.x(), p.y(), p.z()}));
-  }
-  state.SetItemsProcessed(state.iterations() * kQueries);
+template <std::unique_ptr<Peer> (*kMake)(const PeerMesh&)>
+void peer(benchmark::State& state) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(state.range(2)));
+  const std::unique_ptr<Peer> mesh = kMake(shell(state.range(0)));
+  const auto points = queries(state.range(1), query_count(state.range(0)));
+  std::vector<double> distances;
+  for (auto _ : state) mesh->query(points, distances);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(points.size()));
 }
-BENCHMARK(PointsToMeshByCgal)
-    ->ArgNames({"triangles", "ordered"})
-    ->ArgsProduct({{10000, 100000, 1000000}, {1, 0}})
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
+
+void build(benchmark::State& state) {
+  const PeerMesh s = shell(state.range(0));
+  const auto vertices = vectors(s.vertices);
+  for (auto _ : state) benchmark::DoNotOptimize(MeshDistance(vertices, s.triangles));
+}
+
+template <std::unique_ptr<Peer> (*kMake)(const PeerMesh&)>
+void build_peer(benchmark::State& state) {
+  const PeerMesh s = shell(state.range(0));
+  for (auto _ : state) benchmark::DoNotOptimize(kMake(s));
+}
+
+// Ours and the peers one after the other for every case, so that a ratio is of neighbours in time.
+int register_all() {
+  using namespace hotblade::bench;
+  for (const std::int64_t triangles : {1000, 10000, 100000, 1000000, 10000000}) {
+    for (const std::int64_t order : {kOrdered, kScattered, kFar}) {
+      for (const std::int64_t threads : {1, 2}) {
+        const auto add = [&](const char* name, void (*run)(benchmark::State&)) {
+          benchmark::RegisterBenchmark(name, run)
+              ->ArgNames({"triangles", "order", "threads"})
+              ->Args({triangles, order, threads})
+              ->UseRealTime()
+              ->Unit(benchmark::kMillisecond);
+        };
+        add("PointsToMesh/Ours", ours);
+        add("PointsToMesh/Embree", peer<embree_from_last>);
+        if (triangles <= 1000000 && threads == 1) {
+          add("PointsToMesh/Cgal", peer<cgal_tree>);
+          add("PointsToMesh/Vtk", peer<vtk_locator>);
+        }
+      }
+    }
+  }
+  for (const std::int64_t triangles : {100000, 1000000}) {
+    benchmark::RegisterBenchmark("BuildMesh/Ours", build)
+        ->Arg(triangles)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+    benchmark::RegisterBenchmark("BuildMesh/Embree", build_peer<embree_from_last>)
+        ->Arg(triangles)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+  }
+  return 0;
+}
+[[maybe_unused]] const int kRegistered = register_all();
 
 }  // namespace
