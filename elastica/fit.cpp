@@ -1,155 +1,115 @@
 #include "elastica/fit.hpp"
 
-#include <ceres/jet.h>
-#include <ceres/tiny_solver.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 #include <stdexcept>
+
+#include "elastica/fit_lanes.hpp"
+#include "elastica/taylor.hpp"
 
 namespace hotblade::elastica {
 
 namespace {
 
-using Jet = ceres::Jet<double, 3>;  // derivatives by kappa, tension1, tension2
+using lanes::Shape;
 
-// Points of the curve on both sides of the middle, in the middle's frame, with derivatives.
-struct HalfCurve {
-  std::vector<TaylorPiece<Jet>> pieces;
-  std::vector<TaylorPoint<Jet>> starts;
-  double step = 0;
+// No blade winds through more than this between its ends; a start that does is not tried.
+constexpr double kMostTurn = 60;
+// Coarser steps would bend the descent directions of the fit (shape_lanes.hpp).
+constexpr int kLeastSteps = 32;
 
-  HalfCurve(const Jet& kappa, const Jet& tension1, const Jet& tension2, double length) {
-    const double omega = taylor_rate(0, kappa.a, tension1.a, tension2.a);
-    const int n =
-        std::clamp(static_cast<int>(std::ceil(length * omega / kStepOmega)), 1, ElasticaCurve::kMaxPieces);
-    step = length / n;
-    TaylorPoint<Jet> start{Jet(0.0), Jet(0.0), Jet(0.0), kappa};
-    for (int i = 0; i < n; ++i) {
-      pieces.push_back(expand(start.theta, start.kappa, tension1, tension2));
-      starts.push_back(start);
-      const TaylorPoint<Jet> end = evaluate(pieces.back(), step);
-      start = {start.x + end.x, start.y + end.y, end.theta, end.kappa};
+Shape shape_of(const MidState& m) {
+  const double square = m.length * m.length;
+  return {m.kappa * m.length, m.tension1 * square, m.tension2 * square};
+}
+
+double rate(const Shape& z) {
+  return taylor_rate(0, z[0], z[1], z[2]);
+}
+
+// The points with their mean at the origin, divided by the length of their polyline.
+struct Unit {
+  std::vector<double> x, y;
+  Eigen::Vector2d origin{0, 0};
+  double scale = 0;
+
+  explicit Unit(std::span<const Eigen::Vector2d> points) {
+    for (const Eigen::Vector2d& q : points) origin += q;
+    origin /= static_cast<double>(points.size());
+    for (std::size_t i = 1; i < points.size(); ++i) scale += (points[i] - points[i - 1]).norm();
+    if (!(scale > 0) || !std::isfinite(scale)) {
+      throw std::logic_error("fit_elastica needs finite points that are not all the same");
     }
-  }
-
-  [[nodiscard]] TaylorPoint<Jet> at(double s) const {
-    const auto i = std::min(pieces.size() - 1, static_cast<std::size_t>(std::max(0.0, s / step)));
-    TaylorPoint<Jet> p = evaluate(pieces[i], s - static_cast<double>(i) * step);
-    p.x += starts[i].x;
-    p.y += starts[i].y;
-    return p;
+    for (const Eigen::Vector2d& q : points) {
+      x.push_back((q.x() - origin.x()) / scale);
+      y.push_back((q.y() - origin.y()) / scale);
+    }
   }
 };
 
-// Residuals of the points against the elastica at proportional arc length, and of the prior. Parameters: x,
-// y, theta, kappa, tension1, tension2, length, in units of the data's length.
-class FitFunction {
- public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 7 };
-
-  FitFunction(const std::vector<Eigen::Vector2d>& points, double tension_weight, const Eigen::Vector3d& prior,
-              double prior_weight)
-      : points_(points),
-        prior_(prior),
-        tension_weight_(tension_weight * std::sqrt(static_cast<double>(points.size()))),
-        prior_weight_(prior_weight * std::sqrt(static_cast<double>(points.size()))) {}
-
-  // Lengths and turnings worth evaluating; a start outside is not tried.
-  [[nodiscard]] static bool admissible(const double* m) {
-    constexpr double kMaxTurn = 60;
-    return m[6] > 0.1 && m[6] < 10 && taylor_rate(0, m[3], m[4], m[5]) * m[6] < kMaxTurn;
+// Starts that need no Bezier: curvature by differences, affine in position by least squares, read off at the
+// middle; and the circular arc of the mean curvature.
+std::array<Shape, 2> own_starts(const Unit& q) {
+  const auto n = static_cast<Eigen::Index>(q.x.size());
+  const double h = 1.0 / static_cast<double>(n - 1);
+  Eigen::MatrixX3d a(n - 2, 3);
+  Eigen::VectorXd k(n - 2);
+  for (Eigen::Index i = 1; i + 1 < n; ++i) {
+    const auto u = static_cast<std::size_t>(i);
+    const double x0 = q.x[u] - q.x[u - 1], y0 = q.y[u] - q.y[u - 1];
+    const double x1 = q.x[u + 1] - q.x[u], y1 = q.y[u + 1] - q.y[u];
+    k[i - 1] = std::atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) / h;
+    a.row(i - 1) << 1, -q.y[u], q.x[u];
   }
-
-  [[nodiscard]] int NumResiduals() const { return static_cast<int>(2 * points_.size()) + 5; }
-
-  bool operator()(const double* m, double* residuals, double* jacobian) const {
-    // Steps to curves no blade can take cost too much, which makes the solver shorten them (it ignores a
-    // refusal).
-    constexpr double kTooMuch = 1e6;
-    if (!admissible(m)) {
-      std::fill_n(residuals, NumResiduals(), kTooMuch);
-      return jacobian == nullptr;
-    }
-    const Jet kappa(m[3], 0), t1(m[4], 1), t2(m[5], 2);
-    const HalfCurve ahead(kappa, t1, t2, 0.55 * m[6]);
-    // The curve run backwards is the elastica of -kappa and the same tensions in its own frame, turned by pi.
-    const HalfCurve behind(-kappa, t1, t2, 0.55 * m[6]);
-    const int rows = NumResiduals();
-    Jacobian j(jacobian, jacobian ? rows : 0, 7);
-    if (jacobian) j.setZero();
-    const double c = std::cos(m[2]), s = std::sin(m[2]);
-    const double last = static_cast<double>(points_.size() - 1);
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      const double u = static_cast<double>(i) / last - 0.5;
-      const bool forward = u >= 0;
-      const TaylorPoint<Jet> q = forward ? ahead.at(u * m[6]) : behind.at(-u * m[6]);
-      const double sign = forward ? 1 : -1;
-      const double x = sign * q.x.a, y = sign * q.y.a;
-      const auto r = static_cast<Eigen::Index>(2 * i);
-      residuals[r] = m[0] + c * x - s * y - points_[i].x();
-      residuals[r + 1] = m[1] + s * x + c * y - points_[i].y();
-      if (!jacobian) continue;
-      j(r, 0) = 1;
-      j(r + 1, 1) = 1;
-      j(r, 2) = -s * x - c * y;
-      j(r + 1, 2) = c * x - s * y;
-      for (Eigen::Index k = 0; k < 3; ++k) {
-        const double dx = sign * q.x.v[k], dy = sign * q.y.v[k];
-        j(r, 3 + k) = c * dx - s * dy;
-        j(r + 1, 3 + k) = s * dx + c * dy;
-      }
-      const double tx = std::cos(q.theta.a), ty = std::sin(q.theta.a);
-      j(r, 6) = u * (c * tx - s * ty);
-      j(r + 1, 6) = u * (s * tx + c * ty);
-    }
-    add_pulls(m, residuals, jacobian ? &j : nullptr);
-    return true;
-  }
-
- private:
-  using Jacobian = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, 7>>;
-
-  // The last five rows: tensions towards zero, curvature and tensions towards the prior.
-  void add_pulls(const double* m, double* residuals, Jacobian* j) const {
-    const Eigen::Index row = NumResiduals() - 5;
-    for (Eigen::Index k = 0; k < 2; ++k) {
-      residuals[row + k] = tension_weight_ * m[4 + k];
-      if (j) (*j)(row + k, 4 + k) = tension_weight_;
-    }
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      residuals[row + 2 + k] = prior_weight_ * (m[3 + k] - prior_[k]);
-      if (j) (*j)(row + 2 + k, 3 + k) = prior_weight_;
-    }
-  }
-
-  const std::vector<Eigen::Vector2d>& points_;
-  Eigen::Vector3d prior_;
-  double tension_weight_, prior_weight_;
-};
-
-using Parameters = Eigen::Matrix<double, 7, 1>;
-
-// To and from the units and place of the normalised data.
-Parameters to_parameters(const MidState& m, const Eigen::Vector2d& origin, double scale) {
-  Parameters p;
-  p << (m.x - origin.x()) / scale, (m.y - origin.y()) / scale, m.theta, m.kappa * scale,
-      m.tension1 * scale * scale, m.tension2 * scale * scale, m.length / scale;
-  return p;
+  const Eigen::Vector3d v = a.completeOrthogonalDecomposition().solve(k);
+  const std::size_t middle = q.x.size() / 2;
+  const double dx = q.x[middle + 1] - q.x[middle - 1], dy = q.y[middle + 1] - q.y[middle - 1];
+  const double norm = std::hypot(dx, dy), c = norm > 0 ? dx / norm : 1, s = norm > 0 ? dy / norm : 0;
+  return {Shape{v[0] - v[1] * q.y[middle] + v[2] * q.x[middle], c * v[1] + s * v[2], c * v[2] - s * v[1]},
+          Shape{k.mean(), 0, 0}};
 }
 
-MidState to_mid_state(const Parameters& p, const Eigen::Vector2d& origin, double scale) {
-  return {origin.x() + p[0] * scale, origin.y() + p[1] * scale, p[2],        p[3] / scale,
-          p[4] / (scale * scale),    p[5] / (scale * scale),    p[6] * scale};
+// Starts as shapes; those too wild to be evaluated are left out.
+std::vector<Shape> admissible_starts(const Unit& q, std::span<const Elastica> starts) {
+  std::vector<Shape> shapes;
+  for (const Elastica& e : starts) {
+    if (taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length < kMostTurn) {
+      shapes.push_back(shape_of(mid_state(e)));
+    }
+  }
+  for (const Shape& z : own_starts(q)) shapes.push_back(z);
+  std::erase_if(shapes, [](const Shape& z) { return !(rate(z) < kMostTurn); });
+  return shapes;
 }
 
-// A guess may be too wild to be evaluated at all.
-bool evaluable(const Elastica& e) {
-  const double turn = taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length;
-  return turn < kStepOmega * ElasticaCurve::kMaxPieces;
+// Steps that resolve the wildest of the shapes finely, in an even number.
+lanes::FitGrid grid_for(int points, double rate) {
+  lanes::FitGrid grid{points, 1, std::vector<double>(static_cast<std::size_t>(points), 1.0 / points)};
+  while (grid.steps() < kLeastSteps || !lanes::resolved_finely({rate, 0, 0}, grid.steps())) ++grid.stride;
+  grid.stride += grid.steps() % 2;
+  return grid;
+}
+
+// The best answer of a search from every shape, on a grid that resolves it.
+lanes::FitTask best_of(const std::vector<Shape>& starts, const lanes::FitData& data, lanes::FitGrid& grid) {
+  std::vector<lanes::FitTask> tasks;
+  double wildest = 0;
+  for (const Shape& z : starts) {
+    tasks.push_back({0, z, 0, 0, false});
+    wildest = std::max(wildest, rate(z));
+  }
+  grid = grid_for(grid.points, wildest);
+  lanes::solve(grid, std::span(&data, 1), tasks);
+  auto best = *std::min_element(tasks.begin(), tasks.end(),
+                                [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  // Twice: a search that goes on winding is no blade's.
+  for (int i = 0; i < 2 && std::isfinite(best.cost) && !lanes::resolved_finely(best.z, grid.steps()); ++i) {
+    grid = grid_for(grid.points, rate(best.z));
+    lanes::solve(grid, std::span(&data, 1), std::span(&best, 1));
+  }
+  return best;
 }
 
 struct FootPoint {
@@ -177,36 +137,6 @@ FootPoint foot_point(const ElasticaCurve& curve, const std::vector<CurvePoint>& 
     s = std::clamp(s - r.dot(t) / df, 0.0, length);
   }
   return {std::min(best_sq, (curve.at(s).position() - q).squaredNorm()), s};
-}
-
-double polyline_length(std::span<const Eigen::Vector2d> q) {
-  double length = 0;
-  for (std::size_t i = 1; i < q.size(); ++i) length += (q[i] - q[i - 1]).norm();
-  return length;
-}
-
-// Starts that need no Bezier: curvature by differences, affine in position by least squares, about the
-// middle; and the circular arc of the mean curvature. `q` is normalised (length 1, middle point at the
-// origin).
-std::array<Parameters, 2> own_starts(const std::vector<Eigen::Vector2d>& q) {
-  const auto n = static_cast<Eigen::Index>(q.size());
-  const double h = 1.0 / static_cast<double>(n - 1);
-  Eigen::MatrixX3d a(n - 2, 3);
-  Eigen::VectorXd k(n - 2);
-  for (Eigen::Index i = 1; i + 1 < n; ++i) {
-    const auto u = static_cast<std::size_t>(i);
-    const Eigen::Vector2d d0 = q[u] - q[u - 1], d1 = q[u + 1] - q[u];
-    k[i - 1] = std::atan2(d0.x() * d1.y() - d0.y() * d1.x(), d0.dot(d1)) / h;
-    a.row(i - 1) << 1, -q[u].y(), q[u].x();
-  }
-  const Eigen::Vector3d x = a.completeOrthogonalDecomposition().solve(k);
-  const auto middle = q.size() / 2;
-  const Eigen::Vector2d d = q[middle + 1] - q[middle - 1];
-  const double theta = std::atan2(d.y(), d.x()), c = std::cos(theta), s = std::sin(theta);
-  Parameters affine, arc;
-  affine << 0, 0, theta, x[0], c * x[1] + s * x[2], c * x[2] - s * x[1], 1;
-  arc << 0, 0, theta, k.mean(), 0, 0, 1;
-  return {affine, arc};
 }
 
 }  // namespace
@@ -239,75 +169,42 @@ double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& e) 
 ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points, std::span<const Elastica> starts,
                          const FitOptions& options) {
   if (points.size() < 8) throw std::logic_error("fit_elastica needs at least 8 points");
-  const double scale = polyline_length(points);
-  const Eigen::Vector2d origin = points[points.size() / 2];
-  std::vector<Eigen::Vector2d> normalised;
-  normalised.reserve(points.size());
-  for (const Eigen::Vector2d& q : points) normalised.push_back((q - origin) / scale);
-  Eigen::Vector3d prior = Eigen::Vector3d::Zero();
-  if (options.prior) prior = to_parameters(*options.prior, origin, scale).segment<3>(3);
-  const FitFunction function(normalised, options.tension_weight, prior,
-                             options.prior ? options.prior_weight : 0);
-  ElasticaFit best;
-  best.elastica =
-      from_mid_state({origin.x(), origin.y(), 0, 0, 0, 0, scale});  // when no start gives a finite cost
-  double best_cost = std::numeric_limits<double>::infinity();
-  std::vector<Parameters> from;
-  for (const Elastica& start : starts) {
-    if (evaluable(start)) from.push_back(to_parameters(mid_state(start), origin, scale));
+  const Unit unit(points);
+  lanes::FitData data;
+  data.x = unit.x.data();
+  data.y = unit.y.data();
+  data.tension_pull = options.tension_weight * options.tension_weight;
+  if (options.prior) {
+    data.prior = shape_of(*options.prior);
+    data.prior_pull = options.prior_weight * options.prior_weight;
   }
-  for (const Parameters& own : own_starts(normalised)) from.push_back(own);
-  for (Parameters p : from) {
-    if (!FitFunction::admissible(p.data())) continue;
-    ceres::TinySolver<FitFunction> solver;
-    solver.options.max_num_iterations = 60;
-    solver.options.gradient_tolerance = 1e-14;
-    solver.options.parameter_tolerance = 1e-12;
-    solver.options.function_tolerance = 1e-12;
-    solver.options.cost_threshold = 1e-24;
-    ++best.starts_tried;
-    const auto& summary = solver.Solve(function, &p);
-    if (!(summary.final_cost < best_cost)) continue;
-    best_cost = summary.final_cost;
-    best.elastica = from_mid_state(to_mid_state(p, origin, scale));
-    best.converged = summary.status != ceres::TinySolver<FitFunction>::HIT_MAX_ITERATIONS;
-  }
-  const std::vector<CurvePoint> samples = sample(best.elastica, static_cast<int>(points.size()));
-  double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) sum += (samples[i].position() - points[i]).squaredNorm();
-  best.rms = std::sqrt(sum / static_cast<double>(points.size()));
-  best.max = max_distance(points, best.elastica);
-  return best;
-}
-
-CurveDistance distance(const Bezier& b, const Elastica& e) {
-  constexpr int kSamples = 200;
-  const std::vector<double> t = even_parameters(b, kSamples + 1);
-  const double length = arc_lengths(b, 64).back();
-  const ElasticaCurve curve(e);
-  std::vector<Eigen::Vector2d> on_bezier;
-  double l2 = 0, angle2 = 0;
-  for (int i = 0; i <= kSamples; ++i) {
-    const BezierPoint p = evaluate(b, t[static_cast<std::size_t>(i)]);
-    const CurvePoint q = curve.at(e.length * i / kSamples);
-    const double weight = (i == 0 || i == kSamples ? 1 : i % 2 ? 4 : 2) / (3.0 * kSamples);  // Simpson
-    l2 += weight * (p.p - q.position()).squaredNorm() / (length * length);
-    const double turn = std::remainder(std::atan2(p.d1.y(), p.d1.x()) - q.theta, 2 * std::numbers::pi);
-    angle2 += weight * turn * turn;
-    on_bezier.push_back(p.p);
-  }
-  CurveDistance d{std::sqrt(l2), std::sqrt(l2 + angle2), max_distance(on_bezier, e)};
-  // The other way round: samples of the elastica against the Bezier's polyline segments.
-  for (const CurvePoint& q : sample(e, kSamples + 1)) {
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i + 1 < on_bezier.size(); ++i) {
-      const Eigen::Vector2d a = on_bezier[i], ab = on_bezier[i + 1] - a;
-      const double u = std::clamp((q.position() - a).dot(ab) / std::max(ab.squaredNorm(), 1e-300), 0.0, 1.0);
-      nearest = std::min(nearest, (a + u * ab - q.position()).squaredNorm());
+  lanes::FitGrid grid{static_cast<int>(points.size()), 1, {}};
+  std::vector<Shape> shapes = admissible_starts(unit, starts);
+  if (shapes.empty()) shapes.push_back({0, 0, 0});
+  ElasticaFit fit;
+  fit.starts_tried = static_cast<int>(shapes.size());
+  lanes::FitTask best = best_of(shapes, data, grid);
+  // Farther off than a rib that an elastica serves: a wrong minimum, or a curve no elastica follows.
+  constexpr double kDoubtful = 1e-3;
+  if (!(best.cost < kDoubtful * kDoubtful)) {
+    const auto others = lanes::other_starts(0);
+    shapes.assign(others.begin() + 1, others.end());  // the arc has been tried
+    shapes.push_back(best.z);
+    const lanes::FitGrid first = grid;
+    const lanes::FitTask second = best_of(shapes, data, grid);
+    fit.starts_tried += static_cast<int>(others.size()) - 1;
+    if (second.cost < best.cost) {
+      best = second;
+    } else {
+      grid = first;
     }
-    d.hausdorff = std::max(d.hausdorff, std::sqrt(nearest));
   }
-  return d;
+  const lanes::Placed placed = lanes::place(grid, std::span(&data, 1), std::span(&best, 1)).front();
+  fit.elastica = lanes::unit_removed(placed, best.z, unit.origin, unit.scale);
+  fit.converged = best.converged;
+  fit.rms = std::sqrt(placed.cost) * unit.scale;
+  fit.max = max_distance(points, fit.elastica);
+  return fit;
 }
 
 }  // namespace hotblade::elastica

@@ -1,10 +1,10 @@
-// A true elastica near a curve given by points, and the distances between a Bezier and an elastica.
+// A true elastica near a curve given by points. To a Bezier: fit_bezier.hpp; with its end points and tangents
+// kept: fit_clamped.hpp.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "elastica/bezier.hpp"
 #include "elastica/elastica.hpp"
 
 namespace hotblade::elastica {
@@ -24,9 +24,10 @@ struct MidState {
 struct FitOptions {
   // Pull of the tensions (times length^2: pure numbers) towards zero, where the curve is a circular arc; in
   // shares of the length per unit. 1e-6 moves a fit by less than 1e-5 of the length and decides only what the
-  // points leave open; larger weights trade closeness for a curve that goes on calmly beyond its ends.
+  // points leave open; larger weights trade closeness for a curve that goes on calmly beyond its ends; 0:
+  // none.
   double tension_weight = 1e-6;
-  // Pull of curvature and tensions (pure numbers likewise) towards those of `prior`; nullptr: none.
+  // Pull of curvature and tensions (times length and length^2) towards those of `prior`; nullptr: none.
   const MidState* prior = nullptr;
   double prior_weight = 0;
 };
@@ -39,21 +40,14 @@ struct ElasticaFit {
   bool converged = false;
 };
 
-// Least squares over the seven state parameters, points at proportional arc length, from each start and from
-// two of its own (affine curvature of the points, mean circular arc); the best is returned. `points` must be
-// evenly spaced by arc length; at least 8 (std::logic_error).
+// Least squares over all seven parameters, points at proportional arc length, from each start and from two of
+// its own (affine curvature of the points, mean circular arc); where the best is farther off than 1e-3 of the
+// length, from twelve more. `points` must be evenly spaced by arc length; at least 8, finite and not all the
+// same (std::logic_error).
 [[nodiscard]] ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points,
                                        std::span<const Elastica> starts, const FitOptions& options);
 
 // Largest distance from the points to the elastica; each foot point by search over samples and Newton steps.
 [[nodiscard]] double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& elastica);
-
-// The paper's distances between a Bezier and an elastica traversed proportionally; pure numbers, relative to
-// length.
-struct CurveDistance {
-  double l2 = 0, h1 = 0;
-  double hausdorff = 0;  // both ways, unit of the input, sampled at 200 points with refined foot points
-};
-[[nodiscard]] CurveDistance distance(const Bezier& bezier, const Elastica& elastica);
 
 }  // namespace hotblade::elastica

@@ -164,21 +164,6 @@ lanes::Shape affine_start(const EvenBezier& e, const AffineCurvature& a) {
           a.by_x * c + a.by_y * s};
 }
 
-// Starts beyond the affine one: the arc of the mean curvature, and a coarse grid over shapes with and without
-// inflections, bent either way.
-constexpr std::size_t kOtherStarts = 13;
-std::array<lanes::Shape, kOtherStarts> other_starts(double mean_curvature) {
-  std::array<lanes::Shape, kOtherStarts> starts;
-  std::size_t n = 0;
-  starts[n++] = {mean_curvature, 0, 0};
-  for (const double kappa : {-5.0, 0.0, 5.0}) {
-    for (const double along : {-25.0, 25.0}) {
-      for (const double across : {-30.0, 30.0}) starts[n++] = {kappa, along, across};
-    }
-  }
-  return starts;
-}
-
 // L2 above this share of the lambda-residual asks for the other starts. Right answers stay below 0.028 on
 // 40,000 curves of the paper's constraints, wrong ones were seen at 0.1 and more.
 constexpr double kSuspiciousShare = 0.03;
@@ -230,7 +215,7 @@ std::vector<lanes::FitTask> second_tasks(const Block& block, bool all_starts) {
     tasks.push_back(first);
     if (!doubtful) continue;
     if (!(first.cost < 1)) tasks.back().z = affine_start(block.curves[i], block.affine[i]);
-    for (const lanes::Shape& z : other_starts(block.affine[i].mean)) {
+    for (const lanes::Shape& z : lanes::other_starts(block.affine[i].mean)) {
       tasks.push_back({i, z, 0, 0, false});
     }
   }
@@ -239,15 +224,7 @@ std::vector<lanes::FitTask> second_tasks(const Block& block, bool all_starts) {
 
 BezierElasticaFit answer(const EvenBezier& e, const lanes::FitTask& task, const lanes::Placed& p) {
   BezierElasticaFit fit;
-  const double scale = e.length, length = p.length * scale, c = std::cos(p.theta), s = std::sin(p.theta);
-  const double t1 = task.z[1] / (length * length), t2 = task.z[2] / (length * length);
-  fit.elastica = {e.mean.x() + p.start_x * scale,
-                  e.mean.y() + p.start_y * scale,
-                  p.start_theta,
-                  p.start_kappa / length,
-                  c * t1 - s * t2,
-                  s * t1 + c * t2,
-                  length};
+  fit.elastica = unit_removed(p, task.z, e.mean, e.length);
   fit.l2 = std::sqrt(std::max(0.0, p.cost));
   fit.h1 = std::sqrt(std::max(0.0, p.cost + p.angle2));
   fit.status = task.converged ? FitStatus::kOk : FitStatus::kNotConverged;

@@ -295,6 +295,30 @@ HOTBLADE_INLINE Placed laid(const FitGrid& grid, const ShapeNodes& g, const Simi
 
 }  // namespace
 
+Elastica unit_removed(const Placed& p, const Shape& z, const Eigen::Vector2d& origin, double scale) {
+  const double length = p.length * scale, c = std::cos(p.theta), s = std::sin(p.theta);
+  const double t1 = z[1] / (length * length), t2 = z[2] / (length * length);
+  return {origin.x() + p.start_x * scale,
+          origin.y() + p.start_y * scale,
+          p.start_theta,
+          p.start_kappa / length,
+          c * t1 - s * t2,
+          s * t1 + c * t2,
+          length};
+}
+
+std::array<Shape, 13> other_starts(double mean_curvature) {
+  std::array<Shape, 13> starts;
+  std::size_t n = 0;
+  starts[n++] = {mean_curvature, 0, 0};
+  for (const double kappa : {-5.0, 0.0, 5.0}) {
+    for (const double along : {-25.0, 25.0}) {
+      for (const double across : {-30.0, 30.0}) starts[n++] = {kappa, along, across};
+    }
+  }
+  return starts;
+}
+
 bool admissible(const Shape& z, int steps) {
   return taylor_rate(0, z[0], z[1], z[2]) <= kMostOmegaStep * steps;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "elastica/elastica.hpp"
 #include "elastica/simd.hpp"
 
 namespace hotblade::elastica::lanes {
@@ -56,6 +57,14 @@ struct Placed {
 // One answer per task.
 [[nodiscard]] std::vector<Placed> place(const FitGrid& grid, std::span<const FitData> data,
                                         std::span<const FitTask> tasks);
+
+// The elastica of a placed shape whose data was moved by -`origin` and divided by `scale`.
+[[nodiscard]] Elastica unit_removed(const Placed& placed, const Shape& z, const Eigen::Vector2d& origin,
+                                    double scale);
+
+// Starts for the doubtful: the arc of the mean curvature (times length), and a coarse grid over shapes with
+// and without inflections, bent either way.
+[[nodiscard]] std::array<Shape, 13> other_starts(double mean_curvature);
 
 // Whether that many steps resolve the shape well enough to search from it, or to be its answer.
 [[nodiscard]] bool admissible(const Shape& z, int steps);

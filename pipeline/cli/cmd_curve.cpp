@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "elastica/curve_distance.hpp"
 #include "elastica/fit.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"

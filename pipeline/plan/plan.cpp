@@ -10,6 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "elastica/curve_distance.hpp"
 #include "pipeline/command_error.hpp"
 #include "pipeline/plan/budget.hpp"
 #include "pipeline/plan/strips.hpp"
