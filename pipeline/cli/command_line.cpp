@@ -24,6 +24,7 @@ constexpr Registrar kCommands[] = {
     add_run,
     add_dryrun,
     add_export,
+    add_completion,
 };
 
 std::atomic<bool> g_interrupted{false};

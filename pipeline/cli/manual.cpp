@@ -1,0 +1,176 @@
+#include "pipeline/cli/manual.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+
+#include "pipeline/version.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Backslashes and leading dots or quotes mean something to roff; a plain hyphen would become a typographic
+// one.
+std::string roff(const std::string& text) {
+  std::string out;
+  bool line_start = true;
+  for (const char c : text) {
+    if (line_start && (c == '.' || c == '\'')) out += "\\&";
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else {
+      out += c;
+    }
+    line_start = c == '\n';
+  }
+  return out;
+}
+
+// Positionals first, as they are written on the command line.
+std::vector<const CLI::Option*> options_of(const CLI::App& app) {
+  std::vector<const CLI::Option*> all;
+  for (const CLI::Option* option : app.get_options()) {
+    if (!option->get_group().empty()) all.push_back(option);
+  }
+  std::stable_partition(all.begin(), all.end(),
+                        [](const CLI::Option* o) { return o->nonpositional() == false; });
+  return all;
+}
+
+// The type name as written for people; checks of the parser stand behind a colon.
+std::string type_of(const CLI::Option& option) {
+  const std::string name = option.get_type_name();
+  return name.substr(0, name.find(':'));
+}
+
+std::string option_head(const CLI::Option& option) {
+  std::string head = option.nonpositional() ? option.get_name(false, true) : option.get_name(true);
+  std::string::size_type comma = 0;
+  while ((comma = head.find(',', comma)) != std::string::npos) {
+    head.replace(comma, 1, ", ");
+    comma += 2;
+  }
+  if (option.get_items_expected_max() > 0 && option.nonpositional() && option.get_type_size_max() > 0) {
+    head += " " + type_of(option);
+  }
+  return head;
+}
+
+void append_options(std::string& page, const CLI::App& app) {
+  for (const CLI::Option* option : options_of(app)) {
+    page += fmt::format(".TP\n.B {}\n{}\n", roff(option_head(*option)), roff(option->get_description()));
+  }
+}
+
+void append_footer(std::string& page, const CLI::App& app) {
+  if (!app.get_footer().empty()) page += ".PP\n.nf\n" + roff(app.get_footer()) + "\n.fi\n";
+}
+
+void append_command(std::string& page, const CLI::App& command, const std::string& path) {
+  page += fmt::format(".SS {}\n{}\n", roff(path), roff(command.get_description()));
+  append_options(page, command);
+  append_footer(page, command);
+  for (const CLI::App* inner : command.get_subcommands({}))
+    append_command(page, *inner, path + " " + inner->get_name());
+}
+
+// Words a choice option's type name offers: "a|b|c"; nothing for MM, FILE and the like.
+std::string choices_of(const CLI::Option& option) {
+  std::string words = type_of(option);
+  const bool choice = words.find('|') != std::string::npos &&
+                      words.find_first_of(" []") == std::string::npos &&
+                      std::none_of(words.begin(), words.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  if (!choice) return "";
+  std::replace(words.begin(), words.end(), '|', ' ');
+  return words;
+}
+
+std::vector<std::string> flags_of(const CLI::App& app) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : options_of(app)) {
+    for (const std::string& name : option->get_snames()) flags.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  return flags;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+// `case` branches for one command: what follows it, and what follows its options.
+void append_case(std::string& script, const CLI::App& command, const std::string& path,
+                 const std::string& global) {
+  std::vector<std::string> words = flags_of(command);
+  for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
+  script += fmt::format("    '{}')\n      words='{} {}'\n      case \"$previous\" in\n", path, joined(words),
+                        global);
+  for (const CLI::Option* option : options_of(command)) {
+    const std::string choices = choices_of(*option);
+    std::vector<std::string> names;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    if (!choices.empty() && !names.empty()) {
+      script += fmt::format("        {}) values='{}' ;;\n", fmt::join(names, "|"), choices);
+    }
+  }
+  script += "      esac ;;\n";
+  for (const CLI::App* inner : command.get_subcommands({})) {
+    append_case(script, *inner, path + " " + inner->get_name(), global);
+  }
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& app) {
+  std::string page =
+      fmt::format(".TH HOTBLADE 1 \"\" \"hotblade {}\" \"User Commands\"\n.SH NAME\nhotblade \\- {}\n",
+                  version(), "plan hot\\-blade cutting of formwork");
+  page += ".SH SYNOPSIS\n.B hotblade\n.I command\n[options]\n.SH DESCRIPTION\n" +
+          roff(app.get_description()) + "\n";
+  append_footer(page, app);
+  page += ".SH OPTIONS\nThese go with every command.\n";
+  append_options(page, app);
+  page += ".SH COMMANDS\n";
+  for (const CLI::App* command : app.get_subcommands({}))
+    append_command(page, *command, "hotblade " + command->get_name());
+  return page;
+}
+
+std::string bash_completion(const CLI::App& app) {
+  std::vector<std::string> commands;
+  for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
+  const std::string global = joined(flags_of(app));
+  std::string script =
+      "# bash completion for hotblade, made by `hotblade completion bash`\n_hotblade() {\n"
+      "  local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\" path='' "
+      "words='' values='' word\n"
+      "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
+      "    case \"$path $word\" in\n";
+  for (const CLI::App* command : app.get_subcommands({})) {
+    script += fmt::format("      ' {0}') path='{0}' ;;\n", command->get_name());
+    for (const CLI::App* inner : command->get_subcommands({})) {
+      script += fmt::format("      '{0} {1}') path='{0} {1}' ;;\n", command->get_name(), inner->get_name());
+    }
+  }
+  script += "    esac\n  done\n  case \"$path\" in\n";
+  script += fmt::format("    '') words='{} {}' ;;\n", joined(commands), global);
+  for (const CLI::App* command : app.get_subcommands({}))
+    append_case(script, *command, command->get_name(), global);
+  script +=
+      "  esac\n"
+      "  if [[ -n $values ]]; then\n    COMPREPLY=($(compgen -W \"$values\" -- \"$current\"))\n"
+      "  elif [[ $current == -* || -z $path ]]; then\n    COMPREPLY=($(compgen -W \"$words\" -- "
+      "\"$current\"))\n"
+      "  else\n    COMPREPLY=($(compgen -W \"$words\" -- \"$current\") $(compgen -f -- \"$current\"))\n  "
+      "fi\n}\n"
+      "complete -o filenames -F _hotblade hotblade\n";
+  return script;
+}
+
+}  // namespace hotblade::pipeline
