@@ -17,7 +17,7 @@ enum class ResidualStatus : std::uint8_t {
   kOk,
   kStraight,   // the control points lie on a line: e = 0 by definition
   kCusp,       // the derivative vanishes, at an end of zero edge length or inside: Int kappa^2 ds diverges
-  kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e290
+  kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
 // The residual has a value (0 for a straight line).

@@ -37,7 +37,7 @@ HB_INLINE hb_legs hb_legs_of_edges(const hb_edges* a) {
 HB_INLINE HB_REAL hb_edges_status(const hb_edges* a) {
   const HB_REAL sum =
       HB_ABS(a->c1) + HB_ABS(a->s1) + HB_ABS(a->c2) + HB_ABS(a->s2) + HB_ABS(a->l1) + HB_ABS(a->l2);
-  return HB_SELECT(sum < HB_BROADCAST(1e75), HB_BROADCAST(HB_RESIDUAL_OK),
+  return HB_SELECT(sum < HB_BROADCAST(HB_GREATEST_EXTENT), HB_BROADCAST(HB_RESIDUAL_OK),
                    HB_BROADCAST(HB_RESIDUAL_NOT_FINITE));
 }
 
@@ -94,7 +94,7 @@ HB_INLINE HB_REAL hb_gradient_node(const hb_cubic* c, const hb_nodes* n, const h
   const HB_REAL inverse = n->inverse[i], kappa = n->kappa[i];
   const HB_REAL tx = HB_FMA(three_uu, c->x3, HB_FMA(two_u, c->x2, c->x1)) * inverse;
   const HB_REAL ty = HB_FMA(three_uu, c->y3, HB_FMA(two_u, c->y2, c->y1)) * inverse;
-  const HB_REAL r = HB_FMA(-f->y, n->y[i], HB_FMA(-f->x, n->x[i], kappa - f->one));
+  const HB_REAL r = kappa - HB_FMA(HB_FMA(HB_FMA(f->p3, u, f->p2), u, f->p1), u, f->p0);
   const HB_REAL speed = one / inverse;
   const HB_REAL to = three * (t * o);
   hb_add_edge_rate(first, u, weight, to * o, three * o * (o - t - t), tx, ty, speed, inverse, kappa, r);
@@ -109,13 +109,13 @@ HB_INLINE hb_edge_residual hb_edge_residual_gradient(const hb_edges* a) {
   const HB_REAL frame = hb_edges_status(a), shape = hb_residual_status(&p, &c);
   hb_nodes n;
   const hb_moments m = hb_residual_moments(&c, &n);
-  const hb_affine f = hb_affine_of_moments(&m);
+  const hb_affine f = hb_affine_of_moments(&c, &m);
   /* 3 t (1-t)^2 and 3 t^2 (1-t) in powers of u. */
   hb_edge_rate first = hb_edge_rate_of(&c, &f, a->c1, a->s1, -0.75, -1.5, 3.0);
   hb_edge_rate second = hb_edge_rate_of(&c, &f, a->c2, a->s2, 0.75, -1.5, -3.0);
   HB_REAL misfit = HB_BROADCAST(0.0);
   for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
-    const HB_REAL u = HB_BROADCAST(hb_gauss_u[i]), w = HB_BROADCAST(hb_gauss_w[i]);
+    const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]);
     misfit += hb_gradient_node(&c, &n, &f, u, w, 2 * i, &first, &second);
     misfit += hb_gradient_node(&c, &n, &f, -u, w, 2 * i + 1, &first, &second);
   }

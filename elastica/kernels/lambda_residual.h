@@ -1,10 +1,10 @@
 /* The lambda-residual of a cubic Bezier (elastica/lambda_residual.hpp) by 24 Gauss nodes and two passes:
  * moments and least squares first, then the residual itself, because differences of moments cancel.
  *
- * The curve is written in powers of u = t - 1/2 about its mean, so that the nodes +u and -u share their even
- * and odd halves, and in a frame whose x axis joins two far control points, which keeps the least squares
- * well conditioned for nearly straight curves. The numerator of the curvature, x'y'' - y'x'', is a quadratic
- * in u. */
+ * The curve is written in powers of u = t - 1/2, so that the nodes +u and -u share their even and odd halves
+ * and moments of powers of u give those of x and y, and in a frame whose x axis joins two far control points,
+ * which keeps the least squares well conditioned for nearly straight curves. The numerator of the curvature,
+ * x'y'' - y'x'', is a quadratic in u. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_LAMBDA_RESIDUAL_H
 #define HOTBLADE_ELASTICA_KERNELS_LAMBDA_RESIDUAL_H
 
@@ -12,15 +12,33 @@
 
 #define HB_GAUSS_PAIRS 12
 
-/* Positive nodes u and weights of the 24-point Gauss rule on [-1/2, 1/2]. */
-HB_CONSTANT double hb_gauss_u[HB_GAUSS_PAIRS] = {
-    0.49759360999851068009, 0.4873642779856547491,  0.46913727600136637926,  0.44320776350220051711,
-    0.41000099298695146098, 0.37006209578927718212, 0.32404682596848778463,  0.27271073569441976783,
-    0.21689675381302256924, 0.15752133984808168719, 0.095559433736808154579, 0.032028446431302813043};
-HB_CONSTANT double hb_gauss_w[HB_GAUSS_PAIRS] = {
-    0.0061706148999935997734, 0.014265694314466831591, 0.022138719408709903084, 0.029649292457718390373,
-    0.036673240705540152867,  0.043095080765976637959, 0.048809326052056944135, 0.053722135057982817391,
-    0.057752834026862800677,  0.060835236463901695602, 0.062918728173414148061, 0.063969097673376078487};
+/* The positive nodes of the 24-point Gauss rule on [-1/2, 1/2]: u, its powers to the sixth, the weight. */
+HB_CONSTANT double hb_gauss[HB_GAUSS_PAIRS][7] = {
+    {0.4975936099985106801, 0.2475994007113499479, 0.1232038796334284338, 0.06130546323261964107,
+     0.03050520676255017351, 0.01517919595672832163, 0.006170614899993599773},
+    {0.4873642779856547491, 0.2375239394564785583, 0.1157606832575150445, 0.05641762181492489168,
+     0.02749593352149859452, 0.01340053578824672393, 0.01426569431446683159},
+    {0.4691372760013663793, 0.2200897837339822149, 0.103252321616690251, 0.04843951290407106234,
+     0.02272478113464893424, 0.0106610419192364409, 0.02213871940870990308},
+    {0.4432077635022005171, 0.1964331216286225048, 0.08706068451477751237, 0.03858597127276520248,
+     0.01710160203036242294, 0.007579562788181620935, 0.02964929245771839037},
+    {0.410000992986951461, 0.1681008142502862211, 0.06892150076453243115, 0.02825788375160923106,
+     0.01158576039786962598, 0.004750173267635444491, 0.03667324070554015287},
+    {0.3700620957892771821, 0.1369459547399521607, 0.05067850702093019406, 0.01875419451963702568,
+     0.006940216528776654165, 0.002568311073870470973, 0.04309508076597663796},
+    {0.3240468259684877846, 0.1050063454202514093, 0.03402697293998312272, 0.01102633257851715411,
+     0.003573048074141415409, 0.001157834887458343678, 0.04880932605205694413},
+    {0.2727107356944197678, 0.07437114536299167605, 0.02028180976637809527, 0.005531067262603238278,
+     0.001508381422359849569, 0.0004113518073995498874, 0.05372213505798281739},
+    {0.2168967538130225692, 0.04704420181462692043, 0.01020373465931728478, 0.002213156924375346833,
+     0.0004800265525758258101, 0.0001041162009977528256, 0.05775283402686280068},
+    {0.1575213398480816872, 0.02481297250753484762, 0.003908572675000504374, 0.0006156836046596801834,
+     0.00009698330632848945202, 0.00001527694035576059839, 0.0608352364639016956},
+    {0.09555943373680815458, 0.009131605376099428506, 0.0008726110388480544451, 0.00008338621674480798513,
+     7.96833965358860123e-6, 7.61450025119480784e-7, 0.06291872817341414806},
+    {0.03202844643130281304, 0.0010258213808028339, 0.00003285546514312864944, 1.05230950531223276e-6,
+     3.370383862004360992e-8, 1.079481589771341685e-9, 0.06396909767337607849}};
+#define HB_GAUSS_WEIGHT 6
 
 /* Status codes, in the order of elastica/lambda_residual.hpp's ResidualStatus. */
 #define HB_RESIDUAL_OK 0.0
@@ -33,35 +51,34 @@ HB_CONSTANT double hb_gauss_w[HB_GAUSS_PAIRS] = {
  * inside, makes Int kappa^2 ds diverge. */
 #define HB_FLAT_SHARE 1e-13
 #define HB_CUSP_SHARE 1e-9
-/* Extents outside are no curve in double: below, squares vanish; above (and for NaN), differences overflow.
- */
-#define HB_LEAST_EXTENT 1e-290
-#define HB_GREATEST_EXTENT 1e290
+/* Extents outside are no curve in double: squares vanish below, and overflow above. */
+#define HB_LEAST_EXTENT 1e-140
+#define HB_GREATEST_EXTENT 1e140
 
 /* Control points p1, p2, p3 relative to p0. */
 typedef struct {
   HB_REAL x1, y1, x2, y2, x3, y3;
 } hb_legs;
 
-/* x(u) = x0 + x1 u + x2 u^2 + x3 u^3, y alike; x'y'' - y'x'' = q0 + q1 u + q2 u^2. */
+/* x(u) = x1 u + x2 u^2 + x3 u^3 but for a constant, y alike; x'y'' - y'x'' = q0 + q1 u + q2 u^2. */
 typedef struct {
-  HB_REAL x0, x1, x2, x3, y0, y1, y2, y3, q0, q1, q2;
+  HB_REAL x1, x2, x3, y1, y2, y3, q0, q1, q2;
 } hb_cubic;
 
-/* At one node: ds with the quadrature weight, 1/speed, curvature, position. */
+/* At one node: ds with the quadrature weight, 1/speed, curvature. */
 typedef struct {
   HB_REAL ds[2 * HB_GAUSS_PAIRS], inverse[2 * HB_GAUSS_PAIRS], kappa[2 * HB_GAUSS_PAIRS];
-  HB_REAL x[2 * HB_GAUSS_PAIRS], y[2 * HB_GAUSS_PAIRS];
 } hb_nodes;
 
-/* Sums over ds of the products named. */
+/* Sums over ds of u^j and kappa u^j, and of kappa^2. Those of x, y, x^2 .. follow by the powers of x and y.
+ */
 typedef struct {
-  HB_REAL s, x, y, k, xx, xy, yy, kx, ky, kk;
+  HB_REAL m0, m1, m2, m3, m4, m5, m6, k0, k1, k2, k3, kk;
 } hb_moments;
 
-/* kappa ~ one + x x + y y. */
+/* The fit kappa ~ one + x x + y y, and the same in powers of u. */
 typedef struct {
-  HB_REAL one, x, y;
+  HB_REAL x, y, p0, p1, p2, p3;
 } hb_affine;
 
 typedef struct {
@@ -77,7 +94,6 @@ HB_INLINE void hb_cubic_numerator(hb_cubic* c) {
 
 HB_INLINE hb_cubic hb_cubic_of_legs(const hb_legs* p) {
   const HB_REAL a = HB_BROADCAST(1.5), b = HB_BROADCAST(0.75), three = HB_BROADCAST(3.0);
-  const HB_REAL twelfth = HB_BROADCAST(-1.0 / 12);
   hb_cubic c;
   c.x1 = b * ((p->x3 + p->x2) - p->x1);
   c.y1 = b * ((p->y3 + p->y2) - p->y1);
@@ -85,8 +101,6 @@ HB_INLINE hb_cubic hb_cubic_of_legs(const hb_legs* p) {
   c.y2 = a * (p->y3 - (p->y1 + p->y2));
   c.x3 = HB_FMA(three, p->x1 - p->x2, p->x3);
   c.y3 = HB_FMA(three, p->y1 - p->y2, p->y3);
-  c.x0 = twelfth * c.x2; /* the mean over u is 0 */
-  c.y0 = twelfth * c.y2;
   hb_cubic_numerator(&c);
   return c;
 }
@@ -98,90 +112,119 @@ HB_INLINE HB_REAL hb_speed_squared(const hb_cubic* c, HB_REAL u) {
   return HB_FMA(dx, dx, dy * dy);
 }
 
-/* Straight, cusp or neither. At a cusp the numerator has a double root, so the speed is looked at there and
- * at the two ends. */
+/* Straight, cusp or neither. The speed is three edges' lengths at the ends; at a cusp the numerator has a
+ * double root. */
 HB_INLINE HB_REAL hb_residual_status(const hb_legs* p, const hb_cubic* c) {
   const HB_REAL half = HB_BROADCAST(0.5), flat = HB_BROADCAST(HB_FLAT_SHARE);
+  const HB_REAL limit = HB_BROADCAST(HB_CUSP_SHARE * HB_CUSP_SHARE),
+                edge_limit = HB_BROADCAST(1.0 / 9) * limit;
+  const HB_REAL lx = p->x3 - p->x2, ly = p->y3 - p->y2;
   HB_REAL root = -c->q1 / (c->q2 + c->q2);
   root = HB_SELECT(root > half, half, root);
   root = HB_SELECT(root > -half, root, -half); /* 0/0 too */
-  const HB_REAL limit = HB_BROADCAST(HB_CUSP_SHARE * HB_CUSP_SHARE);
-  const HB_MASK cusp = (hb_speed_squared(c, half) < limit) | (hb_speed_squared(c, -half) < limit) |
+  const HB_MASK cusp = (p->x1 * p->x1 + p->y1 * p->y1 < edge_limit) | (lx * lx + ly * ly < edge_limit) |
                        (hb_speed_squared(c, root) < limit);
-  const HB_MASK straight = (HB_ABS(p->y1) < flat) & (HB_ABS(p->y2) < flat) & (HB_ABS(p->y3) < flat);
+  const HB_MASK straight = HB_MAX(HB_MAX(HB_ABS(p->y1), HB_ABS(p->y2)), HB_ABS(p->y3)) < flat;
   const HB_REAL status = HB_SELECT(cusp, HB_BROADCAST(HB_RESIDUAL_CUSP), HB_BROADCAST(HB_RESIDUAL_OK));
   return HB_SELECT(straight, HB_BROADCAST(HB_RESIDUAL_STRAIGHT), status);
 }
 
-HB_INLINE void hb_node(HB_REAL weight, HB_REAL dx, HB_REAL dy, HB_REAL numerator, HB_REAL x, HB_REAL y, int i,
-                       hb_nodes* n, hb_moments* m) {
+HB_INLINE void hb_node_speed(HB_REAL weight, HB_REAL dx, HB_REAL dy, int i, hb_nodes* n) {
   const HB_REAL square = HB_FMA(dx, dx, dy * dy);
   const HB_REAL inverse = HB_RSQRT(square);
-  const HB_REAL per_square = inverse * inverse;
-  const HB_REAL ds = weight * (square * inverse);
-  const HB_REAL turn = (weight * numerator) * per_square; /* kappa ds */
-  const HB_REAL kappa = (numerator * inverse) * per_square;
-  const HB_REAL xs = x * ds, ys = y * ds;
-  n->ds[i] = ds;
   n->inverse[i] = inverse;
-  n->kappa[i] = kappa;
-  n->x[i] = x;
-  n->y[i] = y;
-  m->s += ds;
-  m->x += xs;
-  m->y += ys;
-  m->k += turn;
-  m->xx = HB_FMA(xs, x, m->xx);
-  m->xy = HB_FMA(xs, y, m->xy);
-  m->yy = HB_FMA(ys, y, m->yy);
-  m->kx = HB_FMA(turn, x, m->kx);
-  m->ky = HB_FMA(turn, y, m->ky);
-  m->kk = HB_FMA(turn, kappa, m->kk);
+  n->ds[i] = weight * (square * inverse);
+}
+
+/* Apart from the moments, so that many of the long chains to 1/speed are under way at once. */
+HB_INLINE void hb_node_speeds(const hb_cubic* c, hb_nodes* n) {
+  const HB_REAL three = HB_BROADCAST(3.0), dx2 = three * c->x3, dy2 = three * c->y3;
+  const HB_REAL dx1 = c->x2 + c->x2, dy1 = c->y2 + c->y2;
+  for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
+    const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), uu = HB_BROADCAST(hb_gauss[i][1]);
+    const HB_REAL w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]);
+    const HB_REAL dx = HB_FMA(dx2, uu, c->x1), dy = HB_FMA(dy2, uu, c->y1);
+    hb_node_speed(w, HB_FMA(dx1, u, dx), HB_FMA(dy1, u, dy), 2 * i, n);
+    hb_node_speed(w, HB_FMA(-dx1, u, dx), HB_FMA(-dy1, u, dy), 2 * i + 1, n);
+  }
+}
+
+HB_INLINE HB_REAL hb_node_curvature(HB_REAL numerator, int i, hb_nodes* n) {
+  const HB_REAL inverse = n->inverse[i];
+  return n->kappa[i] = (numerator * inverse) * (inverse * inverse);
 }
 
 HB_INLINE hb_moments hb_residual_moments(const hb_cubic* c, hb_nodes* n) {
-  const HB_REAL zero = HB_BROADCAST(0.0), three = HB_BROADCAST(3.0);
-  const HB_REAL dx2 = three * c->x3, dy2 = three * c->y3, dx1 = c->x2 + c->x2, dy1 = c->y2 + c->y2;
-  hb_moments m = {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  const HB_REAL zero = HB_BROADCAST(0.0);
+  hb_moments m = {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
+  hb_node_speeds(c, n);
   for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
-    const HB_REAL u = HB_BROADCAST(hb_gauss_u[i]), uu = HB_BROADCAST(hb_gauss_u[i] * hb_gauss_u[i]);
-    const HB_REAL w = HB_BROADCAST(hb_gauss_w[i]), v = -u;
-    const HB_REAL dx = HB_FMA(dx2, uu, c->x1), dy = HB_FMA(dy2, uu, c->y1), q = HB_FMA(c->q2, uu, c->q0);
-    const HB_REAL x_even = HB_FMA(c->x2, uu, c->x0), x_odd = HB_FMA(c->x3, uu, c->x1);
-    const HB_REAL y_even = HB_FMA(c->y2, uu, c->y0), y_odd = HB_FMA(c->y3, uu, c->y1);
-    hb_node(w, HB_FMA(dx1, u, dx), HB_FMA(dy1, u, dy), HB_FMA(c->q1, u, q), HB_FMA(x_odd, u, x_even),
-            HB_FMA(y_odd, u, y_even), 2 * i, n, &m);
-    hb_node(w, HB_FMA(dx1, v, dx), HB_FMA(dy1, v, dy), HB_FMA(c->q1, v, q), HB_FMA(x_odd, v, x_even),
-            HB_FMA(y_odd, v, y_even), 2 * i + 1, n, &m);
+    const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), uu = HB_BROADCAST(hb_gauss[i][1]);
+    const HB_REAL uuu = HB_BROADCAST(hb_gauss[i][2]);
+    const HB_REAL q = HB_FMA(c->q2, uu, c->q0);
+    const HB_REAL plus = hb_node_curvature(HB_FMA(c->q1, u, q), 2 * i, n);
+    const HB_REAL minus = hb_node_curvature(HB_FMA(-c->q1, u, q), 2 * i + 1, n);
+    const HB_REAL turn_plus = plus * n->ds[2 * i], turn_minus = minus * n->ds[2 * i + 1];
+    const HB_REAL even = n->ds[2 * i] + n->ds[2 * i + 1], odd = n->ds[2 * i] - n->ds[2 * i + 1];
+    const HB_REAL turn_even = turn_plus + turn_minus, turn_odd = turn_plus - turn_minus;
+    m.m0 += even;
+    m.m1 = HB_FMA(odd, u, m.m1);
+    m.m2 = HB_FMA(even, uu, m.m2);
+    m.m3 = HB_FMA(odd, uuu, m.m3);
+    m.m4 = HB_FMA(even, HB_BROADCAST(hb_gauss[i][3]), m.m4);
+    m.m5 = HB_FMA(odd, HB_BROADCAST(hb_gauss[i][4]), m.m5);
+    m.m6 = HB_FMA(even, HB_BROADCAST(hb_gauss[i][5]), m.m6);
+    m.k0 += turn_even;
+    m.k1 = HB_FMA(turn_odd, u, m.k1);
+    m.k2 = HB_FMA(turn_even, uu, m.k2);
+    m.k3 = HB_FMA(turn_odd, uuu, m.k3);
+    m.kk = HB_FMA(turn_plus, plus, HB_FMA(turn_minus, minus, m.kk));
   }
   return m;
 }
 
+HB_INLINE HB_REAL hb_dot(HB_REAL a1, HB_REAL a2, HB_REAL a3, HB_REAL b1, HB_REAL b2, HB_REAL b3) {
+  return HB_FMA(a1, b1, HB_FMA(a2, b2, a3 * b3));
+}
+
 /* Least squares of kappa by 1, x and y. A y that 1 and x explain to rounding is left out. */
-HB_INLINE hb_affine hb_affine_of_moments(const hb_moments* m) {
-  const HB_REAL per_length = HB_BROADCAST(1.0) / m->s;
-  const HB_REAL x = m->x * per_length, y = m->y * per_length, k = m->k * per_length;
-  const HB_REAL xx = m->xx - m->x * x, xy = m->xy - m->x * y, yy = m->yy - m->y * y;
-  const HB_REAL kx = m->kx - m->k * x, ky = m->ky - m->k * y;
-  const HB_REAL per_xx = HB_BROADCAST(1.0) / xx;
-  const HB_REAL left = yy - xy * (xy * per_xx);
-  const HB_MASK dependent = left < HB_BROADCAST(1e-14) * yy;
+HB_INLINE hb_affine hb_affine_of_moments(const hb_cubic* c, const hb_moments* m) {
+  const HB_REAL per = HB_BROADCAST(1.0) / m->m0;
+  const HB_REAL u1 = m->m1 * per, u2 = m->m2 * per, u3 = m->m3 * per, k0 = m->k0 * per;
+  /* Central moments of u, u^2, u^3 and kappa. */
+  const HB_REAL c11 = m->m2 - m->m1 * u1, c12 = m->m3 - m->m1 * u2, c13 = m->m4 - m->m1 * u3;
+  const HB_REAL c22 = m->m4 - m->m2 * u2, c23 = m->m5 - m->m2 * u3, c33 = m->m6 - m->m3 * u3;
+  const HB_REAL k1 = m->k1 - m->m1 * k0, k2 = m->k2 - m->m2 * k0, k3 = m->k3 - m->m3 * k0;
+  const HB_REAL x1 = c->x1, x2 = c->x2, x3 = c->x3, y1 = c->y1, y2 = c->y2, y3 = c->y3;
+  const HB_REAL v1 = hb_dot(c11, c12, c13, x1, x2, x3), w1 = hb_dot(c11, c12, c13, y1, y2, y3);
+  const HB_REAL v2 = hb_dot(c12, c22, c23, x1, x2, x3), w2 = hb_dot(c12, c22, c23, y1, y2, y3);
+  const HB_REAL v3 = hb_dot(c13, c23, c33, x1, x2, x3), w3 = hb_dot(c13, c23, c33, y1, y2, y3);
+  const HB_REAL xx = hb_dot(v1, v2, v3, x1, x2, x3), xy = hb_dot(v1, v2, v3, y1, y2, y3);
+  const HB_REAL yy = hb_dot(w1, w2, w3, y1, y2, y3);
+  const HB_REAL kx = hb_dot(k1, k2, k3, x1, x2, x3), ky = hb_dot(k1, k2, k3, y1, y2, y3);
+  const HB_REAL determinant = xx * yy - xy * xy;
+  const HB_MASK dependent = determinant < HB_BROADCAST(1e-14) * (xx * yy);
+  const HB_REAL share = HB_BROADCAST(1.0) / HB_SELECT(dependent, xx, determinant);
   hb_affine f;
-  f.y = HB_SELECT(dependent, HB_BROADCAST(0.0), (ky - kx * (xy * per_xx)) / left);
-  f.x = (kx - f.y * xy) * per_xx;
-  f.one = k - (f.x * x + f.y * y);
+  f.x = HB_SELECT(dependent, kx, kx * yy - ky * xy) * share;
+  f.y = HB_SELECT(dependent, HB_BROADCAST(0.0), ky * xx - kx * xy) * share;
+  f.p1 = HB_FMA(f.x, x1, f.y * y1);
+  f.p2 = HB_FMA(f.x, x2, f.y * y2);
+  f.p3 = HB_FMA(f.x, x3, f.y * y3);
+  f.p0 = k0 - hb_dot(f.p1, f.p2, f.p3, u1, u2, u3);
   return f;
 }
 
 HB_INLINE HB_REAL hb_squared_misfit(const hb_nodes* n, const hb_affine* f) {
-  HB_REAL even = HB_BROADCAST(0.0), odd = HB_BROADCAST(0.0);
-  for (int i = 0; i < 2 * HB_GAUSS_PAIRS; i += 2) {
-    const HB_REAL a = HB_FMA(-f->y, n->y[i], HB_FMA(-f->x, n->x[i], n->kappa[i] - f->one));
-    const HB_REAL b = HB_FMA(-f->y, n->y[i + 1], HB_FMA(-f->x, n->x[i + 1], n->kappa[i + 1] - f->one));
-    even = HB_FMA(a * n->ds[i], a, even);
-    odd = HB_FMA(b * n->ds[i + 1], b, odd);
+  HB_REAL plus = HB_BROADCAST(0.0), minus = HB_BROADCAST(0.0);
+  for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
+    const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), uu = HB_BROADCAST(hb_gauss[i][1]);
+    const HB_REAL even = HB_FMA(f->p2, uu, f->p0), odd = HB_FMA(f->p3, uu, f->p1);
+    const HB_REAL a = HB_FMA(-odd, u, n->kappa[2 * i] - even), b = HB_FMA(odd, u, n->kappa[2 * i + 1] - even);
+    plus = HB_FMA(a * n->ds[2 * i], a, plus);
+    minus = HB_FMA(b * n->ds[2 * i + 1], b, minus);
   }
-  return even + odd;
+  return plus + minus;
 }
 
 HB_INLINE HB_REAL hb_root_share(HB_REAL misfit, HB_REAL total) {
@@ -199,24 +242,17 @@ HB_INLINE hb_residual hb_residual_or_zero(HB_REAL e, HB_REAL status) {
 /* Legs in a frame of unit size whose x axis points at the farthest control point; status HB_RESIDUAL_CUSP or
  * HB_RESIDUAL_NOT_FINITE where there is none, else HB_RESIDUAL_OK. */
 HB_INLINE HB_REAL hb_unit_frame(hb_legs* p) {
-  const HB_REAL extent =
-      HB_MAX(HB_MAX(HB_MAX(HB_ABS(p->x1), HB_ABS(p->y1)), HB_MAX(HB_ABS(p->x2), HB_ABS(p->y2))),
-             HB_MAX(HB_ABS(p->x3), HB_ABS(p->y3)));
-  /* A comparison drops NaN; a sum keeps it. */
-  const HB_REAL sum =
-      HB_ABS(p->x1) + HB_ABS(p->y1) + HB_ABS(p->x2) + HB_ABS(p->y2) + HB_ABS(p->x3) + HB_ABS(p->y3);
-  const HB_MASK point = extent < HB_BROADCAST(HB_LEAST_EXTENT);
-  const HB_MASK finite = sum < HB_BROADCAST(HB_GREATEST_EXTENT);
-  const HB_REAL scale = HB_BROADCAST(1.0) / extent;
-  const HB_REAL x1 = p->x1 * scale, y1 = p->y1 * scale, x2 = p->x2 * scale, y2 = p->y2 * scale;
-  const HB_REAL x3 = p->x3 * scale, y3 = p->y3 * scale;
+  const HB_REAL x1 = p->x1, y1 = p->y1, x2 = p->x2, y2 = p->y2, x3 = p->x3, y3 = p->y3;
   const HB_REAL r1 = x1 * x1 + y1 * y1, r2 = x2 * x2 + y2 * y2, r3 = x3 * x3 + y3 * y3;
   const HB_MASK second = r2 > r1;
   const HB_REAL r12 = HB_SELECT(second, r2, r1), ax12 = HB_SELECT(second, x2, x1),
                 ay12 = HB_SELECT(second, y2, y1);
   const HB_MASK third = r3 >= r12;
-  const HB_REAL per = HB_BROADCAST(1.0) / HB_SELECT(third, r3, r12);
+  const HB_REAL r = HB_SELECT(third, r3, r12), per = HB_BROADCAST(1.0) / r;
   const HB_REAL ax = HB_SELECT(third, x3, ax12) * per, ay = HB_SELECT(third, y3, ay12) * per;
+  const HB_MASK point = r < HB_BROADCAST(HB_LEAST_EXTENT * HB_LEAST_EXTENT);
+  /* A comparison drops NaN; a sum keeps it. */
+  const HB_MASK finite = r1 + r2 + r3 < HB_BROADCAST(HB_GREATEST_EXTENT * HB_GREATEST_EXTENT);
   const HB_REAL status = HB_SELECT(point, HB_BROADCAST(HB_RESIDUAL_CUSP), HB_BROADCAST(HB_RESIDUAL_OK));
   p->x1 = x1 * ax + y1 * ay;
   p->y1 = y1 * ax - x1 * ay;
@@ -234,7 +270,7 @@ HB_INLINE hb_residual hb_lambda_residual_in_frame(const hb_legs* p, HB_REAL fram
   const HB_REAL status = HB_SELECT(frame_status > HB_BROADCAST(0.5), frame_status, shape);
   hb_nodes n;
   const hb_moments m = hb_residual_moments(&c, &n);
-  const hb_affine f = hb_affine_of_moments(&m);
+  const hb_affine f = hb_affine_of_moments(&c, &m);
   return hb_residual_or_zero(hb_root_share(hb_squared_misfit(&n, &f), m.kk), status);
 }
 

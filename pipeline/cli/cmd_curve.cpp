@@ -97,7 +97,7 @@ const char* status_text(elastica::ResidualStatus status) {
 Json residual(const Json& line) {
   const elastica::LambdaResidual r = elastica::lambda_residual(bezier(line));
   if (!has_value(r.status))
-    throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e290");
+    throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e140");
   return {{"lambda_residual", r.value},
           {"lambda1", r.lambda1},
           {"lambda2", r.lambda2},
@@ -155,7 +155,7 @@ Json fit(const Json& line) {
     const Bezier b = bezier(line);
     const elastica::LambdaResidual r = elastica::lambda_residual(b);
     if (!has_value(r.status))
-      throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e290");
+      throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e140");
     starts.push_back(first_guess(b, r));
     for (const double t : elastica::even_parameters(b, kFitPoints)) q.push_back(elastica::evaluate(b, t).p);
   } else {

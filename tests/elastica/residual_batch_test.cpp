@@ -168,8 +168,8 @@ TEST_P(EverySimd, GivesDegenerateCurvesTheScalarsStatus) {
       {{Point(0, 0), {1, 0}, {2, 1}, {3, inf}}, ResidualStatus::kNotFinite},
       {{Point(0, nan), {1, 0}, {2, 1}, {3, 1}}, ResidualStatus::kNotFinite},
       {{Point(0, 0), {1e300, 0}, {2, 1e300}, {3, 1}}, ResidualStatus::kNotFinite},
-      {{Point(0, 0), {1e-200, 0}, {2e-200, 1e-200}, {3e-200, 3e-200}}, ResidualStatus::kOk},
-      {{Point(0, 0), {1e200, 0}, {2e200, 1e200}, {3e200, 3e200}}, ResidualStatus::kOk},
+      {{Point(0, 0), {1e-130, 0}, {2e-130, 1e-130}, {3e-130, 3e-130}}, ResidualStatus::kOk},
+      {{Point(0, 0), {1e130, 0}, {2e130, 1e130}, {3e130, 3e130}}, ResidualStatus::kOk},
       {{Point(0, 0), {1, 0.2}, {2, 0.3}, {3, 0}}, ResidualStatus::kOk}};
   Curves curves;
   for (const auto& c : cases) curves.add(c.first);
