@@ -41,11 +41,19 @@ static inline __attribute__((always_inline)) hb_lanes hb_rsqrt(hb_lanes a) {
   return HB_FMA(y * h, p, y);
 }
 #define HB_RSQRT(a) hb_rsqrt(a)
+// Fourth order too: y (1 + h + h^2 + h^3) with h = 1 - a y.
+static inline __attribute__((always_inline)) hb_lanes hb_reciprocal(hb_lanes a) {
+  const hb_lanes y = (hb_lanes)_mm512_rcp14_pd((__m512d)a);
+  const hb_lanes h = HB_FMA(-a, y, HB_BROADCAST(1.0));
+  return HB_FMA(HB_FMA(HB_FMA(h, h, h), h, h), y, y);
+}
+#define HB_RECIPROCAL(a) hb_reciprocal(a)
 #elif HB_LANES == 4
 #define HB_BROADCAST(a) ((hb_lanes)_mm256_set1_pd(a))
 #define HB_SQRT(a) ((hb_lanes)_mm256_sqrt_pd((__m256d)(a)))
 #define HB_FMA(a, b, c) ((hb_lanes)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
 #define HB_RSQRT(a) (HB_BROADCAST(1.0) / HB_SQRT(a))
+#define HB_RECIPROCAL(a) (HB_BROADCAST(1.0) / (a))
 #else
 static inline __attribute__((always_inline)) hb_lanes hb_both(double a) {
   return hb_lanes{a, a};
@@ -61,6 +69,7 @@ static inline __attribute__((always_inline)) hb_lanes hb_both(double a) {
 #endif
 #define HB_FMA(a, b, c) ((a) * (b) + (c))
 #define HB_RSQRT(a) (HB_BROADCAST(1.0) / HB_SQRT(a))
+#define HB_RECIPROCAL(a) (HB_BROADCAST(1.0) / (a))
 #endif
 
 // Lanes from and to arrays of `count` <= HB_LANES values; missing ones repeat the last, so that they cost and

@@ -26,6 +26,7 @@
 /* a b + c, fused where that is one instruction. */
 #define HB_FMA(a, b, c) ((a) * (b) + (c))
 #define HB_RSQRT(a) (1.0 / HB_SQRT(a))
+#define HB_RECIPROCAL(a) (1.0 / (a))
 #define HB_BROADCAST(a) ((HB_REAL)(a))
 #define HB_MASK int
 #endif
