@@ -199,6 +199,18 @@ double ClosedForm::period() const {
   return (form_.wide ? 2 : 4) * shape_.quarter_period / std::abs(shape_.rate);
 }
 
+double ClosedForm::quarter_argument() const {
+  return kPi / (2 * ladder_.bottom);
+}
+
+std::optional<double> ClosedForm::argument_square_to_axis() const {
+  const double complement = std::sqrt(shape_.complement_sq), sine = std::numbers::sqrt2 / 2;
+  if (form_.wide) return first_kind(sine, sine, complement);
+  const double k = shape_.modulus;
+  if (!(k > sine)) return std::nullopt;
+  return first_kind(sine, std::sqrt((k - sine) * (k + sine)), complement);
+}
+
 Elastica ClosedForm::state() const {
   const double w = form_.wide ? std::abs(shape_.rate) / shape_.modulus : shape_.rate;
   const CurvePoint start = at(0);

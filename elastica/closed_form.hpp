@@ -71,6 +71,11 @@ class ClosedForm {
   [[nodiscard]] const Shape& shape() const { return shape_; }
   // Arc length after which the curvature repeats; infinity on the separatrix and on a circle.
   [[nodiscard]] double period() const;
+  // K of the ladder, finite on the separatrix too, where it lies beyond everything that moves.
+  [[nodiscard]] double quarter_argument() const;
+  // The least v >= 0 at which the tangent is square to the axis: am(v) = pi/4 when winding, k sn(v) =
+  // sin(pi/4) otherwise, absent when the curve never turns so far.
+  [[nodiscard]] std::optional<double> argument_square_to_axis() const;
   // The state form again, from the shape alone: start, axis, rate, modulus and phase.
   [[nodiscard]] Elastica state() const;
 
