@@ -43,9 +43,6 @@ Elastica placed(const Vector3d& p, const ClampPose& a, double length) {
 bool usable(const Vector3d& p, const Vector3d& wanted) {
   // More than ten waves, or as many turns: not where a blade comes to from a neighbouring shape.
   constexpr double kLargestRate = 100;
-  // Along a blade pulled taut errors of the start grow by exp(sqrt(tension)), here by 6e4, and the basin of
-  // Newton's method shrinks with the square of that.
-  constexpr double kLargestTension = 120;
   return p.allFinite() && taylor_rate(0, p[0], p[1], p[2]) < kLargestRate &&
          p[1] * wanted[0] + p[2] * wanted[1] > -kLargestTension;
 }

@@ -36,6 +36,11 @@ struct ClampedShape {
 // times less unless the blade is taut.
 inline constexpr double kClampTolerance = 1e-9;
 
+// Largest tension times length^2 (-lambda along the chord) of a shape that is looked for. Along a blade
+// pulled taut errors of the start state grow by exp(sqrt(tension)), here by 6e4, and the basin of Newton's
+// method shrinks with the square of that.
+inline constexpr double kLargestTension = 120;
+
 // The equilibrium of `near`'s length between `clamps` that Newton's method reaches from the shape `near`;
 // absent when it does not converge. Quick, and right for small moves; it may land on another branch after a
 // large one: follow() does not.

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "elastica/curve_distance.hpp"
+#include "elastica/equilibria.hpp"
 #include "elastica/fit.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
@@ -195,6 +196,48 @@ Json sample(const Json& line) {
   return answer;
 }
 
+elastica::ClampPose clamp_pose(const Json& line, const char* name) {
+  const Json& value = field(line, name);
+  if (!value.is_array() || value.size() != 3)
+    throw LineError(fmt::format("{}: a clamp is [x, y, theta]", name));
+  return {number(value[0], fmt::format("{}[0]", name)), number(value[1], fmt::format("{}[1]", name)),
+          number(value[2], fmt::format("{}[2]", name))};
+}
+
+Json equilibria(const Json& line) {
+  const elastica::ClampPair clamps{clamp_pose(line, "a"), clamp_pose(line, "b")};
+  const double length = number(field(line, "length"), "length");
+  if (!(length > 0)) throw LineError("length: must be positive");
+  // Turns beyond this wind tighter than any blade, and the far clamp's turning is the true one.
+  constexpr double kMostTurning = 100;
+  const double turning = clamps.b.theta - clamps.a.theta;
+  if (!(std::abs(turning) <= kMostTurning))
+    throw LineError(fmt::format("b[2]: turns by {} rad against a (limit {})", turning, kMostTurning));
+  elastica::EquilibriaOptions options;
+  if (line.contains("max_energy")) {
+    options.max_energy = number(line["max_energy"], "max_energy");
+    if (options.max_energy < 0) throw LineError("max_energy: must not be negative");
+    options.max_inflections = elastica::kMaxInflections;
+  }
+  if (line.contains("max_inflections")) {
+    const double most = number(line["max_inflections"], "max_inflections");
+    if (!(most >= 0 && most <= elastica::kMaxInflections) || most != std::floor(most))
+      throw LineError(
+          fmt::format("max_inflections: out of range ({}, 0 to {})", most, elastica::kMaxInflections));
+    options.max_inflections = static_cast<int>(most);
+  }
+  const elastica::EquilibriaReport report = find_equilibria(clamps, length, options);
+  Json list = Json::array();
+  for (const elastica::Equilibrium& q : report.equilibria) {
+    list.push_back({{"elastica", to_json(q.elastica)},
+                    {"energy", q.energy},
+                    {"stable", q.stable},
+                    {"margin", q.margin},
+                    {"inflections", q.inflections}});
+  }
+  return {{"equilibria", std::move(list)}, {"unresolved", report.unresolved}, {"taut", report.taut}};
+}
+
 // Answers every line at its place; exit code 3 when any was bad.
 Exit each_line(const std::function<Json(const Json&)>& answer) {
   Exit result = Exit::kOk;
@@ -235,6 +278,8 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
            "hotblade curve fit < points.jsonl");
   add_tool(*curve, "sample", "Points of an elastica, evenly spaced", action, sample,
            "hotblade curve sample < elastica.jsonl");
+  add_tool(*curve, "equilibria", "Every shape that a blade can take between two clamps", action, equilibria,
+           "hotblade curve equilibria < clamps.jsonl");
   auto arguments = std::make_shared<ProjectArguments>();
   auto* projecting =
       curve->add_subcommand("project", "Beziers moved towards elastica, ends and end tangents kept");

@@ -80,6 +80,33 @@ TEST(CurveCommand, FitRecoversWhatSampleWrote) {
   EXPECT_NEAR(fitted.lines[0]["elastica"]["length"], 3, 1e-3);
 }
 
+TEST(CurveCommand, EquilibriaListsShapesByEnergyAndNoneWhereThereIsNone) {
+  const Answers a = curve("equilibria", R"({"a":[0,0,0.6],"b":[800,0,-0.6],"length":1000})"
+                                        "\n"
+                                        R"({"a":[0,0,0.6],"b":[800,0,-0.6],"length":1000,"max_energy":0.05})"
+                                        "\n"
+                                        R"({"a":[0,0,0],"b":[1001,0,0],"length":1000})"
+                                        "\n"
+                                        R"({"a":[0,0],"b":[1001,0,0],"length":1000})"
+                                        "\n"
+                                        R"({"a":[0,0,0],"b":[1001,0,0],"length":-1})"
+                                        "\n");
+  EXPECT_EQ(a.code, 3);
+  ASSERT_EQ(a.lines.size(), 5u);
+  const nlohmann::json& stable = a.lines[0]["equilibria"];
+  ASSERT_EQ(stable.size(), 2u);
+  EXPECT_NEAR(stable[0]["energy"], 2.955e-3, 1e-6);
+  EXPECT_NEAR(stable[1]["energy"], 15.784e-3, 1e-6);
+  EXPECT_EQ(stable[0]["stable"], true);
+  EXPECT_EQ(stable[0]["inflections"], 2);
+  EXPECT_EQ(stable[0]["elastica"]["length"], 1000.0);
+  EXPECT_GT(a.lines[1]["equilibria"].size(), 4u);
+  EXPECT_EQ(a.lines[1]["equilibria"].back()["stable"], false);
+  EXPECT_TRUE(a.lines[2]["equilibria"].empty());
+  EXPECT_TRUE(a.lines[3].contains("error"));
+  EXPECT_TRUE(a.lines[4].contains("error"));
+}
+
 TEST(CurveCommand, ACurveThatCannotBeEvaluatedIsABadLineNotACrash) {
   const Answers a = curve(
       "sample",
