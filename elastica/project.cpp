@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "elastica/project_zone.hpp"
 #include "elastica/standard_position.hpp"
 
 namespace hotblade::elastica {
@@ -18,23 +19,6 @@ constexpr double kMinInflectional = 0.27;
 constexpr double kMinPlain = 0.12;
 constexpr int kSteps = 10;  // the paper's t = 0, 0.1 .. 1
 constexpr int kRounds = 2;  // and its repetition of the whole procedure
-// Crossing edges are shortened to this share of the way to their crossing.
-constexpr double kUncross = 0.98;
-
-// Where the first and third edge cross, both are shortened to just before the crossing.
-Standard uncrossed(Standard s) {
-  if (!edges_cross(s)) return s;
-  const auto meeting = *edge_meeting(s);
-  s.l1 = std::min(s.l1, kUncross * meeting[0]);
-  s.l2 = std::min(s.l2, kUncross * meeting[1]);
-  return s;
-}
-
-double longest_edge(double a1, double a2) {
-  const double d = (a2 < 0 ? -1.0 : 1.0) * (a1 - a2) / kPi;
-  return std::max(1.2 * (1 + 5 * d), 0.58);
-}
-
 // The paper's fitted minimiser of the first edge of plain curves (with max, not min, of 0.12 and f). The fit
 // was made for a >= 0; curves on the other side are mirrored. b is taken in [0, 2 pi), where the paper's
 // curves have it.
@@ -81,7 +65,7 @@ Scored walk(const Standard& from, const std::array<double, 2>& target, double th
 // One run of the paper's steps (3) and (4).
 Scored deform(const Standard& input, double threshold) {
   const Standard start = uncrossed(input);
-  const double lmax = longest_edge(start.a1, start.a2);
+  const double lmax = edge_limits(start.a1, start.a2).longest;
   Standard adjusted = start;
   adjusted.l1 = std::clamp(start.l1, kMinInflectional, lmax);
   adjusted.l2 = std::clamp(start.l2, kMinInflectional, lmax);
@@ -92,10 +76,10 @@ Scored deform(const Standard& input, double threshold) {
 }  // namespace
 
 Projection project_feedback(const Bezier& b, double threshold) {
-  Projection result;
-  result.bezier = b;
   const auto input = standard_position(b);
   if (!input) {
+    Projection result;
+    result.bezier = b;
     result.status = ProjectStatus::kUnsupported;
     return result;
   }
@@ -106,12 +90,18 @@ Projection project_feedback(const Bezier& b, double threshold) {
     if (next.e < best.e) best = next;
     from = next.s;
   }
-  result.bezier = with_edges(b, *input, best.s);
-  result.lambda_residual = best.e;
-  result.branch = inflectional(best.s) ? Branch::kInflectional : Branch::kPlain;
-  result.moved = {best.s.l1 - input->l1, best.s.l2 - input->l2};
-  result.angle_constraints_hold = angle_constraints_hold(*input);
-  result.status = best.e <= threshold ? ProjectStatus::kReached : ProjectStatus::kNotReached;
+  return projection(b, *input, best.s, threshold);
+}
+
+Projection projection(const Bezier& b, const StandardPosition& input, const StandardPosition& s,
+                      double threshold) {
+  Projection result;
+  result.bezier = with_edges(b, input, s);
+  result.lambda_residual = score(s);
+  result.branch = inflectional(s) ? Branch::kInflectional : Branch::kPlain;
+  result.moved = {s.l1 - input.l1, s.l2 - input.l2};
+  result.angle_constraints_hold = angle_constraints_hold(input);
+  result.status = result.lambda_residual <= threshold ? ProjectStatus::kReached : ProjectStatus::kNotReached;
   return result;
 }
 

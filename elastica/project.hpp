@@ -4,6 +4,7 @@
 #pragma once
 
 #include "elastica/bezier.hpp"
+#include "elastica/standard_position.hpp"
 
 namespace hotblade::elastica {
 
@@ -28,6 +29,13 @@ struct Projection {
 // unchanged; otherwise the best of the deformation's steps is returned, never worse than the input.
 [[nodiscard]] Projection project_feedback(const Bezier& bezier, double threshold);
 
+// The report of a projection of `bezier`, standing at `input`, to the edges of `s`.
+[[nodiscard]] Projection projection(const Bezier& bezier, const StandardPosition& input,
+                                    const StandardPosition& s, double threshold);
+
+// lambda-residual that the projection zone promises (project_zone.hpp).
+inline constexpr double kZoneResidual = 0.4;
+
 enum class WantedBranch { kInflectional, kPlain, kBest };
 
 // The least lambda-residual over both end edges in [kShortestEdge, kLongestEdge] chords without crossing the
@@ -37,6 +45,16 @@ enum class WantedBranch { kInflectional, kPlain, kBest };
 // branch has no curve in the domain; `status` is kReached otherwise. The input's own edges are not
 // considered: the result is the same for every curve of the same end points and tangents.
 [[nodiscard]] Projection project_optimal(const Bezier& bezier, WantedBranch wanted);
+
+// The same by search alone, whatever it costs: the oracle of project_optimal. A logarithmic grid of
+// options.grid edges either way (std::logic_error below 2), its options.refined best local minima refined by
+// pattern search.
+struct SearchOptions {
+  int grid = 41;
+  std::size_t refined = 12;
+};
+[[nodiscard]] Projection project_optimal_search(const Bezier& bezier, WantedBranch wanted,
+                                                const SearchOptions& options);
 
 inline constexpr double kShortestEdge = 0.02, kLongestEdge = 4;
 

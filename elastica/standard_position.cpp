@@ -1,5 +1,6 @@
 #include "elastica/standard_position.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -60,11 +61,23 @@ bool edges_cross(const StandardPosition& s) {
   return meeting && (*meeting)[0] > 0 && (*meeting)[1] > 0 && (*meeting)[0] <= s.l1 && (*meeting)[1] <= s.l2;
 }
 
-bool angle_constraints_hold(const StandardPosition& s) {
+StandardPosition uncrossed(StandardPosition s) {
+  if (!edges_cross(s)) return s;
+  // Shortened to this share of the way to the crossing.
+  constexpr double kUncross = 0.98;
+  const auto meeting = *edge_meeting(s);
+  s.l1 = std::min(s.l1, kUncross * meeting[0]);
+  s.l2 = std::min(s.l2, kUncross * meeting[1]);
+  return s;
+}
+
+bool angle_constraints_hold(const StandardPosition& s, const AngleConstraints& constraints) {
   const auto positive = [](double a) { return a < 0 ? a + 2 * kPi : a; };
   const double b1 = positive(wrapped(kPi - s.a1)), b2 = positive(s.a2);
-  const auto inside = [](double b) { return b > kPi / 3 && b < 5 * kPi / 3; };
-  return inside(b1) && inside(b2) && std::abs(b1 - b2) < 0.4 * kPi;
+  const auto inside = [&constraints](double b) {
+    return b > constraints.from_chord && b < 2 * kPi - constraints.from_chord;
+  };
+  return inside(b1) && inside(b2) && std::abs(b1 - b2) < constraints.difference;
 }
 
 double score(const StandardPosition& s) {

@@ -3,6 +3,7 @@
 // docs/elastica.md).
 #pragma once
 
+#include <numbers>
 #include <optional>
 
 #include "elastica/bezier.hpp"
@@ -34,8 +35,17 @@ struct StandardPosition {
 // First and third edge of the polygon cross or touch.
 [[nodiscard]] bool edges_cross(const StandardPosition& s);
 
-// The paper's angle constraints 1 and 2.
-[[nodiscard]] bool angle_constraints_hold(const StandardPosition& s);
+// Where the first and third edge cross, both are shortened to just before the crossing.
+[[nodiscard]] StandardPosition uncrossed(StandardPosition s);
+
+// The paper's angle constraints: (1) beta1 = pi - a1 and beta2 = a2, taken in [0, 2 pi), lie more than
+// `from_chord` from 0 and 2 pi; (2) they differ by less than `difference`. Its wider pairs are pi/4 with 0.6
+// pi and pi/6 with 0.75 pi.
+struct AngleConstraints {
+  double from_chord = std::numbers::pi / 3, difference = 0.4 * std::numbers::pi;
+};
+[[nodiscard]] bool angle_constraints_hold(const StandardPosition& s,
+                                          const AngleConstraints& constraints = {});
 
 // lambda-residual, 1 for a cusp.
 [[nodiscard]] double score(const StandardPosition& s);

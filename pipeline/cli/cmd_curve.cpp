@@ -12,6 +12,7 @@
 #include "elastica/fit.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
+#include "elastica/project_zone.hpp"
 #include "pipeline/cli/command.hpp"
 
 namespace hotblade::pipeline {
@@ -117,8 +118,9 @@ Json project(const Json& line, const ProjectArguments& arguments) {
   const WantedBranch wanted = arguments.branch == "inflectional" ? WantedBranch::kInflectional
                               : arguments.branch == "plain"      ? WantedBranch::kPlain
                                                                  : WantedBranch::kBest;
-  const elastica::Projection p = arguments.method == "optimal"
-                                     ? elastica::project_optimal(b, wanted)
+  const elastica::Projection p = arguments.method == "optimal" ? elastica::project_optimal(b, wanted)
+                                 : arguments.method == "zone"
+                                     ? elastica::project_zone(b, arguments.threshold)
                                      : elastica::project_feedback(b, arguments.threshold);
   if (p.status == elastica::ProjectStatus::kUnsupported) {
     throw LineError("bezier: its ends coincide, an end edge is zero, or the branch has no curve");
@@ -284,8 +286,9 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
   auto* projecting =
       curve->add_subcommand("project", "Beziers moved towards elastica, ends and end tangents kept");
   projecting
-      ->add_option("--method", arguments->method, "The paper's feedback, or the optimum over both end edges")
-      ->check(CLI::IsMember({"feedback", "optimal"}));
+      ->add_option("--method", arguments->method,
+                   "The paper's feedback or zone, or the optimum over both end edges")
+      ->check(CLI::IsMember({"feedback", "optimal", "zone"}));
   projecting->add_option("--threshold", arguments->threshold, "Feedback stops at this lambda-residual")
       ->check(CLI::Range(0.0, 1.0));
   projecting->add_option("--branch", arguments->branch, "Branch of the optimum")

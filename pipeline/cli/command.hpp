@@ -48,6 +48,7 @@ void add_plan(CLI::App& app, const Console& console, Action& action);
 void add_verify(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);
 void add_curve(CLI::App& app, const Console& console, Action& action);
+void add_study(CLI::App& app, const Console& console, Action& action);
 void add_preview(CLI::App& app, const Console& console, Action& action);
 void add_sim(CLI::App& app, const Console& console, Action& action);
 void add_run(CLI::App& app, const Console& console, Action& action);

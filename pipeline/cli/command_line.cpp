@@ -19,6 +19,7 @@ constexpr Registrar kCommands[] = {
     add_verify,
     add_config,
     add_curve,
+    add_study,
     add_preview,
     add_sim,
     add_run,

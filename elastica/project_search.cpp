@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "elastica/project.hpp"
@@ -9,10 +10,7 @@ namespace hotblade::elastica {
 
 namespace {
 
-// Cells of the logarithmic grid along either edge: neighbours differ by 14%.
-constexpr int kGrid = 41;
-// Local minima of the grid that are refined, and the step (in the logarithm) at which refining ends.
-constexpr std::size_t kRefined = 12;
+// The step (in the logarithm) at which refining ends.
 constexpr double kFinestStep = 1e-4;
 // A valley may be long and narrow: steps that go down are lengthened, and the walk along it is bounded.
 constexpr int kMostSteps = 600;
@@ -47,21 +45,21 @@ class Valley {
 };
 
 // Grid cells that no neighbour undercuts, best first.
-std::vector<Candidate> grid_minima(const Valley& valley) {
-  const double step = (Valley::high() - Valley::low()) / (kGrid - 1);
-  std::vector<double> e(static_cast<std::size_t>(kGrid * kGrid));
-  const auto cell = [](int i, int j) { return static_cast<std::size_t>(i * kGrid + j); };
-  for (int i = 0; i < kGrid; ++i) {
-    for (int j = 0; j < kGrid; ++j)
-      e[cell(i, j)] = valley(Valley::low() + i * step, Valley::low() + j * step);
+std::vector<Candidate> grid_minima(const Valley& valley, const SearchOptions& options) {
+  const int grid = options.grid;
+  const double step = (Valley::high() - Valley::low()) / (grid - 1);
+  std::vector<double> e(static_cast<std::size_t>(grid) * static_cast<std::size_t>(grid));
+  const auto cell = [grid](int i, int j) { return static_cast<std::size_t>(i * grid + j); };
+  for (int i = 0; i < grid; ++i) {
+    for (int j = 0; j < grid; ++j) e[cell(i, j)] = valley(Valley::low() + i * step, Valley::low() + j * step);
   }
   std::vector<Candidate> minima;
-  for (int i = 0; i < kGrid; ++i) {
-    for (int j = 0; j < kGrid; ++j) {
+  for (int i = 0; i < grid; ++i) {
+    for (int j = 0; j < grid; ++j) {
       const double own = e[cell(i, j)];
       bool lowest = own <= 1;
-      for (int k = std::max(0, i - 1); k <= std::min(kGrid - 1, i + 1) && lowest; ++k) {
-        for (int l = std::max(0, j - 1); l <= std::min(kGrid - 1, j + 1); ++l)
+      for (int k = std::max(0, i - 1); k <= std::min(grid - 1, i + 1) && lowest; ++k) {
+        for (int l = std::max(0, j - 1); l <= std::min(grid - 1, j + 1); ++l)
           lowest = lowest && e[cell(k, l)] >= own;
       }
       if (lowest) minima.push_back({Valley::low() + i * step, Valley::low() + j * step, own});
@@ -69,13 +67,12 @@ std::vector<Candidate> grid_minima(const Valley& valley) {
   }
   std::stable_sort(minima.begin(), minima.end(),
                    [](const Candidate& a, const Candidate& b) { return a.e < b.e; });
-  if (minima.size() > kRefined) minima.resize(kRefined);
+  if (minima.size() > options.refined) minima.resize(options.refined);
   return minima;
 }
 
 // Pattern search in eight directions: a step that found a way down is lengthened, one that did not is halved.
-Candidate refine(const Valley& valley, Candidate best) {
-  double step = (Valley::high() - Valley::low()) / (kGrid - 1);
+Candidate refine(const Valley& valley, Candidate best, double step) {
   for (int k = 0; k < kMostSteps && step > kFinestStep; ++k) {
     const Candidate from = best;
     for (const auto& [du, dv] : {std::pair{1.0, 0.0},
@@ -99,6 +96,11 @@ Candidate refine(const Valley& valley, Candidate best) {
 }  // namespace
 
 Projection project_optimal(const Bezier& b, WantedBranch wanted) {
+  return project_optimal_search(b, wanted, {});
+}
+
+Projection project_optimal_search(const Bezier& b, WantedBranch wanted, const SearchOptions& options) {
+  if (options.grid < 2) throw std::logic_error("project_optimal_search needs at least a 2 x 2 grid");
   Projection result;
   result.bezier = b;
   result.status = ProjectStatus::kUnsupported;
@@ -107,18 +109,14 @@ Projection project_optimal(const Bezier& b, WantedBranch wanted) {
   result.angle_constraints_hold = angle_constraints_hold(*input);
   const Valley valley(*input, wanted);
   Candidate best{0, 0, 2};
-  for (const Candidate& start : grid_minima(valley)) {
-    const Candidate found = refine(valley, start);
+  const double step = (Valley::high() - Valley::low()) / (options.grid - 1);
+  for (const Candidate& start : grid_minima(valley, options)) {
+    const Candidate found = refine(valley, start, step);
     if (found.e < best.e) best = found;
   }
   if (best.e > 1) return result;
-  const StandardPosition s = valley.at(best.u, best.v);
-  result.bezier = with_edges(b, *input, s);
-  result.lambda_residual = best.e;
-  result.branch = inflectional(s) ? Branch::kInflectional : Branch::kPlain;
-  result.moved = {s.l1 - input->l1, s.l2 - input->l2};
-  result.status = ProjectStatus::kReached;
-  return result;
+  // The best there is counts as reached.
+  return projection(b, *input, valley.at(best.u, best.v), 1);
 }
 
 }  // namespace hotblade::elastica

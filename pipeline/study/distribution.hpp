@@ -1,0 +1,18 @@
+// Mean and quantiles of a sample, as the papers print them.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <span>
+
+namespace hotblade::pipeline::study {
+
+struct Distribution {
+  double mean = 0, median = 0, p99 = 0, p9999 = 0, max = 0;
+};
+
+// Quantile q is the value of rank floor(q n). Zeros for an empty sample.
+[[nodiscard]] Distribution distribution(std::span<const double> values);
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Distribution& distribution);
+
+}  // namespace hotblade::pipeline::study

@@ -1,0 +1,50 @@
+// Plots as SVG files: axes with round ticks, points, lines, a legend. Only what the studies need.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace hotblade::pipeline::study {
+
+// Axes in the data's numbers; each min below its max (std::logic_error).
+struct Axes {
+  std::string title, x_label, y_label;
+  double x_min = 0, x_max = 1, y_min = 0, y_max = 1;
+};
+
+class SvgPlot {
+ public:
+  explicit SvgPlot(Axes axes);
+  // Dots of `size` pixels; what lies outside the axes is left out. `name` goes to the legend unless empty.
+  void points(std::span<const Eigen::Vector2d> points, const std::string& colour, double size,
+              const std::string& name);
+  // A polyline, cut off at the axes.
+  void line(std::span<const Eigen::Vector2d> points, const std::string& colour, double width,
+            const std::string& name);
+  // Text centred at a point of the data.
+  void text(const Eigen::Vector2d& at, const std::string& words);
+
+  [[nodiscard]] const Axes& axes() const { return axes_; }
+  // The elements of the plot inside a frame of kPanelWidth by kPanelHeight pixels. `id` is unique on a page.
+  [[nodiscard]] std::string panel(int id) const;
+
+  static constexpr double kPanelWidth = 560, kPanelHeight = 460;
+
+ private:
+  struct Entry {
+    std::string name, colour;
+  };
+  [[nodiscard]] Eigen::Vector2d pixel(const Eigen::Vector2d& p) const;
+  [[nodiscard]] std::string ticks() const;
+  [[nodiscard]] std::string legend() const;
+  Axes axes_;
+  std::string body_, words_;
+  std::vector<Entry> entries_;
+};
+
+// One SVG file with the plots side by side.
+[[nodiscard]] std::string svg_page(std::span<const SvgPlot> plots);
+
+}  // namespace hotblade::pipeline::study
