@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "elastica/fit.hpp"
+#include "elastica/fit_bezier.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "pipeline/study/random_curves.hpp"
 
@@ -25,7 +26,6 @@ constexpr double kUndercut = 0.02, kNoise = 1e-6;
 struct Task {
   std::vector<Eigen::Vector2d> points;
   Elastica guess;
-  double residual = 1;
 };
 
 Task task_of(const Bezier& b) {
@@ -35,12 +35,7 @@ Task task_of(const Bezier& b) {
   for (const double t : elastica::even_parameters(b, kPoints))
     task.points.push_back(elastica::evaluate(b, t).p);
   task.guess = first_guess(b, r);
-  task.residual = r.value;
   return task;
-}
-
-elastica::CurveDistance fit(const Bezier& b, const Task& task, const std::vector<Elastica>& starts) {
-  return distance(b, fit_elastica(task.points, starts, {}).elastica);
 }
 
 // Curvature and force parameters scattered by up to half of what such a curve has.
@@ -65,14 +60,16 @@ std::vector<FittedCurve> fit_curves(std::size_t count, const CurveOf& curve,
                                     const std::function<void(double)>& progress) {
   std::vector<FittedCurve> fits(count);
   over_blocks(count, progress, [&](std::size_t first, std::size_t end) {
+    std::vector<Bezier> beziers;
+    for (std::size_t i = first; i < end; ++i) beziers.push_back(curve(i));
+    const std::vector<elastica::BezierElasticaFit> found = elastica::fit_bezier_elastica(beziers);
     for (std::size_t i = first; i < end; ++i) {
-      const Bezier b = curve(i);
-      const Task task = task_of(b);
-      fits[i].residual = task.residual;
-      if (task.points.empty()) continue;
-      const elastica::CurveDistance d = fit(b, task, {task.guess});
-      fits[i].l2 = d.l2;
-      fits[i].h1 = d.h1;
+      const elastica::LambdaResidual r = elastica::lambda_residual(beziers[i - first]);
+      const elastica::BezierElasticaFit& f = found[i - first];
+      fits[i].residual = r.status == elastica::ResidualStatus::kCusp ? 1 : r.value;
+      if (f.status == elastica::FitStatus::kUnsupported) continue;
+      fits[i].l2 = f.l2;
+      fits[i].h1 = f.h1;
     }
   });
   return fits;
@@ -87,9 +84,11 @@ std::vector<double> check_fits(const std::vector<FittedCurve>& fits, std::size_t
       const Task task = task_of(b);
       best[i] = fits[i].l2;
       if (task.points.empty()) continue;
+      const elastica::BezierElasticaFit all = elastica::fit_bezier_elastica(b, {.all_starts = true});
+      if (all.status == elastica::FitStatus::kOk) best[i] = std::min(best[i], all.l2);
       CurveRandom random(i, 0);
-      for (const Elastica& start : scattered(task.guess, random))
-        best[i] = std::min(best[i], fit(b, task, {start}).l2);
+      const elastica::ElasticaFit f = fit_elastica(task.points, scattered(task.guess, random), {});
+      best[i] = std::min(best[i], f.rms / elastica::arc_lengths(b, kPoints).back());
     }
   });
   return best;

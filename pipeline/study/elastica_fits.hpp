@@ -16,7 +16,7 @@ struct FittedCurve {
 
 using CurveOf = std::function<elastica::Bezier(std::size_t)>;
 
-// Fits curves 0 to count - 1. A curve with a cusp counts as residual 1 with distances 0.
+// Fits curves 0 to count - 1. A curve that no elastica can be fitted to (a cusp) has distances 0.
 [[nodiscard]] std::vector<FittedCurve> fit_curves(std::size_t count, const CurveOf& curve,
                                                   const std::function<void(double)>& progress);
 
