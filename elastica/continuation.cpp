@@ -91,14 +91,6 @@ ClampedShape shape_of(const Solved& s, const ClampPose& a, double length) {
   return {placed(s.p, a, length), s.end.index, s.steps};
 }
 
-// Why a branch cannot be followed any further from `shape`. At a fold or a branching the smallest eigenvalue
-// goes through zero, and within the smallest step of it is far below 1 (a relaxed blade has 10 to 40); a
-// blade pulled taut only gets stiffer.
-FollowStatus lost_by(const ClampedShape& shape) {
-  constexpr double kNearFold = 1;
-  return stability_margin(shape.elastica) < kNearFold ? FollowStatus::kSnapped : FollowStatus::kOutOfReach;
-}
-
 ClampPose between(const ClampPose& p, const ClampPose& q, double t) {
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
 }
@@ -125,6 +117,18 @@ class Walk {
 
   [[nodiscard]] double place() const { return place_; }
   [[nodiscard]] ClampedShape shape() const { return shape_of(at_, between(from_, to_, place_).a, length_); }
+
+  // Why the branch cannot be followed any further. At a fold or a branching the smallest eigenvalue goes
+  // through zero; a blade pulled straight keeps its own, or only gets stiffer.
+  [[nodiscard]] FollowStatus lost_by(double smallest_step) const {
+    constexpr double kNearFold = 1, kTaut = 0.5 * kLargestTension, kSteps = 10;
+    const Vector3d ahead = wanted(std::min(1.0, place_ + kSteps * smallest_step));
+    const bool straight = ahead.head<2>().norm() > 1;
+    const bool taut = -(at_.p[1] * ahead[0] + at_.p[2] * ahead[1]) > kTaut;
+    if (!straight && !taut) return FollowStatus::kSnapped;
+    return stability_margin(unit_blade(at_.p)) < kNearFold ? FollowStatus::kSnapped
+                                                           : FollowStatus::kOutOfReach;
+  }
 
   // The equilibrium at t on the same branch, if it can be told from here.
   bool step_to(double t) {
@@ -179,7 +183,7 @@ FollowReport follow(const Elastica& from, const ClampPair& to, const FollowOptio
     }
     step = 0.5 * (t - walk.place());
     if (step < options.smallest_step) {
-      report.status = lost_by(walk.shape());
+      report.status = walk.lost_by(options.smallest_step);
       break;
     }
   }

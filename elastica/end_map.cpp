@@ -100,7 +100,7 @@ int index_of(const Eigen::Matrix3d& f, int zeros, bool straight) {
 
 // Runs over the pieces and hands the fields at every piece's end to `visit`.
 template <typename Visit>
-void run(const Elastica& e, Visit visit) {
+void run(const Elastica& e, int at_least, Visit visit) {
   for (const double v : {e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length}) {
     if (!std::isfinite(v)) throw std::logic_error("elastica parameters must be finite");
   }
@@ -109,7 +109,7 @@ void run(const Elastica& e, Visit visit) {
   if (!(e.length > 0) || !(wanted <= ElasticaCurve::kMaxPieces)) {
     throw std::logic_error("elastica has no length, or winds too tightly for it to be evaluated");
   }
-  const int n = std::max(1, static_cast<int>(wanted));
+  const int n = std::max(at_least, static_cast<int>(wanted));
   const double h = e.length / n;
   State a;
   a.point = {e.x, e.y, e.theta, e.kappa};
@@ -135,13 +135,13 @@ void run(const Elastica& e, Visit visit) {
 
 JacobiFields end_map(const Elastica& elastica) {
   JacobiFields last;
-  run(elastica, [&last](const JacobiFields& f) { last = f; });
+  run(elastica, 1, [&last](const JacobiFields& f) { last = f; });
   return last;
 }
 
-std::vector<JacobiFields> jacobi_fields(const Elastica& elastica) {
+std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least) {
   std::vector<JacobiFields> all;
-  run(elastica, [&all](const JacobiFields& f) { all.push_back(f); });
+  run(elastica, std::max(1, at_least), [&all](const JacobiFields& f) { all.push_back(f); });
   return all;
 }
 

@@ -28,7 +28,8 @@ struct JacobiFields {
 [[nodiscard]] JacobiFields end_map(const Elastica& elastica);
 
 // The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them
-// d theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once.
-[[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica);
+// d theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. `at_least`
+// pieces.
+[[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least = 1);
 
 }  // namespace hotblade::elastica

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "elastica/end_map.hpp"
+
 namespace hotblade::elastica {
 
 namespace {
@@ -89,6 +91,29 @@ double stability_margin(const Elastica& e) {
     (eigenvalues_below(d, middle) > 0 ? high : low) = middle;
   }
   return 0.5 * (low + high);
+}
+
+std::optional<double> first_conjugate_point(const Elastica& elastica, double furthest) {
+  if (!(furthest > 0)) return std::nullopt;
+  Elastica start = elastica;
+  start.length = furthest;
+  // The index only grows along the curve, and of the fields at the pieces' ends the first with one is near
+  // the place.
+  double stable = 0, unstable = 0;
+  for (const JacobiFields& f : jacobi_fields(start)) {
+    if (f.index > 0) {
+      unstable = f.s;
+      break;
+    }
+    stable = f.s;
+  }
+  if (unstable == 0) return std::nullopt;
+  constexpr double kExact = 1e-9;
+  while (unstable - stable > kExact * furthest) {
+    start.length = 0.5 * (stable + unstable);
+    (end_map(start).index > 0 ? unstable : stable) = start.length;
+  }
+  return 0.5 * (stable + unstable);
 }
 
 }  // namespace hotblade::elastica

@@ -5,6 +5,8 @@
 // energy when the smallest eigenvalue is positive (docs/elastica.md; Sachkov 2008).
 #pragma once
 
+#include <optional>
+
 #include "elastica/elastica.hpp"
 
 namespace hotblade::elastica {
@@ -12,5 +14,10 @@ namespace hotblade::elastica {
 // Smallest eigenvalue of H times length^2: dimensionless, pi^2..4 pi^2 for relaxed blades, 0 where the shape
 // is lost. Finite differences on 128 cells, error about 2e-4 relative plus 1e-6 of bisection.
 [[nodiscard]] double stability_margin(const Elastica& elastica);
+
+// Arc length of the first conjugate point: the longest start of the curve, extended along itself up to
+// `furthest`, that is stable between clamps ends there. Absent when there is none. Exact to 1e-9 of
+// `furthest`; from the Jacobi fields, which agree with the margin's sign.
+[[nodiscard]] std::optional<double> first_conjugate_point(const Elastica& elastica, double furthest);
 
 }  // namespace hotblade::elastica

@@ -68,6 +68,41 @@ TEST(StabilityMargin, ArcsFromAVertexStayStableForMoreThanOnePeriod) {
   }
 }
 
+TEST(FirstConjugatePoint, OfAnArcFromAnInflectionIsOnePeriodAndFromAVertexALittleMore) {
+  for (const double k : {0.05, 0.2, 0.4, 0.7, 0.9}) {
+    const double period = 4 * boost::math::ellint_1(k);
+    const auto inflection = first_conjugate_point({0, 0, 2 * std::asin(k), 0, 1, 0, 1}, 2 * period);
+    const auto vertex = first_conjugate_point({0, 0, 0, 2 * k, 1, 0, 1}, 2 * period);
+    ASSERT_TRUE(inflection && vertex);
+    EXPECT_NEAR(*inflection / period, 1, 1e-7) << k;
+    EXPECT_GT(*vertex / period, 1.1) << k;
+    EXPECT_LT(*vertex / period, 1.23) << k;
+  }
+}
+
+TEST(FirstConjugatePoint, IsWhereTheMarginVanishesFromAnyStart) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int found = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Elastica e{0, 0, 3 * u(random), 4 * u(random), 40 * u(random), 40 * u(random), 1};
+    const auto conjugate = first_conjugate_point(e, 3);
+    e.length = conjugate.value_or(3) * 0.98;
+    EXPECT_GT(stability_margin(e), 0) << trial;
+    if (!conjugate) continue;
+    ++found;
+    e.length = *conjugate * 1.02;
+    EXPECT_LT(stability_margin(e), 0) << trial;
+  }
+  EXPECT_GT(found, 20);
+}
+
+TEST(FirstConjugatePoint, IsAbsentWithoutInflections) {
+  EXPECT_FALSE(first_conjugate_point({0, 0, 0, 2.1, 1, 0, 1}, 12));
+  EXPECT_FALSE(first_conjugate_point({0, 0, 0, 0, 0, 0, 1}, 100));
+  EXPECT_FALSE(first_conjugate_point({0, 0, 0, 2.1, 1, 0, 1}, 0));
+}
+
 TEST(StabilityMargin, ArcsWithoutInflectionAreStable) {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> u(0, 1);
