@@ -34,6 +34,8 @@ class Jacobi {
   [[nodiscard]] double modulus() const { return modulus_; }
   // The least p > 0 with cn(u + p) = cn(u): 4K for k < 1, 2K(1/k)/k above, infinity at 1.
   [[nodiscard]] double period() const { return period_; }
+  // Levels of the ladder: what a sample costs.
+  [[nodiscard]] int levels() const { return ladder_.levels; }
 
  private:
   double modulus_, period_;

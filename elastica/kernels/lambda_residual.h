@@ -136,19 +136,6 @@ HB_INLINE void hb_node_speed(HB_REAL weight, HB_REAL dx, HB_REAL dy, int i, hb_n
   n->ds[i] = weight * (square * inverse);
 }
 
-/* Apart from the moments, so that many of the long chains to 1/speed are under way at once. */
-HB_INLINE void hb_node_speeds(const hb_cubic* c, hb_nodes* n) {
-  const HB_REAL three = HB_BROADCAST(3.0), dx2 = three * c->x3, dy2 = three * c->y3;
-  const HB_REAL dx1 = c->x2 + c->x2, dy1 = c->y2 + c->y2;
-  for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
-    const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), uu = HB_BROADCAST(hb_gauss[i][1]);
-    const HB_REAL w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]);
-    const HB_REAL dx = HB_FMA(dx2, uu, c->x1), dy = HB_FMA(dy2, uu, c->y1);
-    hb_node_speed(w, HB_FMA(dx1, u, dx), HB_FMA(dy1, u, dy), 2 * i, n);
-    hb_node_speed(w, HB_FMA(-dx1, u, dx), HB_FMA(-dy1, u, dy), 2 * i + 1, n);
-  }
-}
-
 HB_INLINE HB_REAL hb_node_curvature(HB_REAL numerator, int i, hb_nodes* n) {
   const HB_REAL inverse = n->inverse[i];
   return n->kappa[i] = (numerator * inverse) * (inverse * inverse);
@@ -157,9 +144,14 @@ HB_INLINE HB_REAL hb_node_curvature(HB_REAL numerator, int i, hb_nodes* n) {
 HB_INLINE hb_moments hb_residual_moments(const hb_cubic* c, hb_nodes* n) {
   const HB_REAL zero = HB_BROADCAST(0.0);
   hb_moments m = {zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero, zero};
-  hb_node_speeds(c, n);
+  const HB_REAL three = HB_BROADCAST(3.0), dx2 = three * c->x3, dy2 = three * c->y3;
+  const HB_REAL dx1 = c->x2 + c->x2, dy1 = c->y2 + c->y2;
   for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
     const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), uu = HB_BROADCAST(hb_gauss[i][1]);
+    const HB_REAL w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]);
+    const HB_REAL dx = HB_FMA(dx2, uu, c->x1), dy = HB_FMA(dy2, uu, c->y1);
+    hb_node_speed(w, HB_FMA(dx1, u, dx), HB_FMA(dy1, u, dy), 2 * i, n);
+    hb_node_speed(w, HB_FMA(-dx1, u, dx), HB_FMA(-dy1, u, dy), 2 * i + 1, n);
     const HB_REAL uuu = HB_BROADCAST(hb_gauss[i][2]);
     const HB_REAL q = HB_FMA(c->q2, uu, c->q0);
     const HB_REAL plus = hb_node_curvature(HB_FMA(c->q1, u, q), 2 * i, n);
