@@ -82,7 +82,7 @@ class FoldSearch {
     for (int turn = 0; turn < kMostTurns && direction.norm() > 0; ++turn) {
       const Vector3d error = best_.margin_mm * direction.normalized();
       FollowOptions walk;
-      walk.smallest_step = 2e-3;  // of the way: as exact as a margin needs to be
+      walk.smallest_step = 1e-4;  // of the way: as exact as a margin needs to be
       const FollowReport way = follow(e_, erring(error), walk);
       if (way.status != FollowStatus::kSnapped) return;
       best_.margin_mm *= way.fraction;

@@ -41,7 +41,7 @@ struct ClampMarginOptions {
 
 struct ClampMargin {
   // Smallest error found that loses the shape, largest_mm when none was found: a local minimum of the
-  // distance to the folds, so an upper bound of the true one. Exact to 0.2 %.
+  // distance to the folds, so an upper bound of the true one. Exact to 1e-4 of largest_mm, on the safe side.
   double margin_mm = 0;
   // The error of clamp B against clamp A that loses it: along and across A's tangent in mm, turn in rad.
   std::array<double, 3> error{};
