@@ -3,6 +3,8 @@
 // Fisker, Gravesen, "Bezier curves that are close to elastica", section 6).
 #pragma once
 
+#include <span>
+
 #include "elastica/bezier.hpp"
 #include "elastica/standard_position.hpp"
 
@@ -39,12 +41,28 @@ inline constexpr double kZoneResidual = 0.4;
 enum class WantedBranch { kInflectional, kPlain, kBest };
 
 // The least lambda-residual over both end edges in [kShortestEdge, kLongestEdge] chords without crossing the
-// first and third edge of the polygon, on the branch asked for: a logarithmic grid of both edges, its best
-// cells refined by pattern search. Differs from the paper: the optimum depends on the end directions alone
-// and has one valley on either branch, which a walk from the input can miss. kUnsupported also when the
-// branch has no curve in the domain; `status` is kReached otherwise. The input's own edges are not
-// considered: the result is the same for every curve of the same end points and tangents.
+// first and third edge of the polygon, on the branch asked for. Differs from the paper: the optimum depends
+// on the end directions alone and has several valleys, which a walk from the input can miss; a table made at
+// build time says where they lie, and Newton's method finds their floors to a thousandth of the residual
+// (docs/elastica.md). kUnsupported also when the branch has no curve in the domain; `status` is kReached
+// otherwise. The input's own edges are not considered: the result is the same for every curve of the same end
+// points and tangents.
 [[nodiscard]] Projection project_optimal(const Bezier& bezier, WantedBranch wanted);
+
+// Edge lengths of the optimum alone.
+struct OptimalEdges {
+  double l1 = 0, l2 = 0;  // chords
+  double lambda_residual = 0;
+  bool exists = false;  // the branch has a curve in the domain
+};
+
+// The same for many curves. Spans of one size (std::logic_error).
+void project_optimal(std::span<const Bezier> beziers, WantedBranch wanted, std::span<Projection> out);
+
+// The optima of many pairs of end directions (rad, in (-pi, pi]), as project_optimal takes them. Spans of one
+// size (std::logic_error). Several threads may run at once; splitting a batch changes no bit.
+void optimal_edges(std::span<const double> a1, std::span<const double> a2, WantedBranch wanted,
+                   std::span<OptimalEdges> out);
 
 // The same by search alone, whatever it costs: the oracle of project_optimal. A logarithmic grid of
 // options.grid edges either way (std::logic_error below 2), its options.refined best local minima refined by

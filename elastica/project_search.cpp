@@ -95,10 +95,6 @@ Candidate refine(const Valley& valley, Candidate best, double step) {
 
 }  // namespace
 
-Projection project_optimal(const Bezier& b, WantedBranch wanted) {
-  return project_optimal_search(b, wanted, {});
-}
-
 Projection project_optimal_search(const Bezier& b, WantedBranch wanted, const SearchOptions& options) {
   if (options.grid < 2) throw std::logic_error("project_optimal_search needs at least a 2 x 2 grid");
   Projection result;

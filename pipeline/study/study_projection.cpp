@@ -33,7 +33,7 @@ constexpr Case kCases[] = {
     {"pi/4, 0.6 pi", {kPi / 4, 0.6 * kPi}, {0.06, 0.043, 0, 0, 0.42}},
     {"pi/6, 0.75 pi", {kPi / 6, 0.75 * kPi}, {0.10, 0.06, 0, 0, 0.71}},
 };
-constexpr std::size_t kSeeds = 3, kSamples = 2'000, kChecked = 60;
+constexpr std::size_t kSeeds = 3, kSamples = 100'000, kChecked = 100;
 // Grid of the brute force: neighbours differ by 4%; its best local minima are refined.
 constexpr elastica::SearchOptions kBruteForce{129, 24};
 

@@ -76,6 +76,27 @@ void Projection(benchmark::State& state) {
 }
 BENCHMARK(Projection);
 
+void OptimalProjection(benchmark::State& state) {
+  const auto curves = random_beziers(1000);
+  std::vector<hotblade::elastica::Projection> out(curves.size());
+  for (auto _ : state) {
+    project_optimal(curves, WantedBranch::kBest, out);
+    benchmark::DoNotOptimize(out.data());
+  }
+  state.SetItemsProcessed(state.iterations() * 1000);
+}
+BENCHMARK(OptimalProjection);
+
+void OptimalProjectionBySearch(benchmark::State& state) {
+  const auto curves = random_beziers(10);
+  for (auto _ : state) {
+    for (const Bezier& b : curves)
+      benchmark::DoNotOptimize(project_optimal_search(b, WantedBranch::kBest, {}));
+  }
+  state.SetItemsProcessed(state.iterations() * 10);
+}
+BENCHMARK(OptimalProjectionBySearch);
+
 void Fit(benchmark::State& state) {
   std::vector<Eigen::Vector2d> q;
   for (const CurvePoint& p : sample({0, 0, 0.2, 1e-3, 4e-6, -3e-6, 800}, 65)) q.push_back(p.position());

@@ -1,0 +1,38 @@
+// The global half of the optimal projection: where the minima of the lambda-residual lie. They depend on the
+// two end directions alone, so a table over both, made when the program is built (generate_valleys.cpp),
+// gives starts for the descents of project_polish.hpp.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "elastica/project.hpp"
+
+namespace hotblade::elastica {
+
+// The minimum over one cell of the table as quadratics in the distance (x, y) from the cell's middle to the
+// end directions asked for: ln L = c[0] + c[1] x + c[2] y + c[3] x x + c[4] x y + c[5] y y.
+struct Valley {
+  float u[6], v[6];
+  float huu, huv, hvv;  // second derivatives of e2 by u and v at the minimum; all zero: unknown
+};
+
+// Cells lie around a = -pi + (i + 1/2) 2 pi / kValleyNodes in either direction; half a step keeps the middles
+// off the directions along the chord, and every symmetry of the problem maps cells to cells.
+inline constexpr int kValleyNodes = 64;
+
+struct ValleysNear {
+  std::span<const Valley> valleys;
+  double x = 0, y = 0;  // from the cell's middle to the place asked for, rad
+};
+
+// The valleys one of which holds the least residual of the branch, a1 and a2 in (-pi, pi]. Empty where the
+// branch has no curve in the domain anywhere near.
+[[nodiscard]] ValleysNear valleys_near(double a1, double a2, WantedBranch wanted);
+
+// ln L of a valley's quadratic.
+[[nodiscard]] inline double valley_edge(const float (&c)[6], double x, double y) {
+  return c[0] + c[1] * x + c[2] * y + c[3] * x * x + c[4] * x * y + c[5] * y * y;
+}
+
+}  // namespace hotblade::elastica
