@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
@@ -17,7 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-constexpr const char* kFiles[] = {"program.json", "report.json", "report.html", "preview.png", "run.json"};
+constexpr const char* kFiles[] = {"program.json", "report.json", "report.html",
+                                  "preview.png",  "scene.gltf",  "run.json"};
 
 Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -161,10 +163,14 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
   write_file_atomically(directory / "report.json", report_json(result), options.force);
   write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
                         options.force);
-  if (!pictures.pictures.empty()) {
-    write_file_atomically(directory / "preview.png", pictures.pictures.front().png, options.force);
-  } else {
-    fs::remove(directory / "preview.png", error);
+  const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
+  for (const auto& [name, bytes] :
+       {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {
+    if (bytes->empty()) {
+      fs::remove(directory / name, error);  // of an older plan
+    } else {
+      write_file_atomically(directory / name, *bytes, options.force);
+    }
   }
   write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
   if (emitted.program_written) {

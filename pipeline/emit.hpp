@@ -1,5 +1,5 @@
-// The emit stage: program.json, report.json, report.html, preview.png and run.json in one directory, each
-// whole or not there.
+// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf and run.json in one
+// directory, each whole or not there.
 #pragma once
 
 #include <filesystem>
@@ -30,8 +30,8 @@ struct Emitted {
 // without force, or a directory that cannot be written to. Called before the work starts.
 void prepare_output(const std::filesystem::path& directory, bool force);
 
-// Writes the files; preview.png is the first picture, and is absent where there is none. A refused plan's
-// program is written only with override_refusal, its refusals recorded in program.overrides; an older
+// Writes the files; preview.png (the first picture) and scene.gltf are absent where there are none. A refused
+// plan's program is written only with override_refusal, its refusals recorded in program.overrides; an older
 // program.json in the way is then removed, so that no directory holds a program beside a report that refuses
 // it. Throws CommandError (7).
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,

@@ -127,8 +127,9 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), gpu::backend_name(), threads, seconds};
-  const ReportPictures pictures = arguments.no_pictures ? ReportPictures{{}, "not asked for (--no-pictures)"}
-                                                        : take_pictures(result, design);
+  const ReportPictures pictures = arguments.no_pictures
+                                      ? ReportPictures{{}, "not asked for (--no-pictures)", {}}
+                                      : take_pictures(result, design);
   if (!arguments.no_pictures && pictures.pictures.empty())
     console.warn("warning: no pictures: " + pictures.note);
   const Emitted emitted =
@@ -154,7 +155,8 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->add_flag("--override", arguments->override_refusal,
                     "Write the program of a refused plan all the same, recorded in it; still exit code 4");
-  command->add_flag("--no-pictures", arguments->no_pictures, "No preview.png, no pictures in report.html");
+  command->add_flag("--no-pictures", arguments->no_pictures,
+                    "No preview.png and scene.gltf, no pictures in report.html");
   command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");
   command->footer(
       "Exit code 4 when the design is not cuttable as asked: which strip, limit and amount is said.\n"

@@ -12,6 +12,8 @@
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/movie.hpp"
 #include "pipeline/program.hpp"
 
 namespace hotblade::pipeline {
@@ -24,7 +26,8 @@ struct PreviewOptions {
   DesignOptions input;  // the file may be a program as well
   std::string design;   // of a program; empty: the file beside it, if there is one
   std::string color;
-  std::string shot;
+  std::string shot, movie, exported;
+  int frames = 60;
   std::string size = "1280x720";
   std::string view = "best";
   preview::SceneOptions scene;
@@ -76,6 +79,73 @@ preview::Scene program_scene(const PreviewOptions& options) {
   return preview::scene_of(program, design ? &*design : nullptr, options.scene);
 }
 
+// The strip a film shows: the one asked for, or the only one.
+const Strip& filmed_strip(const Program& program, const std::string& id) {
+  for (const Strip& strip : program.strips) {
+    if (strip.id == id || (id.empty() && program.strips.size() == 1)) return strip;
+  }
+  throw CommandError(Exit::kUsage,
+                     id.empty() ? fmt::format("--movie: a film shows one strip ({} strips): give --strip",
+                                              program.strips.size())
+                                : fmt::format("--strip: no such strip ({}, {} to {})", id,
+                                              program.strips.front().id, program.strips.back().id));
+}
+
+void film(const PreviewOptions& options, preview::PictureSize size, preview::View view,
+          const Console& console) {
+  const Program program = read_program(options.input.file);
+  const auto design = design_of(program, options);
+  const DesignSurface* surface = design ? &*design : nullptr;
+  const Strip& strip = filmed_strip(program, options.scene.strip);
+  preview::SceneOptions scene = options.scene;
+  scene.strip = strip.id;
+  const preview::Scene framed = preview::scene_of(program, surface, scene);
+  const double start = strip.poses.front().t, end = strip.poses.back().t;
+  const auto scene_at = [&](double t) {
+    if (interrupted()) throw CommandError(Exit::kInterrupted, "interrupted: no film was written");
+    console.report_progress("film", end > start ? (t - start) / (end - start) : 1);
+    scene.at_s = t;
+    preview::Scene now = preview::scene_of(program, surface, scene);
+    now.scale = framed.scale;  // one meaning of colours through the film
+    return now;
+  };
+  preview::MovieOptions movie;
+  movie.size = size;
+  movie.view = view;
+  movie.frames = options.frames;
+  preview::write_movie(scene_at, framed, start, end, movie, options.movie, options.force);
+  std::cout << options.movie << '\n';
+}
+
+void export_scene(const preview::Scene& scene, const PreviewOptions& options) {
+  const fs::path file = options.exported;
+  if (file.extension() == ".vtm") {
+    preview::write_vtm(scene, file, options.force);
+  } else {
+    write_file_atomically(file, preview::gltf_of(scene), options.force);
+  }
+  std::cout << file.string() << '\n';
+}
+
+// Refused before any work: files in the way, and endings that no format has.
+void check_outputs(const PreviewOptions& options) {
+  const auto expect_ending = [](const std::string& option, const std::string& file,
+                                std::initializer_list<const char*> endings) {
+    std::string known;
+    for (const char* ending : endings) {
+      if (fs::path(file).extension() == ending) return;
+      known += std::string(known.empty() ? "" : " or ") + ending;
+    }
+    throw CommandError(Exit::kUsage,
+                       fmt::format("{}: unknown kind of file ({}): write {}", option, file, known));
+  };
+  if (!options.movie.empty()) expect_ending("--movie", options.movie, {".ogv"});
+  if (!options.exported.empty()) expect_ending("--export", options.exported, {".gltf", ".vtm"});
+  for (const std::string* file : {&options.shot, &options.movie, &options.exported}) {
+    if (!file->empty()) expect_writable(*file, options.force);
+  }
+}
+
 preview::Scene design_scene(const PreviewOptions& options) {
   const auto refuse = [](const char* option) {
     throw CommandError(Exit::kUsage, fmt::format("{}: goes with a program, not with a design", option));
@@ -84,34 +154,42 @@ preview::Scene design_scene(const PreviewOptions& options) {
   if (!options.color.empty()) refuse("--color");
   if (!options.scene.strip.empty()) refuse("--strip");
   if (options.scene.at_s) refuse("--at");
+  if (!options.movie.empty()) refuse("--movie");
   const Settings settings = resolve_design(options.input);
   return preview::scene_of(
       surface::read_obj(options.input.file, {settings.design.units, settings.design.up.front()}));
 }
 
-Exit run_preview(PreviewOptions options) {
+Exit run_preview(PreviewOptions options, const Console& console) {
   const preview::PictureSize size = picture_size(options.size);
   const preview::View view = preview::view_named(options.view).value_or(preview::View::kBest);
   options.scene.color = color_of(options.color);
-  if (options.shot.empty()) {
-    preview::expect_display();
-  } else {
-    expect_writable(options.shot, options.force);
-  }
+  check_outputs(options);
+  const bool in_window = options.shot.empty() && options.movie.empty() && options.exported.empty();
+  if (in_window) preview::expect_display();
   const bool is_program = fs::path(options.input.file).extension() == ".json";
-  const preview::Scene scene = is_program ? program_scene(options) : design_scene(options);
-  if (options.shot.empty()) {
-    preview::show(scene, size, view);
-    return Exit::kOk;
+  if (in_window || !options.shot.empty() || !options.exported.empty()) {
+    const preview::Scene scene = is_program ? program_scene(options) : design_scene(options);
+    if (in_window) {
+      preview::show(scene, size, view);
+      return Exit::kOk;
+    }
+    if (!options.shot.empty()) {
+      write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
+      std::cout << options.shot << '\n';
+    }
+    if (!options.exported.empty()) export_scene(scene, options);
   }
-  write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
-  std::cout << options.shot << '\n';
+  if (!options.movie.empty()) {
+    if (!is_program) (void)design_scene(options);
+    film(options, size, view, console);
+  }
   return Exit::kOk;
 }
 
 }  // namespace
 
-void add_preview(CLI::App& app, const Console&, Action& action) {
+void add_preview(CLI::App& app, const Console& console, Action& action) {
   auto options = std::make_shared<PreviewOptions>();
   auto* command = app.add_subcommand("preview", "Show a program or a design, in a window or as a PNG file");
   add_design_options(*command, options->input);
@@ -125,6 +203,12 @@ void add_preview(CLI::App& app, const Console&, Action& action) {
       ->check(CLI::IsMember({"deviation", "strip", "curvature", "margin", "feed"}))
       ->type_name("deviation|strip|curvature|margin|feed");
   command->add_option("--shot", options->shot, "Write a PNG file; needs no display")->type_name("FILE");
+  command->add_option("--movie", options->movie, "Write a film of one strip (.ogv); needs no display")
+      ->type_name("FILE");
+  command->add_option("--frames", options->frames, "Frames of the film, 12 a second")
+      ->check(CLI::Range(1, 10000));
+  command->add_option("--export", options->exported, "Write the scene as glTF (.gltf) or for ParaView (.vtm)")
+      ->type_name("FILE");
   command->add_option("--size", options->size, "Of picture or window, pixels")->type_name("WIDTHxHEIGHT");
   command->add_option("--view", options->view, "Where to look from; else obliquely on the cut side")
       ->check(CLI::IsMember({"best", "top", "front", "right"}))
@@ -133,7 +217,9 @@ void add_preview(CLI::App& app, const Console&, Action& action) {
   command->footer(
       "In the window: drag turns, middle button moves, wheel zooms, q closes.\n"
       "Example: hotblade preview job/program.json --design vault.obj --shot vault.png");
-  command->callback([options, &action] { action = [options] { return run_preview(*options); }; });
+  command->callback([options, &console, &action] {
+    action = [options, &console] { return run_preview(*options, console); };
+  });
 }
 
 }  // namespace hotblade::pipeline

@@ -1,11 +1,9 @@
 #include <vtkActor.h>
-#include <vtkCellArray.h>
 #include <vtkDoubleArray.h>
 #include <vtkFeatureEdges.h>
 #include <vtkLookupTable.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkPolyDataNormals.h>
@@ -17,48 +15,12 @@
 #include <cmath>
 
 #include "pipeline/preview/draw_parts.hpp"
+#include "pipeline/preview/geometry.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
 
 using Triangles = std::vector<std::array<int, 3>>;
-
-vtkNew<vtkPoints> points_of(const std::vector<Eigen::Vector3d>& places) {
-  vtkNew<vtkPoints> points;
-  points->SetDataTypeToDouble();
-  points->SetNumberOfPoints(static_cast<vtkIdType>(places.size()));
-  for (std::size_t i = 0; i < places.size(); ++i)
-    points->SetPoint(static_cast<vtkIdType>(i), places[i].data());
-  return points;
-}
-
-vtkNew<vtkPolyData> mesh_of(const std::vector<Eigen::Vector3d>& vertices, const Triangles& triangles) {
-  vtkNew<vtkPolyData> mesh;
-  mesh->SetPoints(points_of(vertices));
-  vtkNew<vtkCellArray> cells;
-  for (const auto& [a, b, c] : triangles) {
-    const vtkIdType ids[3] = {a, b, c};
-    cells->InsertNextCell(3, ids);
-  }
-  mesh->SetPolys(cells);
-  return mesh;
-}
-
-vtkNew<vtkPolyData> lines_of(const std::vector<Polyline>& lines) {
-  std::vector<Eigen::Vector3d> places;
-  vtkNew<vtkCellArray> cells;
-  for (const Polyline& line : lines) {
-    cells->InsertNextCell(static_cast<int>(line.points.size()));
-    for (const Eigen::Vector3d& point : line.points) {
-      cells->InsertCellPoint(static_cast<vtkIdType>(places.size()));
-      places.push_back(point);
-    }
-  }
-  vtkNew<vtkPolyData> data;
-  data->SetPoints(points_of(places));
-  data->SetLines(cells);
-  return data;
-}
 
 // The cut and the design lie a millimetre apart in a part a metre wide. So that the cut shows where there is
 // one, and lines show on it, layers are moved along the line of sight, in the units VTK's mapper takes:
@@ -109,7 +71,7 @@ vtkNew<vtkActor> surface_actor(vtkPolyData& data, double depth) {
   return actor;
 }
 
-void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width, double depth) {
+void add_line_data(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width, double depth) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(&data);
   mapper->ScalarVisibilityOff();
@@ -122,9 +84,18 @@ void add_lines(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, doubl
   renderer.AddActor(actor);
 }
 
+void add_lines(vtkRenderer& renderer, const std::vector<Polyline>& lines, const Rgb& color, double width,
+               double depth) {
+  if (lines.empty()) return;
+  vtkNew<vtkPolyData> data;
+  set_lines(*data, lines);
+  add_line_data(renderer, *data, color, width, depth);
+}
+
 void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth) {
   if (scene.design.triangles.empty()) return;
-  const auto mesh = mesh_of(scene.design.vertices, scene.design.triangles);
+  vtkNew<vtkPolyData> mesh;
+  set_mesh(*mesh, scene.design.vertices, scene.design.triangles);
   const auto actor = surface_actor(*mesh, depth.behind());
   actor->GetProperty()->SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
   const bool alone = scene.cut.triangles.empty();
@@ -142,7 +113,7 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
   edges->ManifoldEdgesOff();
   edges->ColoringOff();
   edges->Update();
-  add_lines(renderer, *edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+  add_line_data(renderer, *edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
 }
 
 // Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs.
@@ -171,7 +142,8 @@ vtkNew<vtkLookupTable> strip_table(int strips) {
 
 void add_cut(const Scene& scene, vtkRenderer& renderer) {
   if (scene.cut.triangles.empty()) return;
-  const auto mesh = mesh_of(scene.cut.vertices, scene.cut.triangles);
+  vtkNew<vtkPolyData> mesh;
+  set_mesh(*mesh, scene.cut.vertices, scene.cut.triangles);
   vtkNew<vtkDoubleArray> values;
   values->SetNumberOfValues(static_cast<vtkIdType>(scene.cut.vertices.size()));
   for (std::size_t i = 0; i < scene.cut.vertices.size(); ++i) {
@@ -211,7 +183,9 @@ void add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double s
   Triangles triangles;
   for (const Pose& clamp : clamps) append_block(clamp, size, corners, triangles);
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(mesh_of(corners, triangles));
+  vtkNew<vtkPolyData> blocks;
+  set_mesh(*blocks, corners, triangles);
+  mapper->SetInputData(blocks);
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
@@ -221,19 +195,7 @@ void add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double s
 }
 
 void add_stocks(const Scene& scene, vtkRenderer& renderer, double zoom) {
-  std::vector<Polyline> edges;
-  for (const Stock& stock : scene.stocks) {
-    const auto corner = [&](int i) {
-      return stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
-                               i & 4 ? stock.size_mm.z() : 0);
-    };
-    for (int i = 0; i < 8; ++i) {
-      for (const int axis : {1, 2, 4}) {
-        if (!(i & axis)) edges.push_back({{corner(i), corner(i | axis)}});
-      }
-    }
-  }
-  if (!edges.empty()) add_lines(renderer, *lines_of(edges), kStockColor, 1.2 * zoom, 0);
+  add_lines(renderer, stock_edges(scene.stocks), kStockColor, 1.2 * zoom, 0);
 }
 
 }  // namespace
@@ -244,7 +206,7 @@ void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   add_cut(scene, renderer);
   add_stocks(scene, renderer, zoom);
   const auto add = [&](const std::vector<Polyline>& lines, const Rgb& color, double width) {
-    if (!lines.empty()) add_lines(renderer, *lines_of(lines), color, width * zoom, depth.before());
+    add_lines(renderer, lines, color, width * zoom, depth.before());
   };
   add(scene.ribs, kRibColor, 0.9);
   add(scene.blades, kBladeColor, 1.4);

@@ -22,19 +22,19 @@ namespace {
 // slower on the software rasterisers that machines without a display have.
 constexpr int kZoom = 2;
 
-void compose(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom, View view) {
+void compose(const Scene& scene, const Scene& framed, vtkRenderer& renderer, PictureSize size, double zoom,
+             View view) {
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
   add_actors(scene, renderer, zoom);
   add_overlay(scene, renderer, size, zoom);
-  aim_camera(scene, renderer, size, view);
+  aim_camera(framed, renderer, size, view);
 }
 
 // RGB rows from the bottom, averaged over kZoom x kZoom pixels.
-vtkNew<vtkImageData> reduced(vtkUnsignedCharArray& pixels, PictureSize size) {
-  vtkNew<vtkImageData> image;
-  image->SetDimensions(size.width, size.height, 1);
-  image->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(image->GetScalarPointer());
+void reduce(vtkUnsignedCharArray& pixels, PictureSize size, vtkImageData& image) {
+  image.SetDimensions(size.width, size.height, 1);
+  image.AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  auto* out = static_cast<unsigned char*>(image.GetScalarPointer());
   const unsigned char* in = pixels.GetPointer(0);
   const std::ptrdiff_t row_bytes = 3L * size.width * kZoom;
   for (int y = 0; y < size.height; ++y) {
@@ -47,7 +47,6 @@ vtkNew<vtkImageData> reduced(vtkUnsignedCharArray& pixels, PictureSize size) {
       *out++ = static_cast<unsigned char>(sum / (kZoom * kZoom));
     }
   }
-  return image;
 }
 
 std::string encoded(vtkImageData& image) {
@@ -108,13 +107,19 @@ class OffscreenWindow {
 
 }  // namespace
 
-std::string png_of(const Scene& scene, PictureSize size, View view) {
+void draw_image(const Scene& scene, const Scene& framed, PictureSize size, View view, vtkImageData& image) {
   const OffscreenContext context;
   vtkNew<vtkRenderer> renderer;
   OffscreenWindow window(size);
-  compose(scene, *renderer, size, kZoom, view);
+  compose(scene, framed, *renderer, size, kZoom, view);
   const auto pixels = window.render(*renderer);
-  return encoded(*reduced(*pixels, size));
+  reduce(*pixels, size, image);
+}
+
+std::string png_of(const Scene& scene, PictureSize size, View view) {
+  vtkNew<vtkImageData> image;
+  draw_image(scene, scene, size, view, *image);
+  return encoded(*image);
 }
 
 void show(const Scene& scene, PictureSize size, View view) {
@@ -125,7 +130,7 @@ void show(const Scene& scene, PictureSize size, View view) {
   window->SetMultiSamples(4);
   vtkNew<vtkRenderer> renderer;
   window->AddRenderer(renderer);
-  compose(scene, *renderer, size, 1, view);
+  compose(scene, scene, *renderer, size, 1, view);
   vtkNew<vtkRenderWindowInteractor> interactor;
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   interactor->SetInteractorStyle(style);

@@ -6,6 +6,7 @@
 
 #include "pipeline/preview/draw.hpp"
 
+class vtkImageData;
 class vtkRenderer;
 
 namespace hotblade::pipeline::preview {
@@ -34,6 +35,9 @@ constexpr Rgb kStockColor{0.55, 0.57, 0.60};
 void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view);
 void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom);
+
+// The scene drawn into `image` without a display, from where `framed` fills the picture; RGB.
+void draw_image(const Scene& scene, const Scene& framed, PictureSize size, View view, vtkImageData& image);
 
 // Pixels of the picture kept free of geometry, for the overlay.
 struct Margins {

@@ -5,6 +5,7 @@
 
 #include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/exchange.hpp"
 
 namespace hotblade::pipeline {
 
@@ -24,6 +25,7 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
   try {
     preview::Scene scene =
         planned ? preview::scene_of(result.program, &design, {}) : preview::scene_of(design);
+    taken.scene_gltf = preview::gltf_of(scene);
     for (const auto& [view, caption] : kViews) {
       taken.pictures.push_back(
           {planned ? caption : "the design, " + std::string(caption), preview::png_of(scene, {}, view)});

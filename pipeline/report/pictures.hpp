@@ -12,7 +12,8 @@ namespace hotblade::pipeline {
 
 struct ReportPictures {
   std::vector<ReportPicture> pictures;
-  std::string note;  // why there are none
+  std::string note;        // why there are none
+  std::string scene_gltf;  // the same scene for viewers; empty: not asked for
 };
 
 // Drawn without a display. A machine that cannot draw gets none and a note, never an error: the figures do

@@ -109,7 +109,7 @@ TEST(PngOf, TurnsDarkWhereTheToleranceIsPassed) {
   const Program good = vault_program({.bulge_mm = 0.4});
   const Program bad = vault_program({.bulge_mm = 2});
   EXPECT_LT(share_beyond(scene_of(good, &design, {})), 0.01);  // the key's lower end alone
-  EXPECT_GT(share_beyond(scene_of(bad, &design, {})), 0.03);  // the middle of the surface
+  EXPECT_GT(share_beyond(scene_of(bad, &design, {})), 0.03);   // the middle of the surface
 }
 
 TEST(SceneOf, ColoursByDeviationOnlyWithADesignAndSaysSo) {
@@ -289,8 +289,9 @@ TEST_F(PreviewCommand, FindsTheDesignBesideTheProgram) {
 
 TEST_F(PreviewCommand, RefusesWhatItCannotShow) {
   const std::vector<std::vector<std::string>> usages{
-      {"--color", "deviation"}, {"--color", "plaid"}, {"--strip", "S009"},    {"--at", "1000"},
-      {"--size", "12"},         {"--size", "1x1"},    {"--size", "640x480x"}, {"--size", "99999x99999"}};
+      {"--color", "deviation"}, {"--color", "plaid"},  {"--strip", "S009"},    {"--at", "1000"},
+      {"--size", "12"},         {"--size", "1x1"},     {"--size", "640x480x"}, {"--size", "99999x99999"},
+      {"--movie", "a.avi"},     {"--export", "a.stl"}, {"--frames", "0"},      {"--view", "askew"}};
   for (const auto& usage : usages) {
     std::vector<std::string> arguments = usage;
     arguments.insert(arguments.end(), {"--shot", file("a.png")});

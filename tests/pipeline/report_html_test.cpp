@@ -102,6 +102,7 @@ TEST(Pictures, AreTakenFromThreeSidesAlsoWhenNothingCanBeCut) {
       EXPECT_EQ(p.png.substr(1, 3), "PNG");
       different.insert(p.png);
     }
+    EXPECT_EQ(taken.scene_gltf.substr(0, 1), "{");
     EXPECT_EQ(different.size(), 3u);
   }
 }

@@ -1,0 +1,63 @@
+#include "pipeline/preview/geometry.hpp"
+
+#include <vtkCellArray.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+vtkNew<vtkPoints> points_of(const std::vector<Eigen::Vector3d>& places) {
+  vtkNew<vtkPoints> points;
+  points->SetDataTypeToDouble();
+  points->SetNumberOfPoints(static_cast<vtkIdType>(places.size()));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    points->SetPoint(static_cast<vtkIdType>(i), places[i].data());
+  return points;
+}
+
+}  // namespace
+
+void set_mesh(vtkPolyData& data, const std::vector<Eigen::Vector3d>& vertices,
+              const std::vector<std::array<int, 3>>& triangles) {
+  data.SetPoints(points_of(vertices));
+  vtkNew<vtkCellArray> cells;
+  for (const auto& [a, b, c] : triangles) {
+    const vtkIdType ids[3] = {a, b, c};
+    cells->InsertNextCell(3, ids);
+  }
+  data.SetPolys(cells);
+}
+
+void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines) {
+  std::vector<Eigen::Vector3d> places;
+  vtkNew<vtkCellArray> cells;
+  for (const Polyline& line : lines) {
+    cells->InsertNextCell(static_cast<int>(line.points.size()));
+    for (const Eigen::Vector3d& point : line.points) {
+      cells->InsertCellPoint(static_cast<vtkIdType>(places.size()));
+      places.push_back(point);
+    }
+  }
+  data.SetPoints(points_of(places));
+  data.SetLines(cells);
+}
+
+std::vector<Polyline> stock_edges(const std::vector<Stock>& stocks) {
+  std::vector<Polyline> edges;
+  for (const Stock& stock : stocks) {
+    const auto corner = [&](int i) {
+      return stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
+                               i & 4 ? stock.size_mm.z() : 0);
+    };
+    for (int i = 0; i < 8; ++i) {
+      for (const int axis : {1, 2, 4}) {
+        if (!(i & axis)) edges.push_back({{corner(i), corner(i | axis)}});
+      }
+    }
+  }
+  return edges;
+}
+
+}  // namespace hotblade::pipeline::preview

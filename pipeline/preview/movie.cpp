@@ -1,0 +1,64 @@
+#include "pipeline/preview/movie.hpp"
+
+#include <vtkImageData.h>
+#include <vtkNew.h>
+#include <vtkOggTheoraWriter.h>
+
+#include "pipeline/atomic_file.hpp"
+#include "pipeline/command_error.hpp"
+#include "pipeline/preview/draw_parts.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+namespace fs = std::filesystem;
+
+// VTK writes to a name; the film gets its own when it is whole.
+class Draft {
+ public:
+  explicit Draft(const fs::path& target)
+      : target_(target), path_(target.parent_path() / ("." + target.filename().string() + ".draft")) {}
+  ~Draft() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  void place() const {
+    std::error_code error;
+    fs::rename(path_, target_, error);
+    if (error)
+      throw CommandError(Exit::kFile, target_.string() + ": cannot be written (" + error.message() + ")");
+  }
+
+ private:
+  fs::path target_, path_;
+};
+
+}  // namespace
+
+void write_movie(const std::function<Scene(double)>& scene_at, const Scene& framed, double start_s,
+                 double end_s, const MovieOptions& options, const fs::path& file, bool force) {
+  expect_writable(file, force);
+  const Draft draft(file);
+  vtkNew<vtkOggTheoraWriter> writer;
+  writer->SetFileName(draft.path().c_str());
+  writer->SetRate(options.frames_per_s);
+  writer->SetQuality(2);
+  for (int i = 0; i < options.frames; ++i) {
+    const double share = options.frames > 1 ? static_cast<double>(i) / (options.frames - 1) : 1;
+    vtkNew<vtkImageData> image;
+    draw_image(scene_at(start_s + share * (end_s - start_s)), framed, options.size, options.view, *image);
+    writer->SetInputData(image);
+    if (i == 0) writer->Start();
+    writer->Write();
+    if (writer->GetError() != 0)
+      throw CommandError(Exit::kFile, file.string() + ": the film cannot be written");
+  }
+  writer->End();
+  draft.place();
+}
+
+}  // namespace hotblade::pipeline::preview
