@@ -133,7 +133,7 @@ std::string SvgPlot::legend() const {
   for (const Entry& e : entries_) longest = std::max(longest, e.name.size());
   const double width = 30 + kWidthPerLetter * static_cast<double>(longest),
                height = 8 + kRow * static_cast<double>(entries_.size());
-  const double x = kLeft + 8, y = kTop + 8;
+  const double x = kLeft + kInnerWidth + 12, y = kTop;
   std::string out = fmt::format(
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"white\" "
       "fill-opacity=\"0.85\" "
@@ -167,15 +167,18 @@ std::string SvgPlot::panel(int id) const {
 }
 
 std::string svg_page(std::span<const SvgPlot> plots) {
-  const double width = SvgPlot::kPanelWidth * static_cast<double>(plots.size());
+  double width = 0;
+  for (const SvgPlot& plot : plots) width += plot.width();
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:g}\" height=\"{1:g}\" viewBox=\"0 0 {0:g} "
       "{1:g}\" "
       "font-family=\"sans-serif\">\n<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"white\"/>\n",
       width, SvgPlot::kPanelHeight);
+  double x = 0;
   for (std::size_t i = 0; i < plots.size(); ++i) {
-    out += fmt::format("<g transform=\"translate({:g} 0)\">\n{}</g>\n",
-                       SvgPlot::kPanelWidth * static_cast<double>(i), plots[i].panel(static_cast<int>(i)));
+    out +=
+        fmt::format("<g transform=\"translate({:g} 0)\">\n{}</g>\n", x, plots[i].panel(static_cast<int>(i)));
+    x += plots[i].width();
   }
   return out + "</svg>\n";
 }

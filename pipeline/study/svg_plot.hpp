@@ -30,7 +30,10 @@ class SvgPlot {
   // The elements of the plot inside a frame of kPanelWidth by kPanelHeight pixels. `id` is unique on a page.
   [[nodiscard]] std::string panel(int id) const;
 
-  static constexpr double kPanelWidth = 560, kPanelHeight = 460;
+  // Width with the legend, which stands right of the axes.
+  [[nodiscard]] double width() const { return kPanelWidth + (entries_.empty() ? 0 : kLegendWidth); }
+
+  static constexpr double kPanelWidth = 560, kPanelHeight = 460, kLegendWidth = 240;
 
  private:
   struct Entry {
