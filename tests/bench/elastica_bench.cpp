@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "elastica/continuation.hpp"
+#include "elastica/equilibria.hpp"
 #include "elastica/fit.hpp"
 #include "elastica/fit_bezier.hpp"
 #include "elastica/lambda_residual.hpp"
@@ -139,6 +141,35 @@ void FitOneBezier(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * 256);
 }
 BENCHMARK(FitOneBezier);
+
+// An arch whose clamps move by up to a millimetre and a few mrad from pose to pose, stability included.
+void EquilibriumFromNeighbour(benchmark::State& state) {
+  Elastica e = follow({0, 0, 0.6, -1.2 / 800, 0, 0, 800}, {{0, 0, 0.6}, {740, 0, -0.6}}).shape.elastica;
+  const ClampPair held = clamps_of(e);
+  int pose = 0, lost = 0;
+  for (auto _ : state) {
+    ClampPair clamps = held;
+    clamps.b.x += 0.5 * std::sin(0.01 * pose);
+    clamps.b.y += 5 * std::sin(0.003 * pose);
+    clamps.a.theta += 0.02 * std::sin(0.005 * pose++);
+    const auto shape = solve_clamped(e, clamps);
+    if (shape && shape->stable()) {
+      e = shape->elastica;
+    } else {
+      ++lost;
+    }
+  }
+  if (lost > 0) state.SkipWithError("an equilibrium was lost");
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(EquilibriumFromNeighbour);
+
+// Every shape of the symmetric arch with up to two inflections.
+void AllEquilibria(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(find_equilibria({{0, 0, 0.6}, {0.8, 0, -0.6}}, 1));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(AllEquilibria);
 
 void Margin(benchmark::State& state) {
   const Elastica e{0, 0, 0.2, 1e-3, 4e-6, -3e-6, 800};
