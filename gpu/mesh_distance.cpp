@@ -2,12 +2,17 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
 
+#include "gpu/mesh_distance_opencl.hpp"
 #include "gpu/mesh_frame.hpp"
 #include "gpu/mesh_search.hpp"
 #include "gpu/mesh_tree.hpp"
@@ -33,12 +38,44 @@ constexpr double kFar = 0x1p+20;
 // Candidates a search has room for at first: more than the triangles around any ordinary vertex.
 constexpr std::size_t kCandidates = 64;
 
+// Points whose candidates are on the device while the host settles as many.
+constexpr std::size_t kPortion = std::size_t{1} << 20;
+
+// Work that the CPU ends sooner is not worth starting a device: a context and a compiled kernel take 0.1 to 1
+// s.
+constexpr double kDeviceStart_s = 0.5;
+// Points that both backends are timed with, spread over all.
+constexpr std::size_t kTimed = 8192;
+
+using Order = std::vector<std::uint32_t>;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string rounded(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2g s", seconds);
+  return text;
+}
+
 }  // namespace
 
 struct MeshDistance::Impl {
   MeshFrame frame;
   MeshTree tree;
   MeshSearch search = mesh_search();
+  Backend wanted = Backend::kCpu;
+
+  // Which backend answers; the device is started when first needed and dropped for good when it fails.
+  struct Choice {
+    std::mutex mutex;
+    std::shared_ptr<const MeshSearchOnDevice> device;
+    bool tried = false;
+    std::string failure;
+    BackendUse use;
+  };
+  mutable Choice choice;
 
   // What one thread keeps from point to point.
   struct Memory {
@@ -50,6 +87,17 @@ struct MeshDistance::Impl {
   void enter(std::span<const Vector3d> local_points, Memory& memory) const;
   Nearest answer(const Vector3d& local_point, Memory& memory) const;
   Nearest settle(const Vector3d& local_point, std::span<const Candidate> candidates) const;
+
+  using Points = std::span<const Vector3d>;
+  void answer_on_host(Points points, const Order& order, std::vector<Nearest>& answers) const;
+  void answer_on_device(const MeshSearchOnDevice& device, Points points, const Order& order,
+                        std::vector<Nearest>& answers) const;
+  void settle_portion(Points points, const Order& order, std::size_t first,
+                      std::span<const MeshSearchOnDevice::Found> found, std::vector<Nearest>& answers) const;
+  Eigen::Vector4f device_point(const Vector3d& point) const;
+  std::shared_ptr<const MeshSearchOnDevice> start_device() const;
+  std::shared_ptr<const MeshSearchOnDevice> choose(Points points) const;
+  void drop_device(const DeviceError& error) const;
 };
 
 // The nearest of the candidates in double precision; of equal ones the lowest.
@@ -112,8 +160,140 @@ Nearest MeshDistance::Impl::answer(const Vector3d& q, Memory& memory) const {
   }
 }
 
-MeshDistance::MeshDistance(std::span<const Vector3d> vertices, std::span<const std::array<int, 3>> triangles)
+void MeshDistance::Impl::answer_on_host(Points points, const Order& order,
+                                        std::vector<Nearest>& answers) const {
+  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
+    Memory memory;
+    const auto index = [&](std::size_t i) { return order.empty() ? i : order[i]; };
+    std::array<Vector3d, kGroup> group;
+    const std::size_t end = std::min(points.size(), range.end() * kBlock);
+    for (std::size_t first = range.begin() * kBlock; first < end; first += kGroup) {
+      const std::size_t count = std::min(kGroup, end - first);
+      for (std::size_t i = 0; i < count; ++i) group[i] = frame.local(points[index(first + i)]);
+      enter(std::span(group).first(count), memory);
+      for (std::size_t i = 0; i < count; ++i) answers[index(first + i)] = answer(group[i], memory);
+    }
+  });
+}
+
+// A point too far for single precision becomes no number: the device finds nothing, and the host answers.
+Eigen::Vector4f MeshDistance::Impl::device_point(const Vector3d& point) const {
+  const Vector3d q = frame.local(point);
+  const double size = q.cwiseAbs().maxCoeff();
+  if (size > kFar) return Eigen::Vector4f::Constant(std::numeric_limits<float>::quiet_NaN());
+  Eigen::Vector4f p;
+  p << q.cast<float>(), HOTBLADE_POSITION_ERROR * (1 + static_cast<float>(size));
+  return p;
+}
+
+void MeshDistance::Impl::settle_portion(Points points, const Order& order, std::size_t first,
+                                        std::span<const MeshSearchOnDevice::Found> found,
+                                        std::vector<Nearest>& answers) const {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), kBlock), [&](const auto& range) {
+    Memory memory;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const std::size_t at = order.empty() ? first + i : order[first + i];
+      const Vector3d q = frame.local(points[at]);
+      std::array<Candidate, MeshSearchOnDevice::kSlots> candidates;
+      std::size_t count = 0;
+      for (const int triangle : found[i]) {
+        if (triangle >= 0) candidates[count++] = {0, triangle};
+      }
+      const bool incomplete = count == 0 || found[i][0] == MeshSearchOnDevice::kTooMany;
+      answers[at] = incomplete ? answer(q, memory) : settle(q, std::span(candidates).first(count));
+    }
+  });
+}
+
+// The device works on one portion while the host settles the one before.
+void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Points points, const Order& order,
+                                          std::vector<Nearest>& answers) const {
+  std::array<std::vector<MeshSearchOnDevice::Found>, 2> found;
+  std::vector<Eigen::Vector4f> asked;
+  const auto ask = [&](std::size_t first, std::vector<MeshSearchOnDevice::Found>& into) {
+    const std::size_t count = std::min(kPortion, points.size() - first);
+    asked.resize(count);
+    into.resize(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        asked[i] = device_point(points[order.empty() ? first + i : order[first + i]]);
+      }
+    });
+    device.candidates(asked, into);
+  };
+  ask(0, found[0]);
+  for (std::size_t first = 0, turn = 0; first < points.size(); first += kPortion, turn = 1 - turn) {
+    tbb::parallel_invoke([&] { settle_portion(points, order, first, found[turn], answers); },
+                         [&] {
+                           if (first + kPortion < points.size()) ask(first + kPortion, found[1 - turn]);
+                         });
+  }
+}
+
+// Null when there is no device or it failed, with the reason in choice.use. The mutex is held.
+std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::start_device() const {
+  if (!choice.tried) {
+    choice.tried = true;
+    try {
+      choice.device = std::make_shared<const MeshSearchOnDevice>(tree);
+    } catch (const DeviceError& error) {
+      drop_device(error);
+    }
+  }
+  if (!choice.device) choice.use = {Backend::kCpu, "cpu", choice.failure};
+  return choice.device;
+}
+
+void MeshDistance::Impl::drop_device(const DeviceError& error) const {
+  choice.device.reset();
+  choice.failure = std::string(error.what()) + "; distances are computed on the CPU";
+  choice.use = {Backend::kCpu, "cpu", choice.failure};
+}
+
+// The device that is to answer, or null for the host.
+std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::choose(Points points) const {
+  const std::lock_guard lock(choice.mutex);
+  const auto use_device = [&] {
+    choice.use.backend = Backend::kOpenCl;
+    choice.use.name = "opencl " + choice.device->facts().name;
+    return choice.device;
+  };
+  if (wanted == Backend::kCpu || points.empty()) return nullptr;
+  if (wanted == Backend::kOpenCl) return start_device() ? use_device() : nullptr;
+  choice.use = {};
+  std::vector<Vector3d> sample;
+  const std::size_t step = std::max<std::size_t>(1, points.size() / kTimed);
+  for (std::size_t i = 0; i < points.size(); i += step) sample.push_back(points[i]);
+  std::vector<Nearest> ignored(sample.size());
+  const double share = static_cast<double>(points.size()) / static_cast<double>(sample.size());
+  auto start = std::chrono::steady_clock::now();
+  answer_on_host(sample, {}, ignored);
+  const double host_s = share * seconds_since(start);
+  if (host_s < kDeviceStart_s) {
+    choice.use.reason = "the CPU needs about " + rounded(host_s) + ", less than starting a device (" +
+                        rounded(kDeviceStart_s) + ")";
+    return nullptr;
+  }
+  if (!start_device()) return nullptr;
+  try {
+    answer_on_device(*choice.device, sample, {}, ignored);
+    start = std::chrono::steady_clock::now();
+    answer_on_device(*choice.device, sample, {}, ignored);
+  } catch (const DeviceError& error) {
+    drop_device(error);
+    return nullptr;
+  }
+  const double device_s = share * seconds_since(start);
+  choice.use.reason = "the CPU needs about " + rounded(host_s) + ", " + choice.device->facts().name +
+                      " about " + rounded(device_s);
+  return device_s < host_s ? use_device() : nullptr;
+}
+
+MeshDistance::MeshDistance(std::span<const Vector3d> vertices, std::span<const std::array<int, 3>> triangles,
+                           Backend backend)
     : impl_(std::make_unique<Impl>()) {
+  impl_->wanted = backend;
   impl_->frame = make_mesh_frame(vertices, triangles);
   impl_->tree = build_mesh_tree(impl_->frame.vertices, impl_->frame.triangles);
 }
@@ -126,26 +306,25 @@ std::vector<Nearest> MeshDistance::query(std::span<const Vector3d> points) const
   for (const Vector3d& p : points) {
     if (!p.allFinite()) throw std::logic_error("MeshDistance::query: a point is not finite");
   }
-  const std::vector<std::uint32_t> order = coherent_order(points);
   std::vector<Nearest> answers(points.size());
-  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
-    Impl::Memory memory;
-    const auto index = [&](std::size_t i) { return order.empty() ? i : order[i]; };
-    std::array<Vector3d, kGroup> group;
-    const std::size_t end = std::min(points.size(), range.end() * kBlock);
-    for (std::size_t first = range.begin() * kBlock; first < end; first += kGroup) {
-      const std::size_t count = std::min(kGroup, end - first);
-      for (std::size_t i = 0; i < count; ++i) group[i] = impl_->frame.local(points[index(first + i)]);
-      impl_->enter(std::span(group).first(count), memory);
-      for (std::size_t i = 0; i < count; ++i) answers[index(first + i)] = impl_->answer(group[i], memory);
+  const auto device = impl_->choose(points);
+  const Order order = coherent_order(points);
+  if (device) {
+    try {
+      impl_->answer_on_device(*device, points, order, answers);
+      return answers;
+    } catch (const DeviceError& error) {
+      const std::lock_guard lock(impl_->choice.mutex);
+      impl_->drop_device(error);
     }
-  });
+  }
+  impl_->answer_on_host(points, order, answers);
   return answers;
 }
 
-std::string backend_name() {
-  return "cpu";
+BackendUse MeshDistance::used() const {
+  const std::lock_guard lock(impl_->choice.mutex);
+  return impl_->choice.use;
 }
 
 }  // namespace hotblade::gpu

@@ -1,17 +1,22 @@
 // Distance from many points to a triangle mesh.
 //
 // Promise of every backend: the nearest distance is within kDistanceErrorRel of the true one, relative to the
-// largest coordinate that takes part (the mesh's and the point's), and distance, triangle and point do not
-// depend on the number of threads or on the other points of the call. Degenerate triangles count as the
-// segment or point they are.
+// largest coordinate that takes part (the mesh's and the point's), and distance, triangle and point are the
+// same bits whatever the backend, the number of threads or the other points of the call. Degenerate triangles
+// count as the segment or point they are.
+//
+// How: a search in single precision, in the mesh's own frame, with a derived error bound
+// (kernels/mesh_tree.h) gives every triangle that can be the nearest; these alone are compared in double
+// precision, by one routine on the host (triangle_distance.hpp).
 #pragma once
 
 #include <Eigen/Core>
 #include <array>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
+
+#include "gpu/backend.hpp"
 
 namespace hotblade::gpu {
 
@@ -26,7 +31,8 @@ class MeshDistance {
  public:
   // Throws std::logic_error when there is no triangle, an index is out of range or a coordinate is not
   // finite; std::runtime_error when the search tree cannot be built (out of memory).
-  MeshDistance(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles);
+  MeshDistance(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles,
+               Backend backend = Backend::kCpu);
   ~MeshDistance();
   MeshDistance(MeshDistance&&) noexcept;
   MeshDistance& operator=(MeshDistance&&) noexcept;
@@ -35,16 +41,14 @@ class MeshDistance {
   // answered faster. Throws std::logic_error when a coordinate is not finite.
   [[nodiscard]] std::vector<Nearest> query(std::span<const Eigen::Vector3d> points) const;
 
-  // Distances are recomputed in double precision for the triangles that single-precision boxes cannot
-  // exclude.
+  // What answered the last query, and why.
+  [[nodiscard]] BackendUse used() const;
+
   static constexpr double kDistanceErrorRel = 1e-12;
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-// Name of the backend in use, for run.json.
-[[nodiscard]] std::string backend_name();
 
 }  // namespace hotblade::gpu

@@ -189,8 +189,9 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   }
   Statistics statistics;
   const Border border(design.mesh);
-  const gpu::MeshDistance to_design(design.mesh.vertices, design.mesh.triangles);
+  const gpu::MeshDistance to_design(design.mesh.vertices, design.mesh.triangles, options.backend);
   const std::vector<gpu::Nearest> on_design = to_design.query(cut.vertices);
+  report.to_design = to_design.used();
   for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
     double distance = on_design[i].distance;
     if (on_border(design.mesh, border, on_design[i])) {
@@ -205,8 +206,9 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   const surface::TriangleMesh cut_mesh{cut.vertices, cut.triangles};
   const Border cut_border(cut_mesh);
   const DesignSamples samples = sample_design(design.mesh, options.sample_mm);
-  const gpu::MeshDistance to_cut(cut.vertices, cut.triangles);
+  const gpu::MeshDistance to_cut(cut.vertices, cut.triangles, options.backend);
   const std::vector<gpu::Nearest> on_cut = to_cut.query(samples.points);
+  report.to_cut = to_cut.used();
   const double near = options.reach * options.tolerance_mm, far = options.far * options.tolerance_mm;
   for (std::size_t i = 0; i < samples.points.size(); ++i) {
     const double distance = on_cut[i].distance;

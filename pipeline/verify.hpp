@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "gpu/backend.hpp"
 #include "pipeline/program.hpp"
 #include "surface/design_surface.hpp"
 
@@ -21,6 +22,7 @@ struct VerifyOptions {
   double max_uncut_share = 0.01;
   double sample_mm = 2.5;      // spacing of samples on both surfaces
   double reach = 3, far = 20;  // tolerances
+  gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
 };
 
 // How many samples deviate by how much: bin i holds [i, i + 1) * bin_mm, `beyond` what lies past the last
@@ -41,6 +43,7 @@ struct VerifyReport {
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
   bool within_tolerance = false;  // deviation and uncut share both
+  gpu::BackendUse to_design, to_cut;  // what computed the distances each way
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
 };
 

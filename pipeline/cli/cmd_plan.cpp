@@ -8,7 +8,7 @@
 #include <iostream>
 #include <memory>
 
-#include "gpu/mesh_distance.hpp"
+#include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/emit.hpp"
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct PlanArguments {
   DesignOptions design;
-  std::string tolerance_mm, output;
+  std::string tolerance_mm, output, backend = "auto";
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false, no_pictures = false;
 };
@@ -120,13 +120,14 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     console.report_progress(stage, share);
   };
   hooks.stop = [] { return interrupted(); };
+  hooks.backend = backend_named(arguments.backend);
   PlanResult result = plan(design, settings, hooks);
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
   console.report_progress("emit", 0.95);
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const RunFacts facts{fs::absolute(design_options.file), gpu::backend_name(), threads, seconds};
+  const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads, seconds};
   const ReportPictures pictures = arguments.no_pictures
                                       ? ReportPictures{{}, "not asked for (--no-pictures)", {}}
                                       : take_pictures(result, design);
@@ -135,6 +136,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const Emitted emitted =
       emit(result, directory, facts, {arguments.force, arguments.override_refusal}, pictures);
   console.report_progress("done", 1);
+  tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : result.warnings) console.warn("warning: " + line);
   print_refusals(result, console);
   print_summary(result, directory, emitted);
@@ -152,6 +154,7 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
   command->add_option("-o,--output", arguments->output, "Directory for the results (default: NAME_cut)")
       ->type_name("DIR");
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
+  add_backend_option(*command, arguments->backend);
   command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->add_flag("--override", arguments->override_refusal,
                     "Write the program of a refused plan all the same, recorded in it; still exit code 4");

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/program.hpp"
 #include "pipeline/verify.hpp"
@@ -61,9 +62,11 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   options.tolerance_mm = program.verification.tolerance_mm;
   options.max_uncut_share = max_uncut_share(program);
   options.sample_mm = arguments.sample_mm;
+  options.backend = backend_named(arguments.backend);
   console.report_progress("verify", 0.3);
   const VerifyReport report = verify(program, design, options);
   console.report_progress("done", 1);
+  tell_backend(report, options.backend, console);
   const Deviation& d = report.deviation;
   for (std::size_t i = 0; i < program.strips.size(); ++i) {
     std::cout << fmt::format("{}  cut to design max {:.3f} mm\n", program.strips[i].id,
@@ -97,11 +100,7 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->add_option("program", arguments->program, "program.json")->required()->type_name("PROGRAM");
   command->add_option("--design", arguments->design, "The design's OBJ (default: beside the program)")
       ->type_name("OBJ");
-  command
-      ->add_option("--backend", arguments->backend,
-                   "Where distances are computed; this version has the CPU only")
-      ->check(CLI::IsMember({"auto", "cpu"}))
-      ->type_name("auto|cpu");
+  add_backend_option(*command, arguments->backend);
   command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");

@@ -169,6 +169,7 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
   VerifyOptions verify_options;
   verify_options.tolerance_mm = settings.design.tolerance_mm;
   verify_options.max_uncut_share = settings.design.max_uncut_share;
+  verify_options.backend = hooks.backend;
   result.verification = verify(result.program, design, verify_options);
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];

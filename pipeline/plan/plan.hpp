@@ -47,6 +47,7 @@ struct PlanResult {
 struct PlanHooks {
   std::function<void(const std::string&, double)> progress = [](const std::string&, double) {};
   std::function<bool()> stop = [] { return false; };
+  gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
 };
 
 // Plans with the design's health already checked (no blockers). Rib spacing is halved, at most three times,

@@ -72,8 +72,8 @@ double largest_coordinate(const Soup& soup, const Vector3d& point) {
 }
 
 // Distance, triangle and point of every answer against all triangles.
-void expect_matches_brute_force(const Soup& soup, const std::vector<Vector3d>& points) {
-  const MeshDistance mesh(soup.vertices, soup.triangles);
+void expect_matches_brute_force(const Soup& soup, const std::vector<Vector3d>& points, Backend backend) {
+  const MeshDistance mesh(soup.vertices, soup.triangles, backend);
   const std::vector<Nearest> answers = mesh.query(points);
   ASSERT_EQ(answers.size(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -95,16 +95,28 @@ void expect_matches_brute_force(const Soup& soup, const std::vector<Vector3d>& p
   }
 }
 
-TEST(MeshDistance, MatchesBruteForceOnRandomSoups) {
-  for (unsigned seed = 0; seed < 20; ++seed) {
+// The contract: every backend answers every question with the same values. A backend that is not at hand is
+// skipped.
+class MeshDistanceOnEachBackend : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    const MeshDistance mesh(std::vector<Vector3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                            std::vector<std::array<int, 3>>{{0, 1, 2}}, GetParam());
+    (void)mesh.query(std::vector<Vector3d>{{0, 0, 1}});
+    if (mesh.used().backend != GetParam()) GTEST_SKIP() << mesh.used().reason;
+  }
+};
+
+TEST_P(MeshDistanceOnEachBackend, MatchesBruteForceOnRandomSoups) {
+  for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937_64 rng(seed);
-    const double size = std::pow(10.0, -3.0 + 0.2 * seed);
-    expect_matches_brute_force(random_soup(rng, 1 + static_cast<int>(seed) * 17, 100, size),
-                               random_points(rng, 100, 130));
+    const double size = std::pow(10.0, -3.0 + 0.4 * seed);
+    expect_matches_brute_force(random_soup(rng, 1 + static_cast<int>(seed) * 34, 100, size),
+                               random_points(rng, 60, 130), GetParam());
   }
 }
 
-TEST(MeshDistance, MatchesBruteForceForPointsOnAndCloseToTheSurface) {
+TEST_P(MeshDistanceOnEachBackend, MatchesBruteForceForPointsOnAndCloseToTheSurface) {
   std::mt19937_64 rng(1);
   const Soup soup = random_soup(rng, 200, 100, 20);
   std::uniform_real_distribution<double> u(0, 1), magnitude(-15, 0);
@@ -116,24 +128,25 @@ TEST(MeshDistance, MatchesBruteForceForPointsOnAndCloseToTheSurface) {
                         s * v * soup.vertices[static_cast<std::size_t>(t[2])] + test::random_point(rng, off));
     points.push_back(soup.vertices[static_cast<std::size_t>(t[0])]);
   }
-  expect_matches_brute_force(soup, points);
+  expect_matches_brute_force(soup, points, GetParam());
 }
 
-TEST(MeshDistance, MatchesBruteForceForPointsFarAway) {
+TEST_P(MeshDistanceOnEachBackend, MatchesBruteForceForPointsFarAway) {
   std::mt19937_64 rng(2);
   const Soup soup = random_soup(rng, 100, 100, 30);
   for (const double far : {1e3, 1e5, 1e7, 5e8, 1e12, 1e100}) {
-    expect_matches_brute_force(soup, random_points(rng, 40, far));
+    expect_matches_brute_force(soup, random_points(rng, 40, far), GetParam());
   }
 }
 
-TEST(MeshDistance, MatchesBruteForceFarFromTheOrigin) {
+TEST_P(MeshDistanceOnEachBackend, MatchesBruteForceFarFromTheOrigin) {
   std::mt19937_64 rng(3);
   const Vector3d offset(1e6, -2e6, 3e6);
-  expect_matches_brute_force(random_soup(rng, 300, 100, 5, offset), random_points(rng, 500, 120, offset));
+  expect_matches_brute_force(random_soup(rng, 300, 100, 5, offset), random_points(rng, 500, 120, offset),
+                             GetParam());
 }
 
-TEST(MeshDistance, KeepsDetailFarSmallerThanSinglePrecisionResolves) {
+TEST_P(MeshDistanceOnEachBackend, KeepsDetailFarSmallerThanSinglePrecisionResolves) {
   // Two sheets 1e-9 apart in a mesh of size 1: both fall on the same single-precision plane.
   Soup soup;
   for (const double z : {0.0, 1e-9}) {
@@ -141,7 +154,7 @@ TEST(MeshDistance, KeepsDetailFarSmallerThanSinglePrecisionResolves) {
     soup.vertices.insert(soup.vertices.end(), {{-1, -1, z}, {1, -1, z}, {0, 1, z}});
     soup.triangles.push_back({first, first + 1, first + 2});
   }
-  const MeshDistance mesh(soup.vertices, soup.triangles);
+  const MeshDistance mesh(soup.vertices, soup.triangles, GetParam());
   const std::vector<Vector3d> points{{0, 0, -0.5}, {0, 0, 0.5}, {0, 0, 0.9e-9}, {0, 0, 0.1e-9}};
   const auto answers = mesh.query(points);
   EXPECT_EQ(answers[0].triangle, 0);
@@ -151,9 +164,9 @@ TEST(MeshDistance, KeepsDetailFarSmallerThanSinglePrecisionResolves) {
   EXPECT_NEAR(answers[2].distance, 0.1e-9, 1e-15);
 }
 
-TEST(MeshDistance, TakesDegenerateTrianglesAsTheSegmentOrPointTheyAre) {
+TEST_P(MeshDistanceOnEachBackend, TakesDegenerateTrianglesAsTheSegmentOrPointTheyAre) {
   const Soup soup{{{0, 0, 0}, {10, 0, 0}, {4, 0, 0}, {0, 50, 0}}, {{0, 1, 2}, {3, 3, 3}, {0, 0, 1}}};
-  const MeshDistance mesh(soup.vertices, soup.triangles);
+  const MeshDistance mesh(soup.vertices, soup.triangles, GetParam());
   const auto answers = mesh.query(std::vector<Vector3d>{{5, 3, 0}, {14, 3, 0}, {-3, 0, 4}, {1, 50, 0}});
   EXPECT_DOUBLE_EQ(answers[0].distance, 3);
   EXPECT_EQ(answers[0].triangle, 0);
@@ -163,7 +176,7 @@ TEST(MeshDistance, TakesDegenerateTrianglesAsTheSegmentOrPointTheyAre) {
   EXPECT_EQ(answers[3].triangle, 1);
 }
 
-TEST(MeshDistance, MatchesBruteForceOnNeedlesAndCaps) {
+TEST_P(MeshDistanceOnEachBackend, MatchesBruteForceOnNeedlesAndCaps) {
   std::mt19937_64 rng(4);
   for (const double width : {1e-3, 1e-6, 1e-9, 1e-12, 1e-14}) {
     Soup soup;
@@ -178,26 +191,27 @@ TEST(MeshDistance, MatchesBruteForceOnNeedlesAndCaps) {
       points.emplace_back(0.3 * soup.vertices[3 * i] + 0.7 * soup.vertices[3 * i + 1] +
                           test::random_point(rng, width));
     }
-    expect_matches_brute_force(soup, points);
+    expect_matches_brute_force(soup, points, GetParam());
   }
 }
 
-TEST(MeshDistance, TakesTheLowestTriangleAmongEqualOnes) {
+TEST_P(MeshDistanceOnEachBackend, TakesTheLowestTriangleAmongEqualOnes) {
   std::mt19937_64 rng(5);
   const Soup once = random_soup(rng, 50, 10, 3);
   Soup thrice = once;
   for (int copy = 0; copy < 2; ++copy) {
     thrice.triangles.insert(thrice.triangles.end(), once.triangles.begin(), once.triangles.end());
   }
-  const MeshDistance mesh(thrice.vertices, thrice.triangles), single(once.vertices, once.triangles);
+  const MeshDistance mesh(thrice.vertices, thrice.triangles, GetParam()),
+      single(once.vertices, once.triangles, GetParam());
   const auto points = random_points(rng, 2000, 12);
   const auto answers = mesh.query(points), expected = single.query(points);
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(answers[i].triangle, expected[i].triangle);
 }
 
-TEST(MeshDistance, AnswersForOneTriangle) {
+TEST_P(MeshDistanceOnEachBackend, AnswersForOneTriangle) {
   const Soup soup{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
-  const MeshDistance mesh(soup.vertices, soup.triangles);
+  const MeshDistance mesh(soup.vertices, soup.triangles, GetParam());
   const auto answers = mesh.query(std::vector<Vector3d>{{0.25, 0.25, 2}, {-3, -4, 0}, {1, 1, 0}});
   EXPECT_EQ(answers[0].distance, 2);
   EXPECT_TRUE(answers[0].point.isApprox(Vector3d(0.25, 0.25, 0), 1e-15));
@@ -209,11 +223,11 @@ bool same_bits(const Nearest& a, const Nearest& b) {
   return a.distance == b.distance && a.triangle == b.triangle && a.point == b.point;
 }
 
-TEST(MeshDistance, AnswersDoNotDependOnTheNumberOfThreadsOrTheOrderOfPoints) {
+TEST_P(MeshDistanceOnEachBackend, AnswersDoNotDependOnTheNumberOfThreadsOrTheOrderOfPoints) {
   std::mt19937_64 rng(6);
   const Soup soup = random_soup(rng, 3000, 100, 4);
   std::vector<Vector3d> points = random_points(rng, 10007, 120);
-  const MeshDistance mesh(soup.vertices, soup.triangles);
+  const MeshDistance mesh(soup.vertices, soup.triangles, GetParam());
   const auto on = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return mesh.query(points);
@@ -228,17 +242,17 @@ TEST(MeshDistance, AnswersDoNotDependOnTheNumberOfThreadsOrTheOrderOfPoints) {
   }
 }
 
-TEST(MeshDistance, ScalesAndMovesWithTheMesh) {
+TEST_P(MeshDistanceOnEachBackend, ScalesAndMovesWithTheMesh) {
   std::mt19937_64 rng(7);
   const Soup soup = random_soup(rng, 100, 100, 20);
   const auto points = random_points(rng, 200, 150);
-  const auto expected = MeshDistance(soup.vertices, soup.triangles).query(points);
+  const auto expected = MeshDistance(soup.vertices, soup.triangles, GetParam()).query(points);
   for (const double scale : {0x1p-300, 0x1p-20, 0x1p+40, 0x1p+300}) {
     Soup scaled = soup;
     for (Vector3d& v : scaled.vertices) v *= scale;
     std::vector<Vector3d> moved = points;
     for (Vector3d& p : moved) p *= scale;
-    const auto answers = MeshDistance(scaled.vertices, scaled.triangles).query(moved);
+    const auto answers = MeshDistance(scaled.vertices, scaled.triangles, GetParam()).query(moved);
     for (std::size_t i = 0; i < points.size(); ++i) {
       EXPECT_EQ(answers[i].distance, expected[i].distance * scale);
       EXPECT_EQ(answers[i].triangle, expected[i].triangle);
@@ -246,7 +260,7 @@ TEST(MeshDistance, ScalesAndMovesWithTheMesh) {
   }
 }
 
-TEST(MeshDistance, RefusesWhatIsNotAMesh) {
+TEST_P(MeshDistanceOnEachBackend, RefusesWhatIsNotAMesh) {
   const std::vector<Vector3d> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const double nan = std::numeric_limits<double>::quiet_NaN();
   using Triangles = std::vector<std::array<int, 3>>;
@@ -259,6 +273,42 @@ TEST(MeshDistance, RefusesWhatIsNotAMesh) {
   const MeshDistance mesh(vertices, Triangles{{0, 1, 2}});
   EXPECT_THROW((void)mesh.query(std::vector<Vector3d>{{0, 0, nan}}), std::logic_error);
   EXPECT_TRUE(mesh.query(std::vector<Vector3d>{}).empty());
+}
+
+TEST_P(MeshDistanceOnEachBackend, AnswersWithTheCpusBits) {
+  std::mt19937_64 rng(8);
+  const Soup soup = random_soup(rng, 2000, 100, 6);
+  std::vector<Vector3d> points = random_points(rng, 3000, 130);
+  for (const auto& t : soup.triangles) points.push_back(soup.vertices[static_cast<std::size_t>(t[1])]);
+  points.emplace_back(1e9, 0, 0);
+  const auto expected = MeshDistance(soup.vertices, soup.triangles, Backend::kCpu).query(points);
+  const auto answers = MeshDistance(soup.vertices, soup.triangles, GetParam()).query(points);
+  for (std::size_t i = 0; i < points.size(); ++i) ASSERT_TRUE(same_bits(answers[i], expected[i])) << i;
+}
+
+TEST_P(MeshDistanceOnEachBackend, AnswersWhereMoreTrianglesTieThanADeviceKeeps) {
+  // The tip of a cone of 40 triangles is the nearest point of each of them.
+  Soup cone;
+  cone.vertices.emplace_back(0, 0, 10);
+  for (int i = 0; i < 40; ++i) {
+    cone.vertices.emplace_back(std::cos(0.05 * M_PI * i), std::sin(0.05 * M_PI * i), 0);
+    cone.triangles.push_back({0, 1 + i, 1 + (i + 1) % 40});
+  }
+  expect_matches_brute_force(cone, {{0, 0, 12}, {0.1, 0, 20}, {0, 0, 10}}, GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(, MeshDistanceOnEachBackend, testing::Values(Backend::kCpu, Backend::kOpenCl),
+                         [](const auto& instantiation) {
+                           return instantiation.param == Backend::kCpu ? "Cpu" : "OpenCl";
+                         });
+
+TEST(MeshDistanceBackend, AutoSaysWhatItPickedAndWhy) {
+  std::mt19937_64 rng(9);
+  const Soup soup = random_soup(rng, 100, 100, 6);
+  const MeshDistance mesh(soup.vertices, soup.triangles, Backend::kAuto);
+  (void)mesh.query(random_points(rng, 1000, 130));
+  EXPECT_EQ(mesh.used().backend, Backend::kCpu);
+  EXPECT_NE(mesh.used().reason.find("less than starting a device"), std::string::npos) << mesh.used().reason;
 }
 
 }  // namespace

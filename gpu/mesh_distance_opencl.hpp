@@ -1,0 +1,40 @@
+// The search of a mesh tree on an OpenCL device.
+#pragma once
+
+#include <Eigen/Core>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "gpu/mesh_tree.hpp"
+#include "gpu/opencl_device.hpp"
+
+namespace hotblade::gpu {
+
+class MeshSearchOnDevice {
+ public:
+  // Triangles a point may get; more, and the host searches for itself.
+  static constexpr std::size_t kSlots = 4;
+  static constexpr int kNone = -1, kTooMany = -2;
+  using Found = std::array<int, kSlots>;
+
+  // Throws DeviceError when there is no device, it has no room for the tree, or the kernel does not build.
+  explicit MeshSearchOnDevice(const MeshTree& tree);
+
+  [[nodiscard]] const DeviceFacts& facts() const { return device_.facts(); }
+
+  // For every point of the tree's frame, with its shared error (mesh_tree.h), the triangles that can be
+  // nearest. Points go through the device in portions that fit its memory and keep one launch short of any
+  // watchdog. Safe for concurrent callers, who take turns. Throws DeviceError.
+  void candidates(std::span<const Eigen::Vector4f> points, std::span<Found> found) const;
+
+ private:
+  OpenClDevice device_;
+  DeviceBuffer nodes_, packets_;
+  mutable std::mutex turn_;
+  mutable DeviceKernel kernel_;
+  mutable DeviceBuffer points_, found_;
+  mutable std::size_t portion_;
+};
+
+}  // namespace hotblade::gpu

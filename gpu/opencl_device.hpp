@@ -1,0 +1,83 @@
+// One OpenCL device behind values and exceptions: found, its programs built, memory, launches.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hotblade::gpu {
+
+// A device that is missing, lacks something, ran out of memory or was lost; the caller falls back to the CPU.
+class DeviceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class OpenClDevice;
+
+// Memory on the device, freed with the value.
+class DeviceBuffer {
+ public:
+  DeviceBuffer() = default;
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
+
+ private:
+  friend class OpenClDevice;
+  friend class DeviceKernel;
+  std::shared_ptr<void> memory_;
+  std::size_t bytes_ = 0;
+};
+
+// A kernel with its arguments; not for two threads at once.
+class DeviceKernel {
+ public:
+  void set(unsigned index, const DeviceBuffer& buffer);
+  template <typename T>
+  void set(unsigned index, const T& value) {
+    set_bytes(index, &value, sizeof(T));
+  }
+
+ private:
+  friend class OpenClDevice;
+  void set_bytes(unsigned index, const void* value, std::size_t size);
+  std::shared_ptr<void> kernel_;
+};
+
+struct DeviceFacts {
+  std::string name, vendor, driver;
+  bool has_fp64 = false, is_cpu = false, little_endian = true;
+  std::size_t memory_bytes = 0, largest_buffer_bytes = 0;
+};
+
+// Every member throws DeviceError when the device refuses, with the OpenCL code in words.
+class OpenClDevice {
+ public:
+  // The device that HOTBLADE_OPENCL_DEVICE names (part of its name), else a GPU before an accelerator before
+  // a CPU. Throws DeviceError when there is none; a system without any driver is such a case.
+  OpenClDevice();
+
+  [[nodiscard]] const DeviceFacts& facts() const { return facts_; }
+  // Builds OpenCL C 1.2 source without relaxed mathematics and takes its kernel `name`.
+  [[nodiscard]] DeviceKernel kernel(std::string_view source, const std::string& name) const;
+  [[nodiscard]] DeviceBuffer allocate(std::size_t bytes) const;
+  [[nodiscard]] DeviceBuffer upload(const void* data, std::size_t bytes) const;
+  void write(const DeviceBuffer& buffer, const void* data, std::size_t bytes) const;
+  void read(const DeviceBuffer& buffer, void* data, std::size_t bytes) const;
+  // Runs at least `count` work items, in groups of 64, and waits for them; the kernel skips those beyond.
+  void run(const DeviceKernel& kernel, std::size_t count) const;
+
+ private:
+  DeviceFacts facts_;
+  std::shared_ptr<void> context_, queue_;
+  void* device_ = nullptr;
+};
+
+// OpenCL's error code in words, with the code.
+[[nodiscard]] std::string opencl_error_text(int code);
+
+}  // namespace hotblade::gpu
