@@ -70,15 +70,21 @@ int rank(cl_device_id device) {
   return (type & CL_DEVICE_TYPE_ACCELERATOR) != 0 ? 1 : 2;
 }
 
+// Empty when nobody asked for one.
+std::string_view wanted_device() {
+  const char* name = std::getenv("HOTBLADE_OPENCL_DEVICE");
+  return name == nullptr ? "" : name;
+}
+
 cl_device_id choose_device() {
   std::vector<cl_device_id> all = devices();
-  if (const char* wanted = std::getenv("HOTBLADE_OPENCL_DEVICE"); wanted != nullptr && *wanted != '\0') {
+  if (const std::string_view wanted = wanted_device(); !wanted.empty()) {
     std::erase_if(all, [wanted](cl_device_id device) {
       return text_of(device, CL_DEVICE_NAME).find(wanted) == std::string::npos;
     });
     if (all.empty()) {
-      throw DeviceError(std::string("OpenCL: no device is named like HOTBLADE_OPENCL_DEVICE (") + wanted +
-                        ")");
+      throw DeviceError(std::string("OpenCL: no device is named like HOTBLADE_OPENCL_DEVICE (") +
+                        std::string(wanted) + ")");
     }
   }
   std::erase_if(all, [](cl_device_id device) {
@@ -98,6 +104,7 @@ DeviceFacts facts_of(cl_device_id device) {
   facts.has_fp64 = text_of(device, CL_DEVICE_EXTENSIONS).find("cl_khr_fp64") != std::string::npos;
   facts.is_cpu = (value_of<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
   facts.little_endian = value_of<cl_bool>(device, CL_DEVICE_ENDIAN_LITTLE) != CL_FALSE;
+  facts.asked_for = !wanted_device().empty();
   facts.memory_bytes = value_of<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
   facts.largest_buffer_bytes = value_of<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
   return facts;
@@ -128,6 +135,10 @@ void DeviceKernel::set_bytes(unsigned index, const void* value, std::size_t size
 void DeviceKernel::set(unsigned index, const DeviceBuffer& buffer) {
   auto* memory = static_cast<cl_mem>(buffer.memory_.get());
   set_bytes(index, &memory, sizeof memory);
+}
+
+DeviceFacts find_opencl_device() {
+  return facts_of(choose_device());
 }
 
 OpenClDevice::OpenClDevice() {
@@ -205,7 +216,8 @@ void OpenClDevice::run(const DeviceKernel& kernel, std::size_t count) const {
   constexpr std::size_t kGroup = 64;
   const std::size_t items = (count + kGroup - 1) / kGroup * kGroup;
   check(clEnqueueNDRangeKernel(static_cast<cl_command_queue>(queue_.get()),
-                               static_cast<cl_kernel>(kernel.kernel_.get()), 1, nullptr, &items, &kGroup, 0, nullptr, nullptr),
+                               static_cast<cl_kernel>(kernel.kernel_.get()), 1, nullptr, &items, &kGroup, 0,
+                               nullptr, nullptr),
         "launch");
   check(clFinish(static_cast<cl_command_queue>(queue_.get())), "run");
 }

@@ -51,8 +51,14 @@ class DeviceKernel {
 struct DeviceFacts {
   std::string name, vendor, driver;
   bool has_fp64 = false, is_cpu = false, little_endian = true;
+  bool asked_for = false;  // by HOTBLADE_OPENCL_DEVICE
   std::size_t memory_bytes = 0, largest_buffer_bytes = 0;
 };
+
+// The device that OpenClDevice() takes, without starting it: the one that HOTBLADE_OPENCL_DEVICE names (part
+// of its name), else a GPU before an accelerator before a CPU. Throws DeviceError when there is none; a
+// system without any driver is such a case.
+[[nodiscard]] DeviceFacts find_opencl_device();
 
 // Every member throws DeviceError when the device refuses, with the OpenCL code in words.
 class OpenClDevice {
