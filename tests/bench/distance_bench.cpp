@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "gpu/curve_distance.hpp"
 #include "gpu/mesh_distance.hpp"
 #include "tests/bench/distance_peers.hpp"
 
@@ -102,6 +103,31 @@ void build_peer(benchmark::State& state) {
   const PeerMesh s = shell(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(kMake(s));
 }
+
+// A gentle rib, and a cusp as the degenerate case; points over the curve's box, one thread.
+void points_to_cubic(benchmark::State& state) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const bool cusp = state.range(0) != 0;
+  const hotblade::gpu::CubicDistance curve(
+      cusp ? std::array<Eigen::Vector2d, 4>{{{0, 0}, {1000, 300}, {0, 300}, {1000, 0}}}
+           : std::array<Eigen::Vector2d, 4>{{{0, 0}, {300, 120}, {700, 140}, {1000, 0}}});
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> u(0, 1000), v(0, 300);
+  const std::size_t count = cusp ? 20000 : 1000000;
+  std::vector<double> x(count), y(count), distance(count), t(count);
+  for (double& a : x) a = u(random);
+  for (double& a : y) a = v(random);
+  std::size_t careful = 0;
+  for (auto _ : state) careful = curve.query(x, y, distance, t);
+  state.counters["careful_share"] = static_cast<double>(careful) / static_cast<double>(count);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
+}
+BENCHMARK(points_to_cubic)
+    ->Name("PointsToCubic")
+    ->ArgName("cusp")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond);
 
 // Ours and the peers one after the other for every case, so that a ratio is of neighbours in time.
 int register_all() {
