@@ -14,76 +14,22 @@
 #include "elastica/project.hpp"
 #include "elastica/project_zone.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/curve_lines.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using namespace curve_lines;
+using curve_lines::to_json;
 using elastica::Bezier;
 using elastica::Elastica;
 
-// A line that cannot be used; what() is what its answer says.
-struct LineError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-// Larger numbers lose the digits that a curve's shape needs.
-constexpr double kLargest = 1e9;
-constexpr std::size_t kMostPoints = 1'000'000;
 constexpr int kFitPoints = 129;
-
-const Json& field(const Json& line, const char* name) {
-  if (!line.is_object() || !line.contains(name))
-    throw LineError(fmt::format("{}: missing: one object a line", name));
-  return line[name];
-}
-
-double number(const Json& value, const std::string& name) {
-  if (!value.is_number()) throw LineError(fmt::format("{}: not a number", name));
-  const double v = value.get<double>();
-  if (!(std::abs(v) <= kLargest))
-    throw LineError(fmt::format("{}: out of range ({}, limit {})", name, v, kLargest));
-  return v;
-}
-
-std::vector<Eigen::Vector2d> points(const Json& value, const std::string& name) {
-  if (!value.is_array() || value.size() > kMostPoints) {
-    throw LineError(fmt::format("{}: not a list of at most {} points", name, kMostPoints));
-  }
-  std::vector<Eigen::Vector2d> list;
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    const std::string place = fmt::format("{}[{}]", name, i);
-    if (!value[i].is_array() || value[i].size() != 2) throw LineError(place + ": a point is [x, y]");
-    list.emplace_back(number(value[i][0], place), number(value[i][1], place));
-  }
-  return list;
-}
 
 Bezier bezier(const Json& line) {
   const auto list = points(field(line, "bezier"), "bezier");
   if (list.size() != 4) throw LineError(fmt::format("bezier: has {} points (4 needed)", list.size()));
   return {list[0], list[1], list[2], list[3]};
-}
-
-Elastica elastica_of(const Json& line) {
-  const Json& e = field(line, "elastica");
-  const auto value = [&e](const char* name) {
-    return number(field(e, name), std::string("elastica.") + name);
-  };
-  const Elastica curve{value("x"),       value("y"),       value("theta"), value("kappa"),
-                       value("lambda1"), value("lambda2"), value("length")};
-  if (!(curve.length > 0)) throw LineError("elastica.length: must be positive");
-  return curve;
-}
-
-Json to_json(const Elastica& e) {
-  return {{"x", e.x},
-          {"y", e.y},
-          {"theta", e.theta},
-          {"kappa", e.kappa},
-          {"lambda1", e.lambda1},
-          {"lambda2", e.lambda2},
-          {"length", e.length}};
 }
 
 Json to_json(const Bezier& b) {
@@ -240,32 +186,6 @@ Json equilibria(const Json& line) {
   return {{"equilibria", std::move(list)}, {"unresolved", report.unresolved}, {"taut", report.taut}};
 }
 
-// Answers every line at its place; exit code 3 when any was bad.
-Exit each_line(const std::function<Json(const Json&)>& answer) {
-  Exit result = Exit::kOk;
-  std::string text;
-  for (std::size_t number = 1; std::getline(std::cin, text) && !interrupted(); ++number) {
-    Json out;
-    try {
-      out = answer(Json::parse(text));
-    } catch (const nlohmann::json::exception&) {
-      out = {{"error", fmt::format("line {}: not JSON: one object a line", number)}};
-    } catch (const std::exception& error) {  // a LineError, or a curve that cannot be evaluated
-      out = {{"error", fmt::format("line {}: {}", number, error.what())}};
-    }
-    if (out.contains("error")) result = Exit::kBadInput;
-    std::cout << out.dump() << "\n";
-  }
-  return interrupted() ? Exit::kInterrupted : result;
-}
-
-void add_tool(CLI::App& curve, const char* name, const char* about, Action& action,
-              std::function<Json(const Json&)> tool, const char* example) {
-  auto* command = curve.add_subcommand(name, about);
-  command->footer(std::string("Example: ") + example);
-  command->callback([&action, tool] { action = [tool] { return each_line(tool); }; });
-}
-
 }  // namespace
 
 void add_curve(CLI::App& app, const Console&, Action& action) {
@@ -282,6 +202,7 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
            "hotblade curve sample < elastica.jsonl");
   add_tool(*curve, "equilibria", "Every shape that a blade can take between two clamps", action, equilibria,
            "hotblade curve equilibria < clamps.jsonl");
+  add_curve_arcs(*curve, action);
   auto arguments = std::make_shared<ProjectArguments>();
   auto* projecting =
       curve->add_subcommand("project", "Beziers moved towards elastica, ends and end tangents kept");

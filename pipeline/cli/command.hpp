@@ -55,6 +55,7 @@ void add_run(CLI::App& app, const Console& console, Action& action);
 void add_dryrun(CLI::App& app, const Console& console, Action& action);
 void add_export(CLI::App& app, const Console& console, Action& action);
 void add_completion(CLI::App& app, const Console& console, Action& action);
+void add_ribs(CLI::App& app, const Console& console, Action& action);
 
 // Set by SIGINT and SIGTERM; long work looks at it and ends with Exit::kInterrupted. A second signal ends the
 // program at once.

@@ -26,6 +26,7 @@ constexpr Registrar kCommands[] = {
     add_dryrun,
     add_export,
     add_completion,
+    add_ribs,
 };
 
 std::atomic<bool> g_interrupted{false};

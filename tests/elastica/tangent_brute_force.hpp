@@ -75,15 +75,16 @@ inline std::vector<BruteMinimum> brute_force(const TangentProblem& p, int n) {
       b1.emplace_back(NAN, NAN);
     }
   }
-  // Past an end on the circle the locus jumps: its neighbouring samples there are not neighbours.
+  // Past an end on the circle the locus jumps: its neighbouring samples there are not neighbours. And the
+  // formula as it stands loses its digits next to such an end: no samples there.
   std::vector<Eigen::Vector2d> cut;
   for (int i = 0; i < n; ++i) {
-    const double a = 2 * std::numbers::pi * (i + 0.5) / n, b = a + 2 * std::numbers::pi / n;
+    const double a = 2 * std::numbers::pi * (i + 0.5) / n;
     cut.push_back(b1[static_cast<std::size_t>(i)]);
     for (const Eigen::Vector2d& e : {p.b0, p.b2}) {
-      double angle = std::atan2(e.y() - p.place.y(), e.x() - p.place.x());
-      while (angle < a - 1e-9) angle += 2 * std::numbers::pi;
-      if (on(e) && angle <= b + 1e-9) cut.emplace_back(NAN, NAN);
+      const double angle = std::atan2(e.y() - p.place.y(), e.x() - p.place.x());
+      if (on(e) && std::abs(std::remainder(angle - a, 2 * std::numbers::pi)) < 7.0 / n)
+        cut.back() = {NAN, NAN};
     }
   }
   brute_minima(p, cut, true, found);

@@ -115,5 +115,40 @@ TEST(CurveCommand, ACurveThatCannotBeEvaluatedIsABadLineNotACrash) {
   EXPECT_TRUE(a.lines.at(0).contains("error"));
 }
 
+TEST(CurveCommand, QuadraticMeasuresACurveAndFindsTheTangentOnes) {
+  const Answers a = curve("quadratic",
+                          R"({"bezier":[[0,0],[3,0],[1,0]],"nearest":[4,0]}
+{"ends":[[-1,0.5],[1,0.5]],"line":[[0,0],[1,0]],"minimise":"length"}
+{"ends":[[-3,0.1],[3,0.2]],"circle":[0,0,1],"minimise":"energy"}
+{"ends":[[-1,0.5],[1,-0.5]],"line":[[0,0],[1,0]],"minimise":"length"}
+{"ends":[[-1,0.5],[1,0.5]],"circle":[0,0,-1],"minimise":"length"}
+)");
+  EXPECT_EQ(a.code, 3);
+  ASSERT_EQ(a.lines.size(), 5u);
+  EXPECT_NEAR(a.lines[0]["length"], 2.6, 1e-15);
+  EXPECT_TRUE(a.lines[0]["energy"].is_null());  // infinite: it folds
+  EXPECT_EQ(a.lines[0]["parabola"]["status"], "folded");
+  EXPECT_NEAR(a.lines[0]["nearest"]["distance"], 2.2, 1e-15);
+  EXPECT_NEAR(a.lines[1]["bezier"][1][1], -0.5, 1e-15);
+  EXPECT_GT(a.lines[2]["candidates"].size(), 1u);
+  EXPECT_EQ(a.lines[3]["status"], "infeasible");
+  EXPECT_THAT(a.lines[4]["error"].get<std::string>(), ::testing::HasSubstr("must be positive"));
+}
+
+TEST(CurveCommand, ArcsKeepTheLengthWithinTheTolerance) {
+  const char* lines =
+      R"({"elastica":{"x":1,"y":2,"theta":0.3,"kappa":0.003,"lambda1":1e-5,"lambda2":0,"length":700}}
+{"points":[[0,0],[1,1]]}
+)";
+  for (const char* order : {"biarc", "triarc"}) {
+    const Answers a = curve(std::string("arcs --tolerance 0.01 --order ") + order, lines);
+    EXPECT_EQ(a.code, 3);
+    EXPECT_NEAR(a.lines.at(0)["length"], 700, 1e-9);
+    EXPECT_LE(a.lines[0]["error_bound"], 0.01);
+    EXPECT_EQ(a.lines[0]["arcs"][0]["start"], (nlohmann::json{1.0, 2.0}));
+    EXPECT_TRUE(a.lines.at(1).contains("error"));
+  }
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

@@ -1,0 +1,58 @@
+// hotblade ribs: rib curves with their ids, for templates and CAD.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "pipeline/atomic_file.hpp"
+#include "pipeline/cli/command.hpp"
+#include "pipeline/export/rib_files.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RibsArguments {
+  std::string program, format, output;
+  RibFileOptions options;
+  bool force = false;
+};
+
+Exit run_ribs(const RibsArguments& arguments) {
+  const Program program = read_program(arguments.program);
+  const fs::path directory = arguments.output;
+  const std::vector<ExportedFile> files = rib_files(program, arguments.format, arguments.options);
+  if (files.empty()) throw CommandError(Exit::kBadInput, arguments.program + ": has no ribs: plan it again");
+  ensure_directory(directory);
+  for (const ExportedFile& file : files) expect_writable(directory / file.name, arguments.force);
+  for (const ExportedFile& file : files) {
+    write_file_atomically(directory / file.name, file.text, arguments.force);
+    std::cout << (directory / file.name).string() << '\n';
+  }
+  return Exit::kOk;
+}
+
+}  // namespace
+
+void add_ribs(CLI::App& app, const Console&, Action& action) {
+  auto arguments = std::make_shared<RibsArguments>();
+  auto* command = app.add_subcommand("ribs", "Write the rib curves with their ids, for templates and CAD");
+  command->add_option("program", arguments->program, "A program.json")->required()->type_name("FILE");
+  command->add_option("--format", arguments->format, "What to write")
+      ->required()
+      ->check(CLI::IsMember({"dxf", "svg", "csv", "gcode"}))
+      ->type_name("dxf|svg|csv|gcode");
+  command->add_option("-o,--output", arguments->output, "Directory for the files")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--arcs", arguments->options.arcs, "Circular arcs of the ribs' lengths, not chords");
+  command->add_option("--tolerance", arguments->options.tolerance_mm, "Largest distance to the rib in mm")
+      ->check(CLI::Range(1e-6, 100.0))
+      ->type_name("MM");
+  command->add_flag("--force", arguments->force, "Overwrite files that are there");
+  command->footer("Example: hotblade ribs job/program.json --format dxf --arcs -o job/ribs");
+  command->callback([arguments, &action] { action = [arguments] { return run_ribs(*arguments); }; });
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,22 @@
+// Rib curves for templates and CAD: every rib flat in its own plane, with its id, as polylines or as circular
+// arcs of the rib's length (elastica/arcs.hpp). mm; the error bound and the length stand in the file.
+#pragma once
+
+#include "pipeline/export/exported_file.hpp"
+#include "pipeline/program.hpp"
+
+namespace hotblade::pipeline {
+
+struct RibFileOptions {
+  bool arcs = false;           // biarcs; otherwise chords
+  double tolerance_mm = 0.01;  // largest distance between the rib's elastica and what is written
+};
+
+// Format "dxf" (R12, one POLYLINE a rib with bulges for arcs, on a layer of the rib's name) and "svg": one
+// file a strip, its ribs one above the other. "csv": one file a strip; points with their place in the design
+// frame, or arcs. "gcode": one file a rib, G1 and, for arcs, G2 and G3 with the centre in I and J; no tool,
+// no feed, no third axis: a path for a machine's own post-processing. std::logic_error for another format.
+[[nodiscard]] std::vector<ExportedFile> rib_files(const Program& program, const std::string& format,
+                                                  const RibFileOptions& options);
+
+}  // namespace hotblade::pipeline
