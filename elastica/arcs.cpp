@@ -19,6 +19,13 @@ constexpr double kPi = std::numbers::pi;
 // Lengths are kept to this, relative; below it a spiral is a circular arc.
 constexpr double kLengthTolerance = 1e-12;
 
+// What a piece's length may be off by: itself to rounding, and what the rounding of its ends' coordinates
+// makes of it.
+double length_slack(const SpiralEnds& ends) {
+  const double place = std::abs(ends.a.x) + std::abs(ends.a.y) + std::abs(ends.b.x) + std::abs(ends.b.y);
+  return kLengthTolerance * ends.length + 1e-13 * place;
+}
+
 double sinc(double a) {
   return std::abs(a) < 1e-4 ? 1 - a * a / 6 : std::sin(a) / a;  // the next term is 1e-18
 }
@@ -87,7 +94,7 @@ std::optional<SpiralArcs> as_triarc(const SpiralEnds& ends, const BiarcFamily& f
   // Short of the whole first arc, where nothing is left to turn between the other two.
   const double part = root_between(0.0, 1 - 1e-9, excess);
   const auto found = triarc(ends, part * longest);
-  if (!found || std::abs(found->length() - ends.length) > kLengthTolerance * ends.length) return {};
+  if (!found || std::abs(found->length() - ends.length) > length_slack(ends)) return {};
   auto rest = found->rest.arcs(found->p);
   rest[1].kappa = ends.b.kappa;  // as it is to rounding, unless the arc is next to nothing
   return SpiralArcs{{found->first, rest[0], rest[1]}, lens.width};
@@ -145,14 +152,14 @@ double spiral_bound(const SpiralEnds& ends) {
   const auto family = BiarcFamily::between(ends.a, ends.b);
   if (!family) return std::numeric_limits<double>::infinity();
   if (const auto region = bilens(*family, ends.a.kappa, ends.b.kappa)) return region->width;
-  const bool circular = std::abs(family->length(1) - ends.length) <= kLengthTolerance * ends.length;
+  const bool circular = std::abs(family->length(1) - ends.length) <= length_slack(ends);
   return circular ? lens_width(*family) : std::numeric_limits<double>::infinity();
 }
 
 std::optional<SpiralArcs> spiral_arcs(const SpiralEnds& ends, ArcOrder order) {
   const auto family = BiarcFamily::between(ends.a, ends.b);
   if (!family) return {};
-  const double allowed = kLengthTolerance * ends.length, lens = lens_width(*family);
+  const double allowed = length_slack(ends), lens = lens_width(*family);
   const auto region = bilens(*family, ends.a.kappa, ends.b.kappa);
   if (lens <= 1e-13 * ends.length || !region) {  // a circular arc as far as rounding tells
     if (std::abs(family->length(1) - ends.length) > allowed) return {};

@@ -84,6 +84,9 @@ ArcFit fit_arcs_between(const std::function<CurvePoint(double)>& curve, const st
     double from = breaks[i], step = breaks[i + 1] - breaks[i];
     while (from < breaks[i + 1]) {
       double to = farthest(curve, from, breaks[i + 1], tolerance, step);
+      // A remainder too short to have a shape of its own is shared.
+      const double left = breaks[i + 1] - to;
+      if (left > 0 && left < kSearchPart * (to - from)) to = 0.5 * (from + breaks[i + 1]);
       auto piece = spiral_arcs(ends_of(curve, from, to), order);
       while (!piece) {  // no spiral as far as rounding tells
         to = from + 0.5 * (to - from);
