@@ -83,6 +83,7 @@ class Search {
   void search() {
     const double energy = options_.max_energy * length_;
     const int most = std::min(options_.max_inflections, cells::inflection_bound(unit_.target, energy));
+    report_.taut += cells::taut_solutions(unit_.target, most, energy);
     std::vector<Cell> open = cells::initial_cells(unit_.target, most);
     while (!open.empty()) {
       Cell cell = open.back();

@@ -35,7 +35,8 @@ struct EquilibriaReport {
   std::vector<Equilibrium> equilibria;  // lowest energy first
   // Cells that could neither be excluded nor be resolved; 0 unless the clamps are about to lose a shape.
   int unresolved = 0;
-  // Cells left out where the blade is pulled taut beyond what a start state can carry (continuation.hpp).
+  // Cells and shapes left out where the blade is pulled taut beyond what a start state can carry
+  // (continuation.hpp).
   int taut = 0;
   int cells = 0;
 };

@@ -5,6 +5,7 @@
 #include <boost/math/special_functions/ellint_rf.hpp>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace hotblade::elastica::cells {
 
@@ -352,6 +353,48 @@ Swing swing_at(double psi0, double w, bool above, int n, const Target& target) {
   const double start = part_at(psi0, m, above).time, end = part_at(psi1, m, above).time;
   const double time = 2.0 * n * (n > 0 ? quarter(m).time : 0) - start + (n % 2 == 0 ? end : -end);
   return {time * speed_at(psi0, above ? -m : m), time * time * std::cos(psi0), -time * time * std::sin(psi0)};
+}
+
+namespace {
+
+// How far the chord of the taut shape that starts at psi0 with n turning points is from its direction (the
+// sine of the angle), absent where the way does not lead along the tension, or takes less time than the
+// nearest cells have.
+std::optional<double> taut_mismatch(double psi0, int n, const Target& target, double max_energy) {
+  const double m = std::exp(-kMostW), psi1 = psi0 + target.turning, sign = n % 2 == 0 ? 1 : -1;
+  const bool above = n == 0;
+  if (above && std::floor((psi0 + kPi) / (2 * kPi)) == std::floor((psi1 + kPi) / (2 * kPi)))
+    return std::nullopt;
+  if (!above && (std::abs(psi0) >= kPi || std::abs(psi1) >= kPi)) return std::nullopt;
+  const Part p0 = part_at(psi0, m, above), p1 = part_at(psi1, m, above), q = above ? Part{} : quarter(m);
+  const double action = 2 * n * q.action - p0.action + sign * p1.action;
+  const double least_time = 2 * n * q.time - p0.time + sign * p1.time;
+  const double u = above ? -m : m, drop = speed_at(psi0, u) - sign * speed_at(psi1, u);
+  // (action - T)^2 + drop^2 = (r T)^2, the larger T.
+  const double square = action * action + drop * drop, rest = 1 - target.r * target.r;
+  const double root = action * action - square * rest;
+  if (root < 0) return std::nullopt;
+  const double time = square / (action - std::sqrt(root));
+  if (!(time > least_time) || action * time > max_energy) return std::nullopt;
+  const double beta = psi0 + target.chi, x = action - time, y = drop;
+  if (x * std::cos(beta) + y * std::sin(beta) < 0) return std::nullopt;
+  return (x * std::sin(beta) - y * std::cos(beta)) / (target.r * time);
+}
+
+}  // namespace
+
+int taut_solutions(const Target& target, int max_inflections, double max_energy) {
+  constexpr int kScan = 2000;
+  int count = 0;
+  for (int n = convex_arc_possible(target) ? 0 : 1; n <= max_inflections; ++n) {
+    std::optional<double> last;
+    for (int i = 0; i <= kScan; ++i) {
+      const auto here = taut_mismatch(-kPi + 2 * kPi * i / kScan, n, target, max_energy);
+      if (last && here && (*last < 0) != (*here < 0)) ++count;
+      last = here;
+    }
+  }
+  return count;
 }
 
 int inflection_bound(const Target& target, double max_energy) {

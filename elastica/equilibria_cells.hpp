@@ -49,4 +49,9 @@ struct Swing {
 // and time of at least those at c = -r.
 [[nodiscard]] int inflection_bound(const Target& target, double max_energy);
 
+// Solutions nearer to the separatrix than the cells go, found by sign changes over a fine scan of psi0. There
+// the blade lies along its tension but for bends whose action no longer depends on c, and T is free: it
+// follows from the distance of the clamps, and the direction of the chord is the one condition left.
+[[nodiscard]] int taut_solutions(const Target& target, int max_inflections, double max_energy);
+
 }  // namespace hotblade::elastica::cells

@@ -202,6 +202,13 @@ TEST(FindEquilibria, NoneWhereTheClampsAreFurtherApartThanTheBladeIsLong) {
   EXPECT_TRUE(straight.equilibria[0].stable);
 }
 
+TEST(FindEquilibria, TellsOfATautShapeThatAStartStateCannotCarry) {
+  // A chain of 400 segments has a minimum here, of energy 35.7: straight but for sharp bends at both clamps.
+  const EquilibriaReport r = find_equilibria({{0, 0, 0}, {0.898479, -0.359776, -2.49912}}, 1);
+  EXPECT_TRUE(r.equilibria.empty());
+  EXPECT_EQ(r.taut, 1);
+}
+
 TEST(FindEquilibria, ClosedLoopsIncludeTheCircle) {
   const EquilibriaReport r = find_equilibria({{0, 0, 0}, {0, 0, 2 * kPi}}, 1);
   ASSERT_FALSE(r.equilibria.empty());
