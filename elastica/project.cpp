@@ -55,16 +55,15 @@ Scored walk(const Standard& from, const std::array<double, 2>& target, double th
   for (int i = 1; i <= kSteps && best.e > threshold; ++i) {
     const double t = static_cast<double>(i) / kSteps;
     const Standard s{from.a1, from.a2, (1 - t) * from.l1 + t * target[0], (1 - t) * from.l2 + t * target[1]};
-    const double e = score(s);
-    if (e < best.e) best = {s, e};
+    // Both ends of a plain walk may be free of a crossing and its middle not.
+    if (const double e = score(s); e < best.e && !edges_cross(s)) best = {s, e};
     if (inflectional_only && !inflectional(s)) break;
   }
   return best;
 }
 
-// One run of the paper's steps (3) and (4).
-Scored deform(const Standard& input, double threshold) {
-  const Standard start = uncrossed(input);
+// One run of the paper's steps (3) and (4), from edges that do not cross.
+Scored deform(const Standard& start, double threshold) {
   const double lmax = edge_limits(start.a1, start.a2).longest;
   Standard adjusted = start;
   adjusted.l1 = std::clamp(start.l1, kMinInflectional, lmax);
@@ -83,8 +82,8 @@ Projection project_feedback(const Bezier& b, double threshold) {
     result.status = ProjectStatus::kUnsupported;
     return result;
   }
-  Scored best{*input, score(*input)};
-  Standard from = *input;
+  Standard from = uncrossed(*input);
+  Scored best{from, score(from)};
   for (int round = 0; round < kRounds && best.e > threshold; ++round) {
     const Scored next = deform(from, threshold);
     if (next.e < best.e) best = next;

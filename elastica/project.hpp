@@ -27,8 +27,9 @@ struct Projection {
   ProjectStatus status = ProjectStatus::kReached;
 };
 
-// The paper's feedback projection down to `threshold` in [0, 1). A curve that is already there comes back
-// unchanged; otherwise the best of the deformation's steps is returned, never worse than the input.
+// The paper's feedback projection down to `threshold` in [0, 1). Where the first and third edge cross, both
+// are shortened first, and no result has them crossing. A curve that is at the threshold then comes back as
+// it is; otherwise the best of the deformation's steps is returned, never worse than the start.
 [[nodiscard]] Projection project_feedback(const Bezier& bezier, double threshold);
 
 // The report of a projection of `bezier`, standing at `input`, to the edges of `s`.

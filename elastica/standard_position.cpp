@@ -39,8 +39,12 @@ Bezier to_bezier(const StandardPosition& s) {
 }
 
 Bezier with_edges(const Bezier& b, const StandardPosition& input, const StandardPosition& s) {
-  // Only lengths change: the end tangents keep their direction to the last bit of the multiplication.
-  return {b[0], b[0] + (b[1] - b[0]) * (s.l1 / input.l1), b[3] + (b[2] - b[3]) * (s.l2 / input.l2), b[3]};
+  // Only lengths change: the end tangents keep their direction to the last bit of the multiplication, and an
+  // edge that stays keeps its point.
+  const auto moved = [](const Eigen::Vector2d& end, const Eigen::Vector2d& inner, double was, double is) {
+    return is == was ? inner : Eigen::Vector2d(end + (inner - end) * (is / was));
+  };
+  return {b[0], moved(b[0], b[1], input.l1, s.l1), moved(b[3], b[2], input.l2, s.l2), b[3]};
 }
 
 bool inflectional(const StandardPosition& s) {

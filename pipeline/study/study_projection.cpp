@@ -39,11 +39,11 @@ constexpr elastica::SearchOptions kBruteForce{129, 24};
 
 // What must never happen, over all projections.
 struct Faults {
-  double end_point = 0, tangent = 0;  // largest change, in chords and rad
-  std::size_t crossing = 0;           // results whose first and third edge cross
+  double end_point = 0, tangent = 0;                        // largest change, in chords and rad
+  std::size_t crossing_feedback = 0, crossing_optimal = 0;  // results whose first and third edge cross
 };
 
-void record(const Bezier& before, const Bezier& after, Faults& faults) {
+void record(const Bezier& before, const Bezier& after, Faults& faults, std::size_t& crossing) {
   const double chord = (before[3] - before[0]).norm();
   for (const auto& [end, inner] : {std::pair<std::size_t, std::size_t>{0, 1}, {3, 2}}) {
     faults.end_point = std::max(faults.end_point, (after[end] - before[end]).norm() / chord);
@@ -51,7 +51,7 @@ void record(const Bezier& before, const Bezier& after, Faults& faults) {
                           now = (after[inner] - after[end]).normalized();
     faults.tangent = std::max(faults.tangent, (was - now).norm());
   }
-  if (const auto s = elastica::standard_position(after); s && edges_cross(*s)) ++faults.crossing;
+  if (const auto s = elastica::standard_position(after); s && edges_cross(*s)) ++crossing;
 }
 
 struct Outcome {
@@ -75,8 +75,8 @@ Outcome run_case(const Case& c, std::uint64_t seed, std::size_t samples, std::si
           const Projection optimal = elastica::project_optimal(b, WantedBranch::kBest);
           o.feedback[i] = feedback.lambda_residual;
           o.optimal[i] = optimal.lambda_residual;
-          record(b, feedback.bezier, faults[i]);
-          record(b, optimal.bezier, faults[i]);
+          record(b, feedback.bezier, faults[i], faults[i].crossing_feedback);
+          record(b, optimal.bezier, faults[i], faults[i].crossing_optimal);
         }
       });
   over_blocks(
@@ -90,7 +90,8 @@ Outcome run_case(const Case& c, std::uint64_t seed, std::size_t samples, std::si
   for (const Faults& f : faults) {
     o.faults.end_point = std::max(o.faults.end_point, f.end_point);
     o.faults.tangent = std::max(o.faults.tangent, f.tangent);
-    o.faults.crossing += f.crossing;
+    o.faults.crossing_feedback += f.crossing_feedback;
+    o.faults.crossing_optimal += f.crossing_optimal;
   }
   o.optimal_checked.assign(o.optimal.begin(), o.optimal.begin() + static_cast<std::ptrdiff_t>(checked));
   return o;
@@ -135,24 +136,27 @@ std::string tables(const Case& c, std::uint64_t seed, const Outcome& o) {
   text += row(fmt::format("optimal, first {}", o.brute.size()), distribution(o.optimal_checked));
   text += row(fmt::format("brute force, the same {}", o.brute.size()), distribution(o.brute));
   text += fmt::format(
-      "  largest move of an end point {:.1e} chords, of an end tangent {:.1e} rad; crossing edges {}\n\n",
-      o.faults.end_point, o.faults.tangent, o.faults.crossing);
+      "  largest move of an end point {:.1e} chords, of an end tangent {:.1e} rad; crossing edges: feedback "
+      "{}, "
+      "optimal {}\n\n",
+      o.faults.end_point, o.faults.tangent, o.faults.crossing_feedback, o.faults.crossing_optimal);
   return text;
 }
 
 nlohmann::ordered_json figures(const Case& c, std::uint64_t seed, const Outcome& o) {
-  return {{"angle_constraints", {c.constraints.from_chord, c.constraints.difference}},
-          {"seed", seed},
-          {"samples", o.feedback.size()},
-          {"checked", o.brute.size()},
-          {"paper", to_json(c.paper)},
-          {"feedback", to_json(distribution(o.feedback))},
-          {"optimal", to_json(distribution(o.optimal))},
-          {"optimal_checked", to_json(distribution(o.optimal_checked))},
-          {"brute_force", to_json(distribution(o.brute))},
-          {"end_point_moved", o.faults.end_point},
-          {"tangent_moved", o.faults.tangent},
-          {"crossing_edges", o.faults.crossing}};
+  return {
+      {"angle_constraints", {c.constraints.from_chord, c.constraints.difference}},
+      {"seed", seed},
+      {"samples", o.feedback.size()},
+      {"checked", o.brute.size()},
+      {"paper", to_json(c.paper)},
+      {"feedback", to_json(distribution(o.feedback))},
+      {"optimal", to_json(distribution(o.optimal))},
+      {"optimal_checked", to_json(distribution(o.optimal_checked))},
+      {"brute_force", to_json(distribution(o.brute))},
+      {"end_point_moved", o.faults.end_point},
+      {"tangent_moved", o.faults.tangent},
+      {"crossing_edges", {{"feedback", o.faults.crossing_feedback}, {"optimal", o.faults.crossing_optimal}}}};
 }
 
 }  // namespace
