@@ -67,6 +67,10 @@ Json ranking_json(const std::vector<DirectionScore>& ranking) {
   for (const DirectionScore& d : ranking) {
     list.push_back({{"normal", vector_json(d.normal)},
                     {"strips", d.strips},
+                    {"estimated", d.estimated},
+                    {"deviation_mm", d.deviation_mm},
+                    {"raggedness", d.raggedness},
+                    {"steepness", d.steepness},
                     {"covered_share", d.covered_share},
                     {"score", d.score}});
   }

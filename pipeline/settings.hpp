@@ -23,13 +23,14 @@ struct DesignSettings {
 
 struct SliceSettings {
   std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
-  double spacing_mm = 20;                          // largest distance between rib planes
+  double spacing_mm = 20;  // largest distance between the sections that ribs are chosen from
 };
 
 struct FitSettings {
   double lambda_threshold =
       0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
   double deviation_share = 0.5;  // of the tolerance that one rib's elastica may deviate from its target
+  double between_share = 0.1;    // of the tolerance that the surface between ribs may be farther off than they
   int max_splits = 12;           // along a rib
 };
 

@@ -31,7 +31,7 @@ constexpr SettingField kFields[] = {
     {"slice", "direction", "", -1000, 1000, "",
      "Normal of the rib planes in the design frame, of any length; absent: searched",
      [](S& s) -> Place { return &s.slice.direction; }},
-    {"slice", "spacing_mm", "mm", 0.5, 500, "", "Largest distance between rib planes",
+    {"slice", "spacing_mm", "mm", 0.5, 500, "", "Largest distance between the sections that ribs are chosen from",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
 
     {"fit", "lambda_threshold", "", 0, 10, "",
@@ -39,6 +39,9 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.fit.lambda_threshold; }},
     {"fit", "deviation_share", "", 0.01, 1, "", "Share of the tolerance that one rib's elastica may use up",
      [](S& s) -> Place { return &s.fit.deviation_share; }},
+    {"fit", "between_share", "", 0.001, 1, "",
+     "Share of the tolerance that the surface between ribs may be farther off than the ribs",
+     [](S& s) -> Place { return &s.fit.between_share; }},
     {"fit", "max_splits", "", 0, 1000, "", "Most splits along a rib",
      [](S& s) -> Place { return &s.fit.max_splits; }},
 

@@ -5,7 +5,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <unsupported/Eigen/Splines>
+
+#include "pipeline/plan/rib_spline.hpp"
 
 namespace hotblade::pipeline {
 
@@ -17,44 +18,12 @@ using elastica::MidState;
 // The flat arc every strip starts and ends with turns by 2 u; the controller accepts 0.10 <= |u| <= 0.17 rad.
 constexpr double kFlatHalfTurn = 0.13;
 
-// Mid states of the ribs as a spline over the sweep offset.
-class RibSpline {
- public:
-  explicit RibSpline(const StripPlan& strip) : strip_(strip) {
-    const auto n = static_cast<Eigen::Index>(strip.ribs.size());
-    Eigen::Matrix<double, 7, Eigen::Dynamic> values(7, n);
-    Eigen::RowVectorXd knots(n);
-    first_ = strip.ribs.front().offset_mm;
-    last_ = strip.ribs.back().offset_mm;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const RibFit& rib = strip.ribs[static_cast<std::size_t>(i)];
-      const MidState m = mid_state(rib.elastica);
-      // Directions are unwrapped from rib to rib.
-      const double before = i > 0 ? values(2, i - 1) : m.theta;
-      const double theta = before + std::remainder(m.theta - before, 2 * 3.14159265358979323846);
-      values.col(i) << m.x, m.y, theta, m.kappa, m.tension1, m.tension2, m.length;
-      knots[i] = (rib.offset_mm - first_) / (last_ - first_);
-    }
-    const Eigen::Index degree = std::min<Eigen::Index>(3, n - 1);
-    spline_ = Eigen::SplineFitting<Spline>::Interpolate(values, degree, knots);
-  }
-
-  // Before the first and behind the last rib the end shape is kept.
-  [[nodiscard]] BladeShape at(double offset_mm) const {
-    const double w = std::clamp((offset_mm - first_) / (last_ - first_), 0.0, 1.0);
-    const Eigen::Matrix<double, 7, 1> m = spline_(w);
-    const Elastica rib = elastica::from_mid_state({m[0], m[1], m[2], m[3], m[4], m[5], m[6]});
-    const double before = strip_.share_a * (strip_.blade_length_mm - rib.length);
-    return {offset_mm, extended(rib, strip_.blade_length_mm, strip_.share_a), before, before + rib.length,
-            true};
-  }
-
- private:
-  using Spline = Eigen::Spline<double, 7>;
-  const StripPlan& strip_;
-  Spline spline_;
-  double first_ = 0, last_ = 0;
-};
+// The blade at a place of the sweep: the rib there, extended.
+BladeShape shape_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {
+  const Elastica rib = spline.at(offset_mm);
+  const double before = strip.share_a * (strip.blade_length_mm - rib.length);
+  return {offset_mm, extended(rib, strip.blade_length_mm, strip.share_a), before, before + rib.length, true};
+}
 
 // Flat arc and a working shape joined by a straight line in the state at the blade's middle.
 struct Forming {
@@ -119,7 +88,7 @@ ClampPair clamps(const Elastica& blade, const Frame& frame) {
 }
 
 BladePath make_path(const StripPlan& strip, const Settings& settings) {
-  const auto spline = std::make_shared<RibSpline>(strip);
+  const auto spline = std::make_shared<RibSpline>(strip.ribs);
   BladePath path;
   SweepMarks& marks = path.marks;
   marks.first_rib_mm = strip.ribs.front().offset_mm;
@@ -128,8 +97,8 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   marks.start_mm = marks.first_rib_mm - outside;
   marks.end_mm = marks.last_rib_mm + outside;
   const double above = marks.first_rib_mm - settings.stock.border_mm - settings.motion.approach_mm;
-  const Forming first(in_air(spline->at(marks.first_rib_mm), above));
-  const Forming last(in_air(spline->at(marks.last_rib_mm), marks.end_mm));
+  const Forming first(in_air(shape_at(strip, *spline, marks.first_rib_mm), above));
+  const Forming last(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.end_mm));
   const double aside = way_out_mm(strip, last, settings.stock);
   const auto moved = [](BladeShape shape, double by) {
     shape.blade.y += by;
@@ -140,8 +109,9 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
                               return in_air(first.worked, above + u * (marks.start_mm - above));
                             }});
   const int resolved = std::clamp(static_cast<int>(8 * strip.ribs.size()), 400, 4000);
-  path.stretches.push_back({"cut", true, resolved, [spline, marks](double u) {
-                              return spline->at(marks.start_mm + u * (marks.end_mm - marks.start_mm));
+  path.stretches.push_back({"cut", true, resolved, [&strip, spline, marks](double u) {
+                              return shape_at(strip, *spline,
+                                              marks.start_mm + u * (marks.end_mm - marks.start_mm));
                             }});
   path.stretches.push_back(
       {"retract", false, 50, [last, moved, aside](double u) { return moved(last.worked, u * aside); }});

@@ -1,9 +1,11 @@
 #include "pipeline/plan/direction.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/plan/body_axes.hpp"
 #include "pipeline/plan/strips.hpp"
 #include "surface/slice.hpp"
 
@@ -11,12 +13,16 @@ namespace hotblade::pipeline {
 
 namespace {
 
-constexpr int kCoarsePlanes = 11;
+// An estimate looks at few sections, a coarse plan at enough for its ribs.
+constexpr int kEstimatePlanes = 5, kCoarsePlanes = 9;
+constexpr std::size_t kPlanned = 6;
 // One percent of the design left out weighs as much as one more strip.
 constexpr double kUncoveredWeight = 100;
+// A blade that has turned this far over a rib has left the block by its sides.
+constexpr double kTurnPerStrip = 2;
 
 double extent(const surface::TriangleMesh& mesh, const Eigen::Vector3d& n) {
-  double low = 1e300, high = -1e300;
+  double low = n.dot(mesh.vertices.front()), high = low;
   for (const Eigen::Vector3d& p : mesh.vertices) {
     low = std::min(low, n.dot(p));
     high = std::max(high, n.dot(p));
@@ -24,70 +30,130 @@ double extent(const surface::TriangleMesh& mesh, const Eigen::Vector3d& n) {
   return high - low;
 }
 
-// Principal axes of the surface's area, widest first.
-std::vector<Eigen::Vector3d> body_axes(const surface::TriangleMesh& mesh) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-  double total = 0;
-  for (const auto& t : mesh.triangles) {
-    const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(t[0])],
-                          b = mesh.vertices[static_cast<std::size_t>(t[1])],
-                          c = mesh.vertices[static_cast<std::size_t>(t[2])];
-    const double area = 0.5 * (b - a).cross(c - a).norm();
-    const Eigen::Vector3d centre = (a + b + c) / 3;
-    mean += area * centre;
-    second += area * centre * centre.transpose();
-    total += area;
-  }
-  mean /= total;
-  const Eigen::Matrix3d covariance = second / total - mean * mean.transpose();
-  const Eigen::Matrix3d v = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
-  return {v.col(2), v.col(1), v.col(0)};
-}
+// Even sections in the middles of `planes` slabs: a border that is not quite parallel to the planes then does
+// not leave a sliver for the first and the last of them.
+struct Coarse {
+  TargetReport targets;
+  double slab_mm = 0;
+};
 
-// One of n and -n: the first component above half the largest is positive.
-Eigen::Vector3d oriented(const Eigen::Vector3d& n) {
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(n[i]) > 0.5 * n.cwiseAbs().maxCoeff()) return n[i] < 0 ? Eigen::Vector3d(-n) : n;
-  }
-  return n;
-}
-
-std::vector<Eigen::Vector3d> candidates(const surface::DesignSurface& design) {
-  std::vector<Eigen::Vector3d> all;
-  std::vector<Eigen::Vector3d> raw{Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitY(),
-                                   Eigen::Vector3d::UnitZ()};
-  for (const Eigen::Vector3d& axis : body_axes(design.mesh)) raw.push_back(oriented(axis));
-  constexpr double kSame = 0.996;  // within 5 degrees
-  for (const Eigen::Vector3d& n : raw) {
-    const bool known = std::any_of(all.begin(), all.end(),
-                                   [&](const Eigen::Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
-    if (!known) all.push_back(n);
-  }
-  return all;
-}
-
-DirectionScore score(const surface::DesignSurface& design, const Eigen::Vector3d& n,
-                     const Settings& settings) {
-  DirectionScore result{n, 0, 0, 0};
+Coarse coarse_targets(const surface::DesignSurface& design, const Eigen::Vector3d& n, int planes,
+                      const Settings& settings) {
   surface::SliceOptions options;
   options.normal = n;
   const double wide = extent(design.mesh, n);
-  if (wide > 2 * options.end_inset_mm) {
-    options.spacing_mm = wide / (kCoarsePlanes - 1);
-    const StripLayout layout = lay_out_strips(make_targets(slice(design, options), settings), settings);
-    double covered = 0;
-    for (const StripPlan& strip : layout.strips) {
-      for (std::size_t i = 1; i < strip.ribs.size(); ++i) {
-        covered += 0.5 * (strip.ribs[i].elastica.length + strip.ribs[i - 1].elastica.length) *
-                   (strip.ribs[i].offset_mm - strip.ribs[i - 1].offset_mm);
-      }
-    }
-    result.strips = layout.strips.size();
-    result.covered_share = std::min(1.0, covered / design.health.area_mm2);
+  if (!(wide > 2 * planes * options.end_inset_mm)) return {};
+  // Rounding must not add a plane.
+  options.spacing_mm = (1 + 1e-9) * wide / planes;
+  options.end_inset_mm = 0.5 * wide / planes;
+  return {make_targets(slice(design, options), settings), options.spacing_mm};
+}
+
+// The area that ribs of these lengths, offsets and slopes stand for. The slope over the surface is about half
+// of the largest on a rib.
+double area_between(double length_a, double length_b, double distance, double slope) {
+  return 0.5 * (length_a + length_b) * distance / std::cos(0.5 * slope);
+}
+
+double turning(const RibTarget& rib) {
+  // Over stretches of a 32nd of the rib, so that facets do not count.
+  const std::vector<Eigen::Vector2d> q = resample(rib, 0, 1, 33);
+  double sum = 0;
+  for (std::size_t i = 2; i < q.size(); ++i) {
+    const Eigen::Vector2d a = q[i - 1] - q[i - 2], b = q[i] - q[i - 1];
+    sum += std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)));
   }
-  result.score = static_cast<double>(result.strips) + kUncoveredWeight * (1 - result.covered_share);
+  return sum;
+}
+
+// How much the ribs of a chain grow and shrink, as a share of the longest: 0 where the borders are square to
+// the planes, 2 from corner to corner. Short ribs at a corner say little about the blade's shape and cost
+// ribs.
+double raggedness(const ChainTarget& chain) {
+  double change = 0, longest = 0;
+  for (std::size_t i = 0; i < chain.ribs.size(); ++i) {
+    longest = std::max(longest, chain.ribs[i].s.back());
+    if (i > 0) change += std::abs(chain.ribs[i].s.back() - chain.ribs[i - 1].s.back());
+  }
+  return change / longest;
+}
+
+double raggedness(const TargetReport& targets) {
+  double sum = 0;
+  for (const ChainTarget& chain : targets.chains) sum += raggedness(chain);
+  return sum;
+}
+
+// Mean of the steepest slope of each rib, as a share of what can be cut.
+double steepness(const TargetReport& targets) {
+  double sum = 0, ribs = 0;
+  for (const ChainTarget& chain : targets.chains) {
+    for (const RibTarget& rib : chain.ribs) sum += rib.max_slope_rad / kMaxSlopeRad;
+    ribs += static_cast<double>(chain.ribs.size());
+  }
+  return ribs > 0 ? sum / ribs : 1;
+}
+
+void finish(DirectionScore& result, double covered_mm2, const surface::DesignSurface& design,
+            const Settings& settings) {
+  result.covered_share = std::min(1.0, covered_mm2 / design.health.area_mm2);
+  result.score = static_cast<double>(result.strips) + kUncoveredWeight * (1 - result.covered_share) +
+                 result.deviation_mm / settings.design.tolerance_mm + result.raggedness + result.steepness;
+}
+
+// Strips by length, turning and extent along the sweep alone.
+DirectionScore estimate(const surface::DesignSurface& design, const Eigen::Vector3d& n,
+                        const Settings& settings) {
+  DirectionScore result{n};
+  double area = 0;
+  const double longest = settings.blade.free_lengths_mm.back() - 2 * settings.stock.clearance_mm;
+  const double block =
+      *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end());
+  const Coarse coarse = coarse_targets(design, n, kEstimatePlanes, settings);
+  result.raggedness = raggedness(coarse.targets);
+  result.steepness = steepness(coarse.targets);
+  for (const ChainTarget& chain : coarse.targets.chains) {
+    double pieces = 1;
+    for (const RibTarget& rib : chain.ribs) {
+      pieces = std::max(
+          {pieces, rib.s.back() / std::max(1.0, std::min(longest, block)), turning(rib) / kTurnPerStrip});
+      area += area_between(rib.s.back(), rib.s.back(), coarse.slab_mm, rib.max_slope_rad);
+    }
+    const double sweep = coarse.slab_mm + chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
+    result.strips += static_cast<std::size_t>(std::ceil(pieces) * std::ceil(sweep / block));
+  }
+  finish(result, area, design, settings);
   return result;
+}
+
+DirectionScore plan_coarsely(const surface::DesignSurface& design, const Eigen::Vector3d& n,
+                             const Settings& settings) {
+  DirectionScore result{n};
+  result.estimated = false;
+  double area = 0;
+  const Coarse coarse = coarse_targets(design, n, kCoarsePlanes, settings);
+  result.raggedness = raggedness(coarse.targets);
+  result.steepness = steepness(coarse.targets);
+  const StripLayout layout = lay_out_strips(coarse.targets, settings);
+  for (const StripPlan& strip : layout.strips) {
+    const auto& ribs = strip.ribs;
+    for (const RibFit& rib : ribs) result.deviation_mm = std::max(result.deviation_mm, rib.deviation_mm);
+    for (std::size_t i = 1; i < ribs.size(); ++i) {
+      area += area_between(ribs[i - 1].elastica.length, ribs[i].elastica.length,
+                           ribs[i].offset_mm - ribs[i - 1].offset_mm, ribs[i].max_slope_rad);
+    }
+    // Half a slab beyond the first and the last rib.
+    area += area_between(ribs.front().elastica.length, ribs.back().elastica.length, coarse.slab_mm,
+                         ribs.front().max_slope_rad);
+  }
+  result.strips = layout.strips.size();
+  finish(result, area, design, settings);
+  return result;
+}
+
+void sort_by_score(std::vector<DirectionScore>& ranking, std::size_t count) {
+  std::stable_sort(ranking.begin(), ranking.begin() + static_cast<std::ptrdiff_t>(count),
+                   [](const DirectionScore& a, const DirectionScore& b) { return a.score < b.score; });
 }
 
 }  // namespace
@@ -95,12 +161,27 @@ DirectionScore score(const surface::DesignSurface& design, const Eigen::Vector3d
 std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design, const Settings& settings) {
   if (settings.slice.direction) {
     const auto& d = *settings.slice.direction;
-    return {score(design, Eigen::Vector3d(d[0], d[1], d[2]).normalized(), settings)};
+    return {estimate(design, Eigen::Vector3d(d[0], d[1], d[2]).normalized(), settings)};
   }
-  std::vector<DirectionScore> ranking;
-  for (const Eigen::Vector3d& n : candidates(design)) ranking.push_back(score(design, n, settings));
-  std::stable_sort(ranking.begin(), ranking.end(),
-                   [](const DirectionScore& a, const DirectionScore& b) { return a.score < b.score; });
+  const BodyAxes body = body_axes(design.mesh);
+  std::vector<Eigen::Vector3d> candidates = along_borders(design.mesh, body);
+  // A direction nearly along a straight border is worse than the one along it: its first rib is a sliver.
+  constexpr double kSame = 0.99;  // within 8 degrees, about half of the hemisphere's steps
+  const std::size_t borders = candidates.size();
+  for (const Eigen::Vector3d& n : hemisphere(body)) {
+    const bool known =
+        std::any_of(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(borders),
+                    [&](const Eigen::Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
+    if (!known) candidates.push_back(n);
+  }
+  std::vector<DirectionScore> ranking(candidates.size());
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    ranking[i] = estimate(design, with_sense(design.mesh, body, candidates[i]), settings);
+  });
+  sort_by_score(ranking, ranking.size());
+  tbb::parallel_for(std::size_t{0}, kPlanned,
+                    [&](std::size_t i) { ranking[i] = plan_coarsely(design, ranking[i].normal, settings); });
+  sort_by_score(ranking, kPlanned);
   return ranking;
 }
 

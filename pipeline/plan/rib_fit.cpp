@@ -59,18 +59,13 @@ Eigen::Vector3d pure(const MidState& m) {
   return {m.kappa * m.length, m.tension1 * m.length * m.length, m.tension2 * m.length * m.length};
 }
 
-// What the neighbours say this rib should be: their mean, or the line through the next two at a strip's ends
-// (a plain copy of one neighbour would drag the end ribs inwards). At least 3 ribs.
-MidState neighbours_say(const std::vector<MidState>& mids, std::size_t i) {
+// What the neighbours say this rib should be: the line through them, or through the next two at a strip's
+// ends (a plain copy of one neighbour would drag the end ribs inwards). At least 3 ribs.
+MidState neighbours_say(const std::vector<double>& offsets, const std::vector<MidState>& mids, std::size_t i) {
   const std::size_t last = mids.size() - 1;
-  Eigen::Vector3d v;
-  if (i == 0) {
-    v = 2 * pure(mids[1]) - pure(mids[2]);
-  } else if (i == last) {
-    v = 2 * pure(mids[last - 1]) - pure(mids[last - 2]);
-  } else {
-    v = 0.5 * (pure(mids[i - 1]) + pure(mids[i + 1]));
-  }
+  const std::size_t a = i == 0 ? 1 : i - 1, b = i == 0 ? 2 : i == last ? last - 2 : i + 1;
+  const double t = (offsets[i] - offsets[a]) / (offsets[b] - offsets[a]);
+  const Eigen::Vector3d v = (1 - t) * pure(mids[a]) + t * pure(mids[b]);
   MidState prior = mids[i];
   prior.kappa = v[0] / prior.length;
   prior.tension1 = v[1] / (prior.length * prior.length);
@@ -98,14 +93,15 @@ std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weigh
 
 void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowance_mm, double most_mm) {
   if (ribs.size() < 3) return;
-  std::vector<double> bound;
+  std::vector<double> bound, offsets;
+  for (const RibFit& rib : ribs) offsets.push_back(rib.offset_mm);
   for (const RibFit& rib : ribs) bound.push_back(std::min(rib.deviation_mm + allowance_mm, most_mm));
   for (int sweep = 0; sweep < kSmoothingSweeps; ++sweep) {
     std::vector<MidState> mids;
     for (const RibFit& rib : ribs) mids.push_back(mid_state(rib.elastica));
     // Every rib looks at the sweep's start only: the result does not depend on the order or the threads.
     tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
-      const MidState prior = neighbours_say(mids, i);
+      const MidState prior = neighbours_say(offsets, mids, i);
       RibFit candidate = ribs[i];
       refit(candidate, {tension_weight, &prior, kNeighbourWeight});
       if (candidate.deviation_mm <= bound[i]) ribs[i] = std::move(candidate);

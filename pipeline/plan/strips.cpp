@@ -1,12 +1,15 @@
 #include "pipeline/plan/strips.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "pipeline/plan/adaptive_ribs.hpp"
 #include "pipeline/plan/blade.hpp"
+#include "pipeline/plan/split.hpp"
 
 namespace hotblade::pipeline {
 
@@ -34,6 +37,9 @@ struct Attempt {
   bool fitted = false;    // an elastica serves every rib; what failed is the blade or the block
   bool hopeless = false;  // the design itself is far too sharp: shorter pieces are no flatter
 };
+
+// The search for split lines asks only whether a share serves; a strip's ribs are smoothed as well.
+enum class Purpose { kSearch, kStrip };
 
 std::size_t worst_rib(const std::vector<RibFit>& ribs) {
   return static_cast<std::size_t>(
@@ -73,7 +79,7 @@ struct Served {
   BladeReport blade;
 };
 
-Served serve(const std::vector<RibFit>& closest, double allowed, const Settings& settings) {
+Served serve(const std::vector<RibFit>& closest, double allowed, Purpose purpose, const Settings& settings) {
   // From nearly circular arcs down to what the points alone say.
   constexpr std::array<double, 4> kTensionWeights{3e-3, 3e-4, 3e-5, kLeastTensionWeight};
   Served served;
@@ -82,7 +88,7 @@ Served serve(const std::vector<RibFit>& closest, double allowed, const Settings&
     if (ribs[worst_rib(ribs)].deviation_mm > allowed) continue;
     const StockRect rect = stock_rect(ribs, settings.stock);
     served.blade = choose_blade(ribs, rect, settings);
-    if (served.blade.choice) {
+    if (served.blade.choice && purpose == Purpose::kStrip) {
       smooth_ribs(ribs, weight, 0.1 * allowed, allowed);
       served.blade = choose_blade(ribs, rect, settings);
     }
@@ -109,7 +115,7 @@ StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const 
 }
 
 Attempt try_share(const ChainTarget& chain, std::span<const RibTarget> targets, double u0, double u1,
-                  const Settings& settings) {
+                  Purpose purpose, const Settings& settings) {
   Attempt attempt;
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   const std::vector<RibFit> closest = fit_ribs(targets, u0, u1, settings.fit);
@@ -125,7 +131,7 @@ Attempt try_share(const ChainTarget& chain, std::span<const RibTarget> targets, 
     return attempt;
   }
   attempt.fitted = true;
-  const Served served = serve(closest, allowed, settings);
+  const Served served = serve(closest, allowed, purpose, settings);
   if (!served.blade.choice) {
     attempt.refusal = served.blade.refusal;
     // A shorter piece follows the design more closely, so its radius only shrinks; half leaves room for the
@@ -167,30 +173,104 @@ std::vector<std::pair<std::size_t, std::size_t>> sweep_runs(const ChainTarget& c
   return runs;
 }
 
-void lay_out_run(const ChainTarget& chain, std::span<const RibTarget> ribs, const Settings& settings,
-                 StripLayout& layout) {
-  // The first refusal of pieces that an elastica serves says most; before that, how far the last one was off.
-  Refusal said;
-  bool fitted = false, hopeless = false;
-  for (int pieces = 1; pieces <= settings.fit.max_splits + 1 && !hopeless; ++pieces) {
-    std::vector<StripPlan> strips;
-    for (int i = 0; i < pieces; ++i) {
-      Attempt attempt = try_share(chain, ribs, static_cast<double>(i) / pieces, (i + 1.0) / pieces, settings);
-      if (!attempt.strip) {
-        if (!fitted) said = attempt.refusal;
-        fitted = fitted || attempt.fitted;
-        hopeless = attempt.hopeless;
-        break;
+// A run of sections on its way to strips: ribs on some of the sections, split lines common to all of them.
+class RunLayout {
+ public:
+  RunLayout(const ChainTarget& chain, std::span<const RibTarget> sections, const Settings& settings)
+      : chain_(chain), sections_(sections), settings_(settings), ribs_(first_ribs(sections)) {}
+
+  StripLayout run() {
+    for (bool settled = false; !settled;) {
+      gather();
+      if (!(lines_.empty() ? false : cut(lines_)) && !split()) {
+        layout_.strips.clear();
+        layout_.refusals.push_back(said_);
+        return std::move(layout_);
       }
-      strips.push_back(std::move(*attempt.strip));
+      settled = !refine();
     }
-    if (strips.size() == static_cast<std::size_t>(pieces)) {
-      std::move(strips.begin(), strips.end(), std::back_inserter(layout.strips));
-      return;
-    }
+    return std::move(layout_);
   }
-  layout.refusals.push_back(said);
-}
+
+ private:
+  void gather() {
+    targets_.clear();
+    for (const std::size_t k : ribs_) targets_.push_back(sections_[k]);
+  }
+
+  // The refusal that is told in the end. The first one of pieces that an elastica serves says most; before
+  // that, how far the last one was off.
+  void listen(const Attempt& attempt) {
+    if (!fitted_) said_ = attempt.refusal;
+    fitted_ = fitted_ || attempt.fitted;
+    hopeless_ = hopeless_ || attempt.hopeless;
+  }
+
+  // All strips between these lines, or none.
+  bool cut(const std::vector<double>& lines) {
+    layout_.strips.clear();
+    for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+      Attempt attempt = try_share(chain_, targets_, lines[i], lines[i + 1], Purpose::kStrip, settings_);
+      if (!attempt.strip) {
+        listen(attempt);
+        return false;
+      }
+      layout_.strips.push_back(std::move(*attempt.strip));
+    }
+    lines_ = lines;
+    return true;
+  }
+
+  // Longer ribs than any blade or block need no fit to be told.
+  [[nodiscard]] bool may_serve(double u0, double u1) const {
+    double longest = 0;
+    for (const RibTarget& rib : targets_) longest = std::max(longest, (u1 - u0) * rib.s.back());
+    return longest < settings_.blade.free_lengths_mm.back();
+  }
+
+  bool split() {
+    const ShareTest test = [&](double u0, double u1) -> std::optional<double> {
+      if (hopeless_ || (u1 - u0 < 1 && !may_serve(u0, u1))) return std::nullopt;
+      const Attempt attempt = try_share(chain_, targets_, u0, u1, Purpose::kSearch, settings_);
+      if (attempt.strip) return attempt.strip->ribs[worst_rib(attempt.strip->ribs)].deviation_mm;
+      listen(attempt);
+      return std::nullopt;
+    };
+    const Split found = split_ribs(test, {steps(), settings_.fit.max_splits + 1});
+    return !found.lines.empty() && (cut(found.lines) || cut(found.farthest));
+  }
+
+  // Lines about 20 mm apart are finer than a seam needs to be placed; 24 steps do for short ribs.
+  [[nodiscard]] int steps() const {
+    constexpr double kStepMm = 20;
+    double longest = 0;
+    for (const RibTarget& rib : targets_) longest = std::max(longest, rib.s.back());
+    return std::clamp(static_cast<int>(longest / kStepMm), 24, 2400);
+  }
+
+  // Adds ribs where the surface between them is off; false when it is near enough everywhere.
+  bool refine() {
+    std::vector<FittedShare> strips;
+    for (std::size_t i = 0; i < layout_.strips.size(); ++i) {
+      strips.push_back({lines_[i], lines_[i + 1], layout_.strips[i].ribs});
+    }
+    const double limit = settings_.fit.between_share * settings_.design.tolerance_mm;
+    const std::vector<std::size_t> more = ribs_to_add(sections_, ribs_, strips, limit);
+    ribs_.insert(ribs_.end(), more.begin(), more.end());
+    std::sort(ribs_.begin(), ribs_.end());
+    return !more.empty();
+  }
+
+  const ChainTarget& chain_;
+  std::span<const RibTarget> sections_;
+  const Settings& settings_;
+  std::vector<std::size_t> ribs_;   // sections that have a rib
+  std::vector<RibTarget> targets_;  // of them
+  std::vector<double> lines_;
+  StripLayout layout_;
+  Refusal said_;
+  bool fitted_ = false, hopeless_ = false;
+};
 
 }  // namespace
 
@@ -203,10 +283,19 @@ StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings
   StripLayout layout;
   layout.refusals = targets.refusals;
   layout.warnings = targets.warnings;
+  std::vector<std::pair<const ChainTarget*, std::span<const RibTarget>>> runs;
   for (const ChainTarget& chain : targets.chains) {
     for (const auto& [first, last] : sweep_runs(chain, settings)) {
-      lay_out_run(chain, std::span(chain.ribs).subspan(first, last - first + 1), settings, layout);
+      runs.emplace_back(&chain, std::span(chain.ribs).subspan(first, last - first + 1));
     }
+  }
+  std::vector<StripLayout> parts(runs.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+    parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
+  });
+  for (StripLayout& part : parts) {
+    std::move(part.strips.begin(), part.strips.end(), std::back_inserter(layout.strips));
+    std::move(part.refusals.begin(), part.refusals.end(), std::back_inserter(layout.refusals));
   }
   for (std::size_t i = 0; i < layout.strips.size(); ++i) layout.strips[i].id = fmt::format("S{:03}", i + 1);
   return layout;

@@ -31,8 +31,10 @@ struct StripLayout {
   std::vector<std::string> warnings;
 };
 
-// Splits along the ribs into 1, 2 .. max_splits + 1 equal shares of arc length, common to all ribs of a chain,
-// and keeps the first that serves every rib.
+// Ribs stand on as many of the sections as keep the surface between them near the design. They are split at
+// shares of arc length common to all ribs of a run of sections: the fewest strips, and of those the lines
+// with the smallest deviation (plan/split.hpp). Runs are laid out on all cores allowed; the result is the
+// same.
 [[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings);
 
 // The blade of a rib: its elastica extended along itself to the strip's blade length.

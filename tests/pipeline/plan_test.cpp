@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -43,7 +44,8 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
 
 INSTANTIATE_TEST_SUITE_P(All, PlanSample,
                          ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
-                                           Sample{"hypar", 1, 0.3}, Sample{"bump", 4, 0.7},
+                                           Sample{"hypar", 1, 0.3}, Sample{"bump", 3, 0.5},
+                                           Sample{"saddle", 1, 0.5}, Sample{"vase", 4, 0.3},
                                            Sample{"window", 4, 0.6}, Sample{"branch", 3, 0.3}),
                          [](const ::testing::TestParamInfo<Sample>& sample) {
                            return std::string(sample.param.name);
@@ -56,6 +58,55 @@ TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
     texts[threads - 1] = to_json(plan(cylinder_design(), along_x(), {}).program);
   }
   EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST(Plan, SetsFewRibsWhereTheDesignChangesLittleAlongTheSweep) {
+  // Every section of the cylinder is the same circle: five ribs tell that, of sixteen sections.
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  ASSERT_EQ(result.strips.size(), 1u);
+  EXPECT_EQ(result.strips[0].ribs, 5u);
+}
+
+TEST(Plan, SetsMoreRibsForASmallerTolerance) {
+  std::size_t before = 0;
+  for (const double tolerance : {2.0, 0.5, 0.2}) {
+    Settings settings = along_x();
+    settings.design.tolerance_mm = tolerance;
+    // An arch whose rise waves along the sweep.
+    const auto wavy = grid_design("wavy", 120, 60, [](double u, double v) {
+      const double rise = 60 + 8 * std::sin(9 * u), across = 2 * v - 1;
+      return Eigen::Vector3d(600 * u, 300 * v, rise * (1 - across * across));
+    });
+    const PlanResult result = plan(wavy, settings, {});
+    EXPECT_EQ(result.program.verification.status, "passed") << tolerance;
+    EXPECT_LE(result.verification.deviation.max, tolerance);
+    ASSERT_FALSE(result.strips.empty());
+    EXPECT_GE(result.strips[0].ribs, before);
+    before = result.strips[0].ribs;
+  }
+  EXPECT_GT(before, 5u);
+}
+
+TEST(RankDirections, FindsTheSameDirectionInATurnedDesign) {
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = "back";
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.rotate(Eigen::AngleAxisd(0.8, Eigen::Vector3d(0.3, -1, 0.4).normalized()));
+  turn.translation() = Eigen::Vector3d(5000, -300, 70);
+  const auto arch = [](const Eigen::Isometry3d& placed) {
+    return grid_design("arch", 40, 30, [&](double u, double v) -> Eigen::Vector3d {
+      const double y = 500 * (v - 0.5);
+      return placed * Eigen::Vector3d(800 * u, y, (100 + 20 * u) * (1 - y * y / 90000));
+    });
+  };
+  const auto here = rank_directions(arch(Eigen::Isometry3d::Identity()), settings);
+  const auto there = rank_directions(arch(turn), settings);
+  ASSERT_EQ(here.size(), there.size());
+  EXPECT_GT((turn.linear() * here.front().normal).dot(there.front().normal), 1 - 1e-9);
+  EXPECT_EQ(here.front().strips, there.front().strips);
+  EXPECT_NEAR(here.front().score, there.front().score, 1e-6);
+  EXPECT_GT(std::abs(here.front().normal.x()), 0.999);  // across the arches
 }
 
 TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
