@@ -15,18 +15,21 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 // Curves handled together: enough to fill the batches, few enough to stay in the cache.
 constexpr std::size_t kChunk = 128;
-// The last step is left undone when it would lower e by less than a thousandth, or by 1e-5.
-constexpr DescentEnd kEnd{1e-3, 1e-5};
 
 // The table's starts of one curve.
 void add_starts(double a1, double a2, WantedBranch wanted, std::size_t curve, std::vector<Descent>& descents,
                 std::vector<std::size_t>& owners) {
   const ValleysNear near = valleys_near(a1, a2, wanted);
+  const auto reaches = [&near](const Valley& v) {
+    return near.x >= v.x0 && near.x <= v.x1 && near.y >= v.y0 && near.y <= v.y1;
+  };
+  // Between the places that the table knows, none may reach: then all are tried.
+  const bool any = std::none_of(near.valleys.begin(), near.valleys.end(), reaches);
   for (const Valley& valley : near.valleys) {
-    const double u = valley_edge(valley.u, near.x, near.y), v = valley_edge(valley.v, near.x, near.y);
-    const auto box = wanted == WantedBranch::kBest ? edge_domain() : branch_box(a1, a2, wanted, u, v);
-    if (!box) continue;
-    descents.push_back({a1, a2, *box, u, v, valley.huu, valley.huv, valley.hvv});
+    if (!any && !reaches(valley)) continue;
+    const auto descent = valley_descent(a1, a2, wanted, valley, near.x, near.y);
+    if (!descent) continue;
+    descents.push_back(*descent);
     owners.push_back(curve);
   }
 }
@@ -36,7 +39,7 @@ void solve_chunk(std::span<const double> a1, std::span<const double> a2, WantedB
   std::vector<Descent> descents;
   std::vector<std::size_t> owners;
   for (std::size_t i = 0; i < a1.size(); ++i) add_starts(a1[i], a2[i], wanted, i, descents, owners);
-  descend(descents, kEnd);
+  descend(descents, kValleyEnd);
   for (std::size_t k = 0; k < descents.size(); ++k) {
     OptimalEdges& best = out[owners[k]];
     const double e = std::sqrt(descents[k].e2);

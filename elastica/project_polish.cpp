@@ -321,8 +321,10 @@ std::vector<double> squared_residuals(double a1, double a2, std::span<const doub
     l2[i] = std::exp(v[i]);
   }
   lambda_residuals(EdgeBatch{first, second, l1, l2}, {e, status});
+  const auto corner = crossing_corner(a1, a2);
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const bool none = status[i] == ResidualStatus::kCusp || edges_cross({a1, a2, l1[i], l2[i]});
+    const bool crossing = corner && u[i] >= corner->u && v[i] >= corner->v;
+    const bool none = status[i] == ResidualStatus::kCusp || crossing;
     e[i] = none ? kNoCurve : e[i] * e[i];
   }
   return e;

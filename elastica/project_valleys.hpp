@@ -4,9 +4,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "elastica/project.hpp"
+#include "elastica/project_polish.hpp"
 
 namespace hotblade::elastica {
 
@@ -14,7 +16,8 @@ namespace hotblade::elastica {
 // end directions asked for: ln L = c[0] + c[1] x + c[2] y + c[3] x x + c[4] x y + c[5] y y.
 struct Valley {
   float u[6], v[6];
-  float huu, huv, hvv;  // second derivatives of e2 by u and v at the minimum; all zero: unknown
+  float huu, huv, hvv;   // second derivatives of e2 by u and v at the minimum; all zero: unknown
+  float x0, x1, y0, y1;  // the part of the cell in which it is needed, rad from the middle
 };
 
 // Cells lie around a = -pi + (i + 1/2) 2 pi / kValleyNodes in either direction; half a step keeps the middles
@@ -33,6 +36,18 @@ struct ValleysNear {
 // ln L of a valley's quadratic.
 [[nodiscard]] inline double valley_edge(const float (&c)[6], double x, double y) {
   return c[0] + c[1] * x + c[2] * y + c[3] * x * x + c[4] * x * y + c[5] * y * y;
+}
+
+// The descent from a valley at (x, y) from its cell's middle; absent where the branch has no curve. Made with
+// kValleyEnd, as the table's cells were covered: the last step is left undone when it would lower e by less
+// than a thousandth, or by 1e-5.
+inline constexpr DescentEnd kValleyEnd{1e-3, 1e-5};
+[[nodiscard]] inline std::optional<Descent> valley_descent(double a1, double a2, WantedBranch wanted,
+                                                           const Valley& valley, double x, double y) {
+  const double u = valley_edge(valley.u, x, y), v = valley_edge(valley.v, x, y);
+  const auto box = wanted == WantedBranch::kBest ? edge_domain() : branch_box(a1, a2, wanted, u, v);
+  if (!box) return std::nullopt;
+  return Descent{a1, a2, *box, u, v, valley.huu, valley.huv, valley.hvv};
 }
 
 }  // namespace hotblade::elastica

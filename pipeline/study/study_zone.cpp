@@ -22,7 +22,7 @@ using elastica::Bezier;
 using elastica::StandardPosition;
 constexpr double kPi = std::numbers::pi;
 
-constexpr std::size_t kSamples = 1'000'000, kChecked = 400;
+constexpr std::size_t kSamples = 1'000'000, kLarge = 100'000, kCheckedOfLarge = 2000, kChecked = 400;
 // Of the zone's curves one in this many is fitted, as in the paper: about 40,000 of 10 million.
 constexpr std::size_t kFittedShare = 250;
 
@@ -155,7 +155,9 @@ std::string fit_text(const FitSummary& f) {
 StudyReport study_zone(const StudyOptions& options) {
   const std::size_t samples = options.samples > 0 ? options.samples : kSamples;
   const std::size_t fitted = std::max<std::size_t>(1, samples / kFittedShare);
-  const std::size_t checked = std::min(fitted, options.checked > 0 ? options.checked : kChecked);
+  const std::size_t checked = std::min(fitted, options.checked > 0 ? options.checked
+                                               : samples >= kLarge ? kCheckedOfLarge
+                                                                   : kChecked);
   const std::uint64_t seed = options.seed;
   const auto part = [&options](double from, double to) {
     return [&options, from, to](double share) { options.report(from + (to - from) * share); };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "elastica/lambda_residual.hpp"
@@ -174,7 +175,9 @@ TEST(ProjectOptimal, StaysOnTheBranchAskedFor) {
       const Projection p = project_optimal(b, wanted);
       if (p.status == ProjectStatus::kUnsupported) continue;
       EXPECT_EQ(p.branch, branch);
-      EXPECT_GE(p.lambda_residual, 0.98 * best - 3e-4);  // both end within what the table resolves
+      // Either descent ends a thousandth, or 1e-5, above its minimum; a valley that ends between two places
+      // of the table costs up to a percent.
+      EXPECT_GE(p.lambda_residual, 0.99 * best - 2e-5);
     }
   }
 }
@@ -201,7 +204,7 @@ TEST(ProjectOptimal, IsNowhereAbovePatternSearchFromAnyEndDirections) {
     ASSERT_EQ(p.status, ProjectStatus::kReached);
     if (search < 0.5 && p.lambda_residual > 1.01 * search + 2e-5) ++behind;
   }
-  EXPECT_LE(behind, 3);  // 1%: at the ends of valleys between two cells of the table
+  EXPECT_LE(behind, 1);  // at the ends of valleys between two places of the table
 }
 
 TEST(ProjectOptimal, OfABatchIsBitForBitThatOfEachCurve) {
@@ -220,7 +223,7 @@ TEST(ProjectOptimal, OfABatchIsBitForBitThatOfEachCurve) {
 
 TEST(ProjectOptimal, IsTheSameForTheMirroredAndTheReversedCurve) {
   int apart = 0;
-  for (const Bezier& b : papers_curves(300, 17)) {
+  for (const Bezier& b : papers_curves(2000, 17)) {
     Bezier mirrored, reversed;
     for (std::size_t i = 0; i < 4; ++i) {
       mirrored[i] = {b[i].x(), -b[i].y()};
@@ -228,13 +231,30 @@ TEST(ProjectOptimal, IsTheSameForTheMirroredAndTheReversedCurve) {
     }
     const double e = project_optimal(b, WantedBranch::kBest).lambda_residual;
     for (const Bezier& image : {mirrored, reversed}) {
+      // The table has the symmetries to the bit. Descents end a thousandth, or 1e-5, above the minimum; where
+      // one slides along the corner at which edges cross, it tries the first edge before the second.
       const double other = project_optimal(image, WantedBranch::kBest).lambda_residual;
-      EXPECT_NEAR(other, e, 0.02 * e + 3e-4);
-      // Descents end a thousandth of e, or 1e-5, above the minimum.
+      EXPECT_NEAR(other, e, 0.01 * e + 5e-5);
       if (std::abs(other - e) > 2e-3 * e + 2e-5) ++apart;
     }
   }
-  EXPECT_LE(apart, 12);  // 2%: at the ends of valleys between two places of the table's cells
+  EXPECT_LE(apart, 12);  // 0.3%
+}
+
+TEST(ProjectOptimal, MeetsTheSearchInMeanMedianNinetyNinePercentAndMax) {
+  // A finer search than the test above, on the paper's curves: the statistics that projections are judged by.
+  std::vector<double> optimal, search;
+  for (const Bezier& b : papers_curves(1000, 19)) {
+    optimal.push_back(project_optimal(b, WantedBranch::kBest).lambda_residual);
+    search.push_back(project_optimal_search(b, WantedBranch::kBest, {65, 16}).lambda_residual);
+    EXPECT_LE(optimal.back(), 1.03 * search.back() + 1e-4);
+  }
+  const auto sum = [](const std::vector<double>& e) { return std::accumulate(e.begin(), e.end(), 0.0); };
+  EXPECT_LE(sum(optimal), 1.002 * sum(search));
+  std::sort(optimal.begin(), optimal.end());
+  std::sort(search.begin(), search.end());
+  for (const std::size_t k : {std::size_t{500}, std::size_t{990}, std::size_t{999}})
+    EXPECT_LE(optimal[k], 1.005 * search[k]);
 }
 
 }  // namespace
