@@ -291,6 +291,14 @@ HOTBLADE_INLINE Placed laid(const FitGrid& grid, const ShapeNodes& g, const Simi
                                        std::span<FitTask> tasks) {
   solve_body(grid, data, tasks);
 }
+
+[[gnu::target("avx512f,avx512dq,prefer-vector-width=512")]] void trace_512(const Lanes* z, ShapeNodes& out) {
+  trace(z, out);
+}
+
+[[gnu::target("avx2")]] void trace_256(const Lanes* z, ShapeNodes& out) {
+  trace(z, out);
+}
 #endif
 
 }  // namespace
@@ -334,6 +342,14 @@ void solve(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask
 #endif
   static_cast<void>(simd);
   solve_body(grid, data, tasks);
+}
+
+void trace_all(const Lanes* z, ShapeNodes& out) {
+#if defined(__x86_64__)
+  if (best_simd() == Simd::kAvx512) return trace_512(z, out);
+  if (best_simd() == Simd::kAvx2) return trace_256(z, out);
+#endif
+  trace(z, out);
 }
 
 std::vector<Placed> place(const FitGrid& grid, std::span<const FitData> data,

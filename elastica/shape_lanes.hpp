@@ -214,4 +214,7 @@ HOTBLADE_INLINE void trace(const Lanes* z, ShapeNodes& out) {
   }
 }
 
+// trace() on the widest vectors the processor has.
+void trace_all(const Lanes* z, ShapeNodes& out);
+
 }  // namespace hotblade::elastica::lanes
