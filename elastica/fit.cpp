@@ -134,7 +134,10 @@ FootPoint foot_point(const ElasticaCurve& curve, const std::vector<CurvePoint>& 
     const Eigen::Vector2d r = p.position() - q, t = p.tangent();
     const double df = 1 + p.kappa * (r.y() * t.x() - r.x() * t.y());
     if (!(df > 0)) break;
+    const double last = s;
     s = std::clamp(s - r.dot(t) / df, 0.0, length);
+    // The distance is off by the square of what is left: far below rounding of a step this small.
+    if (std::abs(s - last) < 1e-8 * length) return {std::min(best_sq, r.squaredNorm()), s};
   }
   return {std::min(best_sq, (curve.at(s).position() - q).squaredNorm()), s};
 }

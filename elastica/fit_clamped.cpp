@@ -273,22 +273,31 @@ ClampedFit answer(const Search& s, std::span<const Eigen::Vector2d> points, cons
 
 ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnds& ends,
                        std::span<const Elastica> starts, const FitOptions& options) {
-  const ElasticaFit free = fit_elastica(points, starts, options);
   double scale = 0;
   for (std::size_t i = 1; i < points.size(); ++i) scale += (points[i] - points[i - 1]).norm();
+  if (points.size() < 8 || !(scale > 0) || !std::isfinite(scale)) {
+    throw std::logic_error("fit_clamped needs at least 8 finite points that are not all the same");
+  }
   const Problem problem = make_problem(points, ends, options, scale);
-  std::vector<Shape> shapes{shape_of(free.elastica)};
+  std::vector<Shape> shapes;
   for (const Elastica& e : starts) shapes.push_back(shape_of(e));
+  if (shapes.empty()) shapes.push_back(shape_of(fit_elastica(points, {}, options).elastica));
   lanes::FitGrid grid{static_cast<int>(points.size()), 1, {}};
-  constexpr int kLeastSteps = 48;
-  while (grid.steps() < kLeastSteps || !lanes::resolved_finely(shapes.front(), grid.steps())) ++grid.stride;
+  constexpr int kLeastSteps = 48, kMostStride = 16;
+  while (grid.steps() < kLeastSteps ||
+         (!lanes::resolved_finely(shapes.front(), grid.steps()) && grid.stride < kMostStride)) {
+    ++grid.stride;
+  }
   grid.stride += grid.steps() % 2;
   std::vector<Search> found = search(problem, grid, shapes);
   Search best = *std::min_element(found.begin(), found.end(), better);
   int tried = static_cast<int>(found.size());
   constexpr double kDoubtful = 1e-3;
-  if (!keeps_ends(best) || !(best.cost < kDoubtful * kDoubtful)) {
-    const auto others = lanes::other_starts(problem.turning);
+  const bool doubtful = starts.empty() && !(best.cost < kDoubtful * kDoubtful);
+  if (doubtful || !keeps_ends(best)) {
+    const auto other = lanes::other_starts(problem.turning);
+    std::vector<Shape> others(other.begin(), other.end());
+    if (!starts.empty()) others.push_back(shape_of(fit_elastica(points, {}, options).elastica));
     found = search(problem, grid, others);
     tried += static_cast<int>(found.size());
     const Search second = *std::min_element(found.begin(), found.end(), better);

@@ -39,8 +39,8 @@ struct ClampedFit {
 };
 
 // `points` run from start to end, evenly spaced by arc length, at least 8, finite, not all the same
-// (std::logic_error). Searched from the free fit and `starts`; where that leaves the points by more than 1e-3
-// of their length or misses the end, from thirteen more.
+// (std::logic_error). Searched from `starts`; without any from the free fit. Where that misses the end, or
+// the free fit led farther off than 1e-3 of the length, from the free fit and thirteen more.
 [[nodiscard]] ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnds& ends,
                                      std::span<const Elastica> starts, const FitOptions& options);
 

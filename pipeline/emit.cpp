@@ -47,6 +47,8 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"deviation_max_mm", f.deviation_max_mm},
           {"rib_fit_max_mm", f.worst_fit_mm},
           {"bezier_fit_max_mm", f.worst_bezier_mm},
+          {"seam_gap_max_mm", f.seam_gap_mm},
+          {"seam_kink_max_deg", f.seam_kink_deg},
           {"lambda_residual_max", f.largest_lambda_residual},
           {"blade_radius_min_mm", f.smallest_radius_mm},
           {"stability_margin_min", f.smallest_margin},

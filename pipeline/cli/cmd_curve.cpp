@@ -4,12 +4,15 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "elastica/curve_distance.hpp"
 #include "elastica/equilibria.hpp"
 #include "elastica/fit.hpp"
+#include "elastica/fit_bezier.hpp"
+#include "elastica/fit_clamped.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
 #include "elastica/project_zone.hpp"
@@ -80,11 +83,21 @@ Json project(const Json& line, const ProjectArguments& arguments) {
            p.lambda_residual <= arguments.threshold || arguments.method == "optimal" ? "ok" : "not_reached"}};
 }
 
-// Points of a polyline, evenly spaced by its length.
+// Points of a polyline, evenly spaced by its length; those that already are stay as they are, since samples
+// of a curve say more than their chords.
 std::vector<Eigen::Vector2d> even_points(const std::vector<Eigen::Vector2d>& q) {
   std::vector<double> s(q.size(), 0.0);
-  for (std::size_t i = 1; i < q.size(); ++i) s[i] = s[i - 1] + (q[i] - q[i - 1]).norm();
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  for (std::size_t i = 1; i < q.size(); ++i) {
+    const double chord = (q[i] - q[i - 1]).norm();
+    shortest = std::min(shortest, chord);
+    longest = std::max(longest, chord);
+    s[i] = s[i - 1] + chord;
+  }
   if (!(s.back() > 0)) throw LineError("points: all the same");
+  constexpr double kEven = 1.01;
+  constexpr std::size_t kMostAsGiven = 1025;
+  if (longest <= kEven * shortest && q.size() <= kMostAsGiven) return q;
   std::vector<Eigen::Vector2d> even;
   std::size_t i = 1;
   for (int k = 0; k < kFitPoints; ++k) {
@@ -96,36 +109,72 @@ std::vector<Eigen::Vector2d> even_points(const std::vector<Eigen::Vector2d>& q) 
   return even;
 }
 
-Json fit(const Json& line) {
-  const bool from_bezier = line.is_object() && line.contains("bezier");
-  std::vector<Eigen::Vector2d> q;
-  std::vector<Elastica> starts;
-  if (from_bezier) {
+std::vector<Eigen::Vector2d> fit_points(const Json& line) {
+  const auto given = points(field(line, "points"), "points");
+  if (given.size() < 8) throw LineError(fmt::format("points: {} given (at least 8 needed)", given.size()));
+  return even_points(given);
+}
+
+Json fit_free(const Json& line) {
+  if (line.is_object() && line.contains("bezier")) {
     const Bezier b = bezier(line);
-    const elastica::LambdaResidual r = elastica::lambda_residual(b);
-    if (!has_value(r.status))
-      throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e140");
-    starts.push_back(first_guess(b, r));
-    for (const double t : elastica::even_parameters(b, kFitPoints)) q.push_back(elastica::evaluate(b, t).p);
-  } else {
-    const auto given = points(field(line, "points"), "points");
-    if (given.size() < 8) throw LineError(fmt::format("points: {} given (at least 8 needed)", given.size()));
-    q = even_points(given);
+    const elastica::BezierElasticaFit f = elastica::fit_bezier_elastica(b);
+    if (f.status == elastica::FitStatus::kUnsupported) {
+      throw LineError("bezier: has a cusp or an end edge of length zero, or winds beyond any blade");
+    }
+    const elastica::CurveDistance d = distance(b, f.elastica);
+    return {{"elastica", to_json(f.elastica)},
+            {"l2", d.l2},
+            {"h1", d.h1},
+            {"hausdorff", d.hausdorff},
+            {"hausdorff_error", d.hausdorff_error},
+            {"starts_tried", f.starts_tried},
+            {"status", f.status == elastica::FitStatus::kOk ? "ok" : "not_converged"}};
   }
-  const elastica::ElasticaFit f = fit_elastica(q, starts, {});
-  Json answer{{"elastica", to_json(f.elastica)}};
-  if (from_bezier) {
-    const elastica::CurveDistance d = distance(bezier(line), f.elastica);
-    answer["l2"] = d.l2;
-    answer["h1"] = d.h1;
-    answer["hausdorff"] = d.hausdorff;
+  const elastica::ElasticaFit f = elastica::fit_elastica(fit_points(line), {}, {0, nullptr, 0});
+  return {{"elastica", to_json(f.elastica)},
+          {"l2", f.rms / f.elastica.length},
+          {"h1", nullptr},  // points have no tangents
+          {"hausdorff", f.max},
+          {"starts_tried", f.starts_tried},
+          {"status", f.converged ? "ok" : "not_converged"}};
+}
+
+const char* status_text(elastica::ClampedStatus status) {
+  switch (status) {
+    case elastica::ClampedStatus::kOk:
+      return "ok";
+    case elastica::ClampedStatus::kNotConverged:
+      return "not_converged";
+    case elastica::ClampedStatus::kNoCurve:
+      break;
+  }
+  return "no_curve";
+}
+
+Json fit_clamped(const Json& line) {
+  elastica::ClampedFit f;
+  Json answer;
+  if (line.is_object() && line.contains("bezier")) {
+    const Bezier b = bezier(line);
+    f = elastica::fit_clamped(b);
+    if (f.starts_tried == 0) throw LineError("bezier: has an end edge of length zero");
+    const elastica::CurveDistance d = distance(b, f.elastica);
+    answer = {{"elastica", to_json(f.elastica)}, {"l2", d.l2}, {"h1", d.h1}, {"hausdorff", d.hausdorff}};
+    answer["hausdorff_error"] = d.hausdorff_error;
   } else {
-    answer["l2"] = f.rms / f.elastica.length;
-    answer["h1"] = nullptr;  // points have no tangents
+    const auto q = fit_points(line);
+    const Json& tangents = field(line, "tangents");
+    if (!tangents.is_array() || tangents.size() != 2) throw LineError("tangents: two angles needed");
+    const double first = number(tangents[0], "tangents[0]"), last = number(tangents[1], "tangents[1]");
+    const double turning = elastica::true_turning(q, first, last);
+    const elastica::EndState end{q.back().x(), q.back().y(), first + turning};
+    f = elastica::fit_clamped(q, {{q.front().x(), q.front().y(), first}, end}, {}, {0, nullptr, 0});
+    answer = {{"elastica", to_json(f.elastica)}, {"l2", f.rms / f.elastica.length}, {"h1", nullptr}};
     answer["hausdorff"] = f.max;
   }
   answer["starts_tried"] = f.starts_tried;
-  answer["status"] = f.converged ? "ok" : "not_converged";
+  answer["status"] = status_text(f.status);
   return answer;
 }
 
@@ -196,8 +245,15 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
       "Example: hotblade curve residual < beziers.jsonl");
   add_tool(*curve, "residual", "lambda-residual of cubic Beziers", action, residual,
            "hotblade curve residual < beziers.jsonl");
-  add_tool(*curve, "fit", "True elastica near a Bezier or points, ends free", action, fit,
-           "hotblade curve fit < points.jsonl");
+  auto ends = std::make_shared<std::string>("free");
+  auto* fitting = curve->add_subcommand("fit", "True elastica near a Bezier or points");
+  fitting->add_option("--ends", *ends, "Clamped: end points and tangents are kept")
+      ->check(CLI::IsMember({"free", "clamped"}))
+      ->capture_default_str();
+  fitting->footer("Example: hotblade curve fit --ends clamped < beziers.jsonl");
+  fitting->callback([&action, ends] {
+    action = [ends] { return each_line(*ends == "clamped" ? fit_clamped : fit_free); };
+  });
   add_tool(*curve, "sample", "Points of an elastica, evenly spaced", action, sample,
            "hotblade curve sample < elastica.jsonl");
   add_tool(*curve, "equilibria", "Every shape that a blade can take between two clamps", action, equilibria,

@@ -104,6 +104,8 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
     f.worst_bezier_mm = std::max(f.worst_bezier_mm, rib.bezier_deviation_mm);
     f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
   }
+  f.seam_gap_mm = plan.seam_before.gap_mm;
+  f.seam_kink_deg = plan.seam_before.kink_deg;
   f.duration_s = motion.duration_s;
   f.cut_s = motion.cut_s;
   f.slowest_feed_mm_s = motion.slowest_feed_mm_s;

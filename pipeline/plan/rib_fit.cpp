@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
@@ -30,7 +32,8 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   fit.bezier_deviation_mm = bezier.max;
   elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
   if (residual.value > settings.lambda_threshold) {
-    const elastica::Projection projection = elastica::project_feedback(fit.bezier, settings.lambda_threshold);
+    const elastica::Projection projection =
+        elastica::project_optimal(fit.bezier, elastica::WantedBranch::kBest);
     fit.projected = projection.bezier != fit.bezier;
     fit.bezier = projection.bezier;
     residual = elastica::lambda_residual(fit.bezier);
@@ -45,8 +48,47 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   return fit;
 }
 
+elastica::EndState turned_back(const elastica::EndState& s) {
+  return {s.x, s.y, s.theta + std::numbers::pi};
+}
+
+// Clamped at the end alone: the same problem run through backwards.
+elastica::ClampedFit fit_backwards(const RibFit& rib, const elastica::FitOptions& options) {
+  const std::vector<Eigen::Vector2d> points(rib.target.rbegin(), rib.target.rend());
+  const Elastica start[] = {reversed(rib.elastica)};
+  elastica::FitOptions back = options;
+  MidState prior;
+  if (options.prior) {
+    prior = *options.prior;
+    prior.kappa = -prior.kappa;  // the tensions along and across the tangent stay
+    back.prior = &prior;
+  }
+  elastica::ClampedFit fit = fit_clamped(points, {turned_back(*rib.clamp_end), {}}, start, back);
+  fit.elastica = reversed(fit.elastica);
+  return fit;
+}
+
+elastica::ClampedFit fit_forwards(const RibFit& rib, const elastica::FitOptions& options) {
+  elastica::ClampedEnds ends{*rib.clamp_start, rib.clamp_end};
+  if (ends.end) {
+    ends.end->theta =
+        ends.start.theta + elastica::true_turning(rib.target, ends.start.theta, ends.end->theta);
+  }
+  const Elastica start[] = {rib.elastica};
+  return fit_clamped(rib.target, ends, start, options);
+}
+
 // Fits again from where the rib is.
 void refit(RibFit& rib, const elastica::FitOptions& options) {
+  if (rib.clamp_start || rib.clamp_end) {
+    const elastica::ClampedFit fit =
+        rib.clamp_start ? fit_forwards(rib, options) : fit_backwards(rib, options);
+    const bool kept = fit.status != elastica::ClampedStatus::kNoCurve;
+    rib.deviation_mm = kept ? fit.max : std::numeric_limits<double>::infinity();
+    rib.converged = fit.status == elastica::ClampedStatus::kOk;
+    if (kept) rib.elastica = fit.elastica;
+    return;
+  }
   const Elastica start[] = {rib.elastica};
   const elastica::ElasticaFit fit = fit_elastica(rib.target, start, options);
   rib.elastica = fit.elastica;

@@ -1,11 +1,13 @@
 // The fit stage: a cubic Bezier and a true elastica for each rib of a strip.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "elastica/bezier.hpp"
 #include "elastica/fit.hpp"
+#include "elastica/fit_clamped.hpp"
 #include "pipeline/plan/target.hpp"
 
 namespace hotblade::pipeline {
@@ -21,6 +23,8 @@ struct RibFit {
   elastica::Elastica elastica;
   double deviation_mm = 0;  // elastica against target
   bool converged = false;
+  // Ends shared with the neighbouring strip's rib: kept exactly by every further fit.
+  std::optional<elastica::EndState> clamp_start, clamp_end;
 };
 
 inline constexpr int kRibSamples = 65;
@@ -34,7 +38,8 @@ inline constexpr double kLeastTensionWeight = 1e-6;
 
 // Calmer fits: the tensions of all ribs pulled to zero with one weight (elastica/fit.hpp). The blade goes on
 // along the rib's elastica on both sides, and what little a rib says about the tensions would otherwise curl
-// it up there. Deviations grow with the weight.
+// it up there. Deviations grow with the weight. Clamped ends are kept; a rib that cannot keep them deviates
+// by infinity.
 [[nodiscard]] std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weight);
 
 // Refits each rib with a weak pull towards its neighbours' curvature and tensions, which decides only what

@@ -114,11 +114,15 @@ StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const 
   return strip;
 }
 
-Attempt try_share(const ChainTarget& chain, std::span<const RibTarget> targets, double u0, double u1,
-                  Purpose purpose, const Settings& settings) {
+double allowed_mm(const Settings& settings) {
+  return settings.fit.deviation_share * settings.design.tolerance_mm;
+}
+
+// The strip of a share's fits, or what stands against it.
+Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, Purpose purpose,
+                  const Settings& settings) {
   Attempt attempt;
-  const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
-  const std::vector<RibFit> closest = fit_ribs(targets, u0, u1, settings.fit);
+  const double allowed = allowed_mm(settings);
   const std::size_t worst = worst_rib(closest);
   if (!(closest[worst].deviation_mm <= allowed)) {
     attempt.refusal = {rib_place(chain, closest, worst),
@@ -209,13 +213,24 @@ class RunLayout {
   // All strips between these lines, or none.
   bool cut(const std::vector<double>& lines) {
     layout_.strips.clear();
+    std::vector<std::vector<RibFit>> free;
     for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
-      Attempt attempt = try_share(chain_, targets_, lines[i], lines[i + 1], Purpose::kStrip, settings_);
+      free.push_back(fit_ribs(targets_, lines[i], lines[i + 1], settings_.fit));
+    }
+    std::vector<std::vector<RibFit>> joined = free;
+    join_pieces(joined, allowed_mm(settings_));
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      Attempt attempt = try_share(chain_, joined[i], Purpose::kStrip, settings_);
+      const bool clamped = joined[i].front().clamp_start || joined[i].front().clamp_end;
+      if (!attempt.strip && clamped) attempt = try_share(chain_, free[i], Purpose::kStrip, settings_);
       if (!attempt.strip) {
         listen(attempt);
         return false;
       }
       layout_.strips.push_back(std::move(*attempt.strip));
+    }
+    for (std::size_t i = 1; i < layout_.strips.size(); ++i) {
+      layout_.strips[i].seam_before = measure_seam(layout_.strips[i - 1].ribs, layout_.strips[i].ribs);
     }
     lines_ = lines;
     return true;
@@ -231,7 +246,8 @@ class RunLayout {
   bool split() {
     const ShareTest test = [&](double u0, double u1) -> std::optional<double> {
       if (hopeless_ || (u1 - u0 < 1 && !may_serve(u0, u1))) return std::nullopt;
-      const Attempt attempt = try_share(chain_, targets_, u0, u1, Purpose::kSearch, settings_);
+      const Attempt attempt =
+          try_share(chain_, fit_ribs(targets_, u0, u1, settings_.fit), Purpose::kSearch, settings_);
       if (attempt.strip) return attempt.strip->ribs[worst_rib(attempt.strip->ribs)].deviation_mm;
       listen(attempt);
       return std::nullopt;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/plan/rib_fit.hpp"
+#include "pipeline/plan/seams.hpp"
 #include "pipeline/program.hpp"
 
 namespace hotblade::pipeline {
@@ -19,6 +20,7 @@ struct StripPlan {
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
   Stock stock;
   Pose design_to_cell;
+  SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
   // The plane at a sweep offset: origin on the sweep axis, axes x and y, normal x cross y.
@@ -33,8 +35,8 @@ struct StripLayout {
 
 // Ribs stand on as many of the sections as keep the surface between them near the design. They are split at
 // shares of arc length common to all ribs of a run of sections: the fewest strips, and of those the lines
-// with the smallest deviation (plan/split.hpp). Runs are laid out on all cores allowed; the result is the
-// same.
+// with the smallest deviation (plan/split.hpp). Strips side by side share end points and tangents where
+// their deviations allow it (plan/seams.hpp). Runs are laid out on all cores allowed; the result is the same.
 [[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings);
 
 // The blade of a rib: its elastica extended along itself to the strip's blade length.

@@ -74,10 +74,29 @@ TEST(CurveCommand, FitRecoversWhatSampleWrote) {
   EXPECT_EQ(sampled.lines[0]["kappa"][100], 0.5);
   const Answers fitted = curve("fit", nlohmann::json{{"points", sampled.lines[0]["points"]}}.dump());
   ASSERT_EQ(fitted.code, 0);
-  // Chords of 200 points lie 1e-5 under the arc.
-  EXPECT_LT(fitted.lines[0]["hausdorff"], 1e-4);
-  EXPECT_NEAR(fitted.lines[0]["elastica"]["kappa"], 0.5, 1e-3);
-  EXPECT_NEAR(fitted.lines[0]["elastica"]["length"], 3, 1e-3);
+  EXPECT_LT(fitted.lines[0]["hausdorff"], 3e-9);
+  EXPECT_NEAR(fitted.lines[0]["elastica"]["kappa"], 0.5, 1e-7);
+  EXPECT_NEAR(fitted.lines[0]["elastica"]["length"], 3, 1e-7);
+}
+
+TEST(CurveCommand, ClampedFitsKeepEndsAndTangents) {
+  const Answers a = curve("fit --ends clamped", kArch), free = curve("fit", kArch);
+  ASSERT_EQ(a.code, 0);
+  EXPECT_EQ(a.lines[0]["status"], "ok");
+  EXPECT_NEAR(a.lines[0]["elastica"]["theta"], std::atan2(0.5, 0.2), 1e-12);
+  EXPECT_GE(a.lines[0]["l2"], free.lines[0]["l2"]);
+  const Answers ends = curve("sample", nlohmann::json{{"elastica", a.lines[0]["elastica"]}, {"n", 2}}.dump());
+  EXPECT_NEAR(ends.lines.at(0)["points"][1][0], 1, 1e-9);
+  EXPECT_NEAR(ends.lines.at(0)["points"][1][1], 0, 1e-9);
+  EXPECT_NEAR(ends.lines.at(0)["theta"][1], -std::atan2(0.5, 0.2), 1e-9);
+
+  nlohmann::json points{{"points", nlohmann::json::array()}, {"tangents", {0.0, 1.0}}};
+  for (int i = 0; i <= 20; ++i) points["points"].push_back({std::sin(i / 20.0), 1 - std::cos(i / 20.0)});
+  const Answers arc = curve("fit --ends clamped", points.dump());
+  EXPECT_EQ(arc.lines.at(0)["status"], "ok");
+  EXPECT_NEAR(arc.lines.at(0)["elastica"]["kappa"], 1, 1e-6);
+  points.erase("tangents");
+  EXPECT_EQ(curve("fit --ends clamped", points.dump()).code, 3);
 }
 
 TEST(CurveCommand, EquilibriaListsShapesByEnergyAndNoneWhereThereIsNone) {
