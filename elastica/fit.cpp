@@ -136,8 +136,9 @@ FootPoint foot_point(const ElasticaCurve& curve, const std::vector<CurvePoint>& 
     if (!(df > 0)) break;
     const double last = s;
     s = std::clamp(s - r.dot(t) / df, 0.0, length);
-    // The distance is off by the square of what is left: far below rounding of a step this small.
-    if (std::abs(s - last) < 1e-8 * length) return {std::min(best_sq, r.squaredNorm()), s};
+    // On the curve itself the distance is off by the whole of what is left.
+    constexpr double kSettled = 1e-12;
+    if (std::abs(s - last) < kSettled * length) return {std::min(best_sq, r.squaredNorm()), s};
   }
   return {std::min(best_sq, (curve.at(s).position() - q).squaredNorm()), s};
 }
