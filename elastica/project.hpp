@@ -65,7 +65,13 @@ void project_optimal(std::span<const Bezier> beziers, WantedBranch wanted, std::
 void optimal_edges(std::span<const double> a1, std::span<const double> a2, WantedBranch wanted,
                    std::span<OptimalEdges> out);
 
-// The same by search alone, whatever it costs: the oracle of project_optimal. A logarithmic grid of
+// The smallest move of the inner control points along the end tangents, sqrt(dL1^2 + dL2^2) chords, that
+// brings the lambda-residual to `threshold`, in the domain of project_optimal and on the branch asked for. A
+// curve that is there already comes back as it is. kNotReached with the optimum where project_optimal ends
+// above the threshold; kUnsupported as there. Some milliseconds a curve (docs/elastica.md).
+[[nodiscard]] Projection project_smallest_move(const Bezier& bezier, WantedBranch wanted, double threshold);
+
+// project_optimal by search alone, whatever it costs: the oracle of project_optimal. A logarithmic grid of
 // options.grid edges either way (std::logic_error below 2), its options.refined best local minima refined by
 // pattern search.
 struct SearchOptions {

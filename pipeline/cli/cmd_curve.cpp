@@ -67,10 +67,12 @@ Json project(const Json& line, const ProjectArguments& arguments) {
   const WantedBranch wanted = arguments.branch == "inflectional" ? WantedBranch::kInflectional
                               : arguments.branch == "plain"      ? WantedBranch::kPlain
                                                                  : WantedBranch::kBest;
-  const elastica::Projection p = arguments.method == "optimal" ? elastica::project_optimal(b, wanted)
-                                 : arguments.method == "zone"
-                                     ? elastica::project_zone(b, arguments.threshold)
-                                     : elastica::project_feedback(b, arguments.threshold);
+  const bool optimal = arguments.method == "optimal";
+  const elastica::Projection p =
+      optimal && arguments.threshold > 0 ? elastica::project_smallest_move(b, wanted, arguments.threshold)
+      : optimal                          ? elastica::project_optimal(b, wanted)
+      : arguments.method == "zone"       ? elastica::project_zone(b, arguments.threshold)
+                                         : elastica::project_feedback(b, arguments.threshold);
   if (p.status == elastica::ProjectStatus::kUnsupported) {
     throw LineError("bezier: its ends coincide, an end edge is zero, or the branch has no curve");
   }
@@ -79,8 +81,7 @@ Json project(const Json& line, const ProjectArguments& arguments) {
           {"branch", p.branch == elastica::Branch::kInflectional ? "inflectional" : "plain"},
           {"moved", {p.moved[0], p.moved[1]}},
           {"angle_constraints_hold", p.angle_constraints_hold},
-          {"status",
-           p.lambda_residual <= arguments.threshold || arguments.method == "optimal" ? "ok" : "not_reached"}};
+          {"status", p.status == elastica::ProjectStatus::kReached ? "ok" : "not_reached"}};
 }
 
 // Points of a polyline, evenly spaced by its length; those that already are stay as they are, since samples
@@ -266,7 +267,10 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
       ->add_option("--method", arguments->method,
                    "The paper's feedback or zone, or the optimum over both end edges")
       ->check(CLI::IsMember({"feedback", "optimal", "zone"}));
-  projecting->add_option("--threshold", arguments->threshold, "Feedback stops at this lambda-residual")
+  projecting
+      ->add_option(
+          "--threshold", arguments->threshold,
+          "Feedback stops at this lambda-residual; optimal moves no farther than to it (0: to the least)")
       ->check(CLI::Range(0.0, 1.0));
   projecting->add_option("--branch", arguments->branch, "Branch of the optimum")
       ->check(CLI::IsMember({"inflectional", "plain", "best"}));

@@ -257,5 +257,67 @@ TEST(ProjectOptimal, MeetsTheSearchInMeanMedianNinetyNinePercentAndMax) {
     EXPECT_LE(optimal[k], 1.005 * search[k]);
 }
 
+// The shortest move to a residual of at most e, on a square grid around the input: other code, other spacing.
+double shortest_move(const StandardPosition& input, double e, double radius, int n) {
+  double shortest = 2 * radius;
+  for (int i = -n; i <= n; ++i) {
+    for (int j = -n; j <= n; ++j) {
+      const double d1 = radius * i / n, d2 = radius * j / n, move = std::hypot(d1, d2);
+      const StandardPosition s{input.a1, input.a2, input.l1 + d1, input.l2 + d2};
+      if (move >= shortest || std::min(s.l1, s.l2) < kShortestEdge || std::max(s.l1, s.l2) > kLongestEdge)
+        continue;
+      const Bezier b = to_bezier(s);
+      if (!polygon_crosses(b) && lambda_residual(b).value <= e) shortest = move;
+    }
+  }
+  return shortest;
+}
+
+TEST(ProjectSmallestMove, IsNoLongerThanBruteForceFinds) {
+  int moved = 0;
+  for (const Bezier& b : papers_curves(30, 20)) {
+    for (const double e : {0.03, 0.15}) {
+      const Projection p = project_smallest_move(b, WantedBranch::kBest, e);
+      const double move = std::hypot(p.moved[0], p.moved[1]);
+      if (p.status != ProjectStatus::kReached) continue;
+      EXPECT_LE(lambda_residual(p.bezier).value, e);
+      EXPECT_FALSE(polygon_crosses(p.bezier));
+      if (move == 0) continue;
+      ++moved;
+      EXPECT_GE(shortest_move(*standard_position(b), e, move, 70), 0.99 * move);
+      // Nor longer than the way to the optimum.
+      const Projection optimum = project_optimal(b, WantedBranch::kBest);
+      EXPECT_LE(move, std::hypot(optimum.moved[0], optimum.moved[1]));
+    }
+  }
+  EXPECT_GT(moved, 20);
+}
+
+TEST(ProjectSmallestMove, LeavesACurveThatIsThereAndGivesTheOptimumWhereNothingIs) {
+  for (const Bezier& b : papers_curves(200, 21)) {
+    const Projection optimum = project_optimal(b, WantedBranch::kBest);
+    const Projection out_of_reach =
+        project_smallest_move(b, WantedBranch::kBest, 0.9 * optimum.lambda_residual);
+    EXPECT_EQ(out_of_reach.status, ProjectStatus::kNotReached);
+    EXPECT_NEAR(out_of_reach.lambda_residual, optimum.lambda_residual, 1e-9);
+    const Projection there =
+        project_smallest_move(optimum.bezier, WantedBranch::kBest, optimum.lambda_residual + 1e-3);
+    EXPECT_EQ(there.status, ProjectStatus::kReached);
+    EXPECT_EQ(there.bezier, optimum.bezier);
+  }
+}
+
+TEST(ProjectSmallestMove, StaysOnTheBranchAskedFor) {
+  for (const Bezier& b : papers_curves(20, 22)) {
+    for (const auto& [wanted, branch] : {std::pair{WantedBranch::kInflectional, Branch::kInflectional},
+                                         std::pair{WantedBranch::kPlain, Branch::kPlain}}) {
+      const Projection p = project_smallest_move(b, wanted, 0.15);
+      if (p.status == ProjectStatus::kReached) {
+        EXPECT_EQ(p.branch, branch);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace hotblade::elastica
