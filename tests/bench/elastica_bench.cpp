@@ -14,6 +14,7 @@
 #include "elastica/fit_bezier.hpp"
 #include "elastica/lambda_residual.hpp"
 #include "elastica/project.hpp"
+#include "elastica/spline.hpp"
 #include "elastica/stability.hpp"
 
 namespace {
@@ -98,6 +99,23 @@ void OptimalProjectionBySearch(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * 10);
 }
 BENCHMARK(OptimalProjectionBySearch);
+
+void SmallestMove(benchmark::State& state) {
+  const auto curves = random_beziers(10);
+  for (auto _ : state) {
+    for (const Bezier& b : curves)
+      benchmark::DoNotOptimize(project_smallest_move(b, WantedBranch::kBest, 0.1));
+  }
+  state.SetItemsProcessed(state.iterations() * 10);
+}
+BENCHMARK(SmallestMove);
+
+void SplitIntoElastica(benchmark::State& state) {
+  const Bezier hook{Eigen::Vector2d(0, 0), {700, 500}, {900, -600}, {1000, 300}};
+  for (auto _ : state) benchmark::DoNotOptimize(split_to_elastica(hook, 1, 10));
+  state.SetItemsProcessed(state.iterations());
+}
+BENCHMARK(SplitIntoElastica);
 
 void Fit(benchmark::State& state) {
   std::vector<Eigen::Vector2d> q;
