@@ -47,5 +47,6 @@ struct Study {
 
 [[nodiscard]] StudyReport study_projection(const StudyOptions& options);
 [[nodiscard]] StudyReport study_zone(const StudyOptions& options);
+[[nodiscard]] StudyReport study_arcs(const StudyOptions& options);
 
 }  // namespace hotblade::pipeline::study

@@ -6,8 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "pipeline/study/arc_measures.hpp"
 #include "pipeline/study/distribution.hpp"
 #include "pipeline/study/random_curves.hpp"
+#include "pipeline/study/study.hpp"
 #include "pipeline/study/svg_plot.hpp"
 #include "tests/pipeline/run_program.hpp"
 
@@ -65,15 +67,84 @@ TEST(SvgPlot, LeavesOutPointsOutsideTheAxesAndEscapesText) {
   EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
-class StudyCommand : public ::testing::TestWithParam<const char*> {};
+TEST(DistanceToArc, IsThatOfTheNearestOfManyPoints) {
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    CurveRandom random(4, i);
+    const double kappa = i % 3 == 0 ? 1e-7 * random.between(-1, 1) : random.between(-2, 2);
+    const elastica::Arc arc{random.between(-1, 1), random.between(-1, 1), random.between(-3, 3),
+                            i % 7 == 0 ? 0 : kappa, random.between(0.1, 3)};
+    const Eigen::Vector2d p{random.between(-3, 3), random.between(-3, 3)};
+    double nearest = INFINITY;
+    constexpr int n = 4000;
+    for (int k = 0; k <= n; ++k)
+      nearest = std::min(nearest, (point_at(arc, arc.length * k / n).position() - p).norm());
+    EXPECT_LE(distance_to(arc, p), nearest + 1e-14);
+    EXPECT_GE(distance_to(arc, p), nearest - arc.length / n);
+  }
+}
+
+TEST(RandomSpiral, RunsSmoothlyFromOneCurvatureToTheOtherOverItsLength) {
+  CurveRandom random(6, 0);
+  const auto arcs = random_spiral(random, 1.5, 0.2, 1.4);
+  double length = 0;
+  for (std::size_t i = 0; i < arcs.size(); ++i) {
+    length += arcs[i].length;
+    if (i == 0) continue;
+    EXPECT_LE(arcs[i].kappa, arcs[i - 1].kappa);
+    const elastica::CurvePoint joint = point_at(arcs[i - 1], arcs[i - 1].length);
+    EXPECT_EQ(joint.x, arcs[i].x);
+    EXPECT_EQ(joint.theta, arcs[i].theta);
+  }
+  EXPECT_EQ(arcs.front().kappa, 1.5);
+  EXPECT_NEAR(arcs.back().kappa, 0.2, 1e-15);
+  EXPECT_NEAR(length, 1.4, 1e-14);
+}
+
+TEST(BisectedArcs, OfACircleAreTwoForEverySpiralAndHalveWhereTheToleranceAsks) {
+  const elastica::ElasticaCurve circle({0, 0, 0, 0.01, 0, 0, 250});
+  const double whole[] = {0, 250}, two[] = {0, 100, 250};
+  EXPECT_EQ(bisected_arcs(circle, whole, 1e-9, Joint::kEqualChords).arcs, 2u);
+  EXPECT_EQ(bisected_arcs(circle, two, 1e-9, Joint::kEqualChords).arcs, 4u);
+  const elastica::ElasticaCurve blade({0, 0, 0.2, 3e-3, 2e-5, -1e-5, 200});
+  const double ends[] = {0, 200};
+  EXPECT_GT(bisected_arcs(blade, ends, 1e-6, Joint::kEqualChords).arcs,
+            bisected_arcs(blade, ends, 1e-2, Joint::kEqualChords).arcs);
+}
+
+TEST(StudyArcs, FindsNoArcBeyondItsBoundAndNoBrokenTheorem) {
+  const StudyReport report = study_arcs({10, 400, 3, {}});
+  const auto& f = report.figures;
+  for (const auto& row : f.at("fits")) {
+    EXPECT_LT(row.at("length_off"), 1e-12);
+    EXPECT_EQ(row.at("above_bound"), 0);
+    EXPECT_LE(row.at("largest_share_of_bound"), 1);
+    EXPECT_GT(row.at("largest_share_of_bound"), 0.1);
+    EXPECT_GT(row.at("plain_length_off"), 1e3 * row.at("length_off").get<double>());
+    EXPECT_GT(row.at("biarcs"), row.at("halved_length_kept"));  // the bound is no measurement
+  }
+  EXPECT_NEAR(f.at("order_of_bound"), 3, 0.05);
+  EXPECT_NEAR(f.at("order_of_deviation"), 3, 0.05);
+  EXPECT_GT(f.at("spirals"), 390);
+  for (const auto& broken : f.at("broken")) EXPECT_EQ(broken, 0);
+  ASSERT_EQ(f.at("oval_contacts_pi").size(), 2u);
+  EXPECT_NEAR(f.at("oval_contacts_pi")[0], 0.79, 0.005);
+  EXPECT_NEAR(f.at("oval_contacts_pi")[1], 1.07, 0.005);
+  EXPECT_TRUE(f.at("oval_contacts_pi_k1_0.42").empty());
+}
+
+struct SmallStudy {
+  const char* name;
+  const char *samples, *checked;
+};
+class StudyCommand : public ::testing::TestWithParam<SmallStudy> {};
 
 TEST_P(StudyCommand, WritesTheSameBytesWithOneAndTwoThreads) {
   const testing::TemporaryDirectory directory;
   std::vector<std::string> printed;
   for (const char* jobs : {"1", "2"}) {
-    const testing::Ended run =
-        testing::hotblade({"study", GetParam(), "--samples", "130", "--checked", "2", "--seed", "7", "--json",
-                           "--jobs", jobs, "-o", (directory / jobs).string()});
+    const testing::Ended run = testing::hotblade({"study", GetParam().name, "--samples", GetParam().samples,
+                                                  "--checked", GetParam().checked, "--seed", "7", "--json",
+                                                  "--jobs", jobs, "-o", (directory / jobs).string()});
     ASSERT_EQ(run.code, 0) << run.err;
     printed.push_back(run.out);
     EXPECT_TRUE(nlohmann::json::accept(run.out));
@@ -88,8 +159,10 @@ TEST_P(StudyCommand, WritesTheSameBytesWithOneAndTwoThreads) {
   EXPECT_GE(files, 2u);
 }
 
-INSTANTIATE_TEST_SUITE_P(EveryStudy, StudyCommand, ::testing::Values("projection", "zone"),
-                         [](const auto& one) { return std::string(one.param); });
+INSTANTIATE_TEST_SUITE_P(EveryStudy, StudyCommand,
+                         ::testing::Values(SmallStudy{"projection", "130", "2"},
+                                           SmallStudy{"zone", "130", "2"}, SmallStudy{"arcs", "8", "200"}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 TEST(StudyCommandLine, DoesNotOverwriteWithoutForce) {
   const testing::TemporaryDirectory directory;
