@@ -53,6 +53,7 @@ Exit run_study(const study::Study& study, const StudyArguments& arguments, const
     write_file_atomically(table, figures, arguments.force);
     console.note("written " + table.string());
   }
+  for (const std::string& remark : report.remarks) console.note(remark);
   std::cout << (arguments.json ? figures : report.text);
   return Exit::kOk;
 }

@@ -34,6 +34,7 @@ struct StudyReport {
   std::string text;                // tables for people
   nlohmann::ordered_json figures;  // the same for programs
   std::vector<StudyFile> files;
+  std::vector<std::string> remarks = {};  // what depends on the machine, as speeds do: said, never written
 };
 
 struct Study {
@@ -48,5 +49,6 @@ struct Study {
 [[nodiscard]] StudyReport study_projection(const StudyOptions& options);
 [[nodiscard]] StudyReport study_zone(const StudyOptions& options);
 [[nodiscard]] StudyReport study_arcs(const StudyOptions& options);
+[[nodiscard]] StudyReport study_quadratic(const StudyOptions& options);
 
 }  // namespace hotblade::pipeline::study

@@ -8,6 +8,7 @@
 
 #include "pipeline/study/arc_measures.hpp"
 #include "pipeline/study/distribution.hpp"
+#include "pipeline/study/quadratic_oracle.hpp"
 #include "pipeline/study/random_curves.hpp"
 #include "pipeline/study/study.hpp"
 #include "pipeline/study/svg_plot.hpp"
@@ -132,6 +133,85 @@ TEST(StudyArcs, FindsNoArcBeyondItsBoundAndNoBrokenTheorem) {
   EXPECT_TRUE(f.at("oval_contacts_pi_k1_0.42").empty());
 }
 
+TEST(Quadrature, IsExactOnThePartOfTheUnitParabola) {
+  // y = x^2 over [0, 1/2], where 2x runs to 1: length (sqrt 2 + asinh 1)/4; energy Int 2 (1 + 4 x^2)^-5/2 dx,
+  // which is s - s^3/3 at s = 1/sqrt 2.
+  const QuadraticIntegrals q =
+      quadrature({Eigen::Vector2d(0, 0), Eigen::Vector2d(0.25, 0), Eigen::Vector2d(0.5, 0.25)});
+  const double s = std::sqrt(0.5);
+  EXPECT_DOUBLE_EQ(q.length, (std::sqrt(2.0) + std::asinh(1.0)) / 4);
+  EXPECT_DOUBLE_EQ(q.energy, s - s * s * s / 3);
+}
+
+TEST(Quadrature, DoesNotKnowTheDirectionOfTravelOrTheScale) {
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    const elastica::Quadratic q = random_triangle(9, i);
+    const QuadraticIntegrals one = quadrature(q), back = quadrature({q[2], q[1], q[0]}),
+                             large = quadrature({8 * q[0], 8 * q[1], 8 * q[2]});
+    EXPECT_DOUBLE_EQ(one.length, back.length);
+    EXPECT_DOUBLE_EQ(one.energy, back.energy);
+    EXPECT_DOUBLE_EQ(8 * one.length, large.length);
+    EXPECT_DOUBLE_EQ(one.energy / 8, large.energy);
+  }
+}
+
+TEST(SampledMinima, OfALineLieWhereSymmetryPutsThem) {
+  TangentProblem p;
+  p.b0 = {-1, 0.5};
+  p.b2 = {1, 0.5};
+  p.place = {3, 0};
+  const auto found = sampled_minima(p, 1001);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_LT((found[0].b1 - Eigen::Vector2d(0, -0.5)).norm(), found[0].step);
+}
+
+TEST(TangentLocus, MakesCurvesThatTouchTheCircle) {
+  TangentProblem p;
+  p.b0 = {-2, 1};
+  p.b2 = {2, 1.5};
+  p.radius = 1;
+  p.circle = true;
+  int tried = 0;
+  for (int i = 0; i < 360; ++i) {
+    const double theta = i * std::numbers::pi / 180;
+    const Eigen::Vector2d b1 = locus(p, theta), n{std::cos(theta), std::sin(theta)};
+    if (!b1.allFinite()) continue;
+    ++tried;
+    // On the side of the tangent where its ends are, the curve comes down to it and does not cross.
+    const double side = std::copysign(1.0, n.dot(p.b0) - 1);
+    double nearest = INFINITY;
+    for (int k = 0; k <= 2000; ++k) {
+      const Eigen::Vector2d at = elastica::point_at({p.b0, b1, p.b2}, k / 2000.0);
+      nearest = std::min(nearest, side * (n.dot(at) - 1));
+    }
+    EXPECT_LT(nearest, 1e-5 * (1 + b1.squaredNorm()));
+    EXPECT_GT(nearest, -1e-13 * (1 + b1.squaredNorm()));
+  }
+  EXPECT_GT(tried, 100);
+}
+
+TEST(StudyQuadratic, FindsFormsRightToRoundingAndNoMinimumMissed) {
+  const StudyReport report = study_quadratic({500, 210, 3, {}});
+  const auto& f = report.figures;
+  for (const auto& row : f.at("relative_errors")) {
+    EXPECT_EQ(row.at("count"), 100);
+    EXPECT_LT(row.at("length").at("max"), 3e-15);
+    EXPECT_LT(row.at("energy").at("max"), 3e-15);
+    EXPECT_GT(row.at("energy").at("max"), 0);
+  }
+  std::size_t sampled = 0;
+  ASSERT_EQ(f.at("tangent").size(), 14u);
+  for (const auto& row : f.at("tangent")) {
+    EXPECT_EQ(row.at("problems"), 15);
+    EXPECT_EQ(row.at("missed"), 0) << row;
+    EXPECT_EQ(row.at("undercut"), 0) << row;
+    EXPECT_LT(row.at("tangency"), 1e-13) << row;
+    sampled += row.at("sampled").get<std::size_t>();
+  }
+  EXPECT_GT(sampled, 210u);
+  EXPECT_EQ(report.remarks.size(), 4u);  // the speeds, which are no part of the figures
+}
+
 struct SmallStudy {
   const char* name;
   const char *samples, *checked;
@@ -161,7 +241,8 @@ TEST_P(StudyCommand, WritesTheSameBytesWithOneAndTwoThreads) {
 
 INSTANTIATE_TEST_SUITE_P(EveryStudy, StudyCommand,
                          ::testing::Values(SmallStudy{"projection", "130", "2"},
-                                           SmallStudy{"zone", "130", "2"}, SmallStudy{"arcs", "8", "200"}),
+                                           SmallStudy{"zone", "130", "2"}, SmallStudy{"arcs", "8", "200"},
+                                           SmallStudy{"quadratic", "300", "70"}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 TEST(StudyCommandLine, DoesNotOverwriteWithoutForce) {
