@@ -1,4 +1,5 @@
-// The cut program: what program.json holds (docs/program.md, format version 1). mm, rad, s; kappa 1/mm, lambda 1/mm^2.
+// The cut program: what program.json holds (docs/program.md, format version 1). mm, rad, s; kappa 1/mm,
+// lambda 1/mm^2.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,6 +43,14 @@ struct Rib {
   double design_deviation_mm = 0;           // elastica against target, max
 };
 
+// What a pose asks of the blade and the clamps (robot/blade_section.hpp).
+struct PoseLoads {
+  double force_n = 0;                           // between the clamps, the same at both
+  double moment_a_n_mm = 0, moment_b_n_mm = 0;  // in the blade at the clamps, counted as B kappa
+  double stress_mpa = 0;                        // largest bending stress
+  double droop_mm = 0, in_plane_sag_mm = 0;     // what weight moves the blade, over foam or all of it
+};
+
 struct BladePose {
   double t = 0;  // s from the strip's start
   std::string phase;
@@ -52,6 +61,7 @@ struct BladePose {
   Pose a, b;  // design frame
   double margin = 0;
   std::optional<double> margin_mm;  // absent: not computed
+  std::optional<PoseLoads> loads;   // absent: not computed
   std::optional<int> rib;
 };
 

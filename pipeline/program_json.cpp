@@ -133,6 +133,12 @@ void write_rib(Text& out, const Rib& rib) {
   out.field(",\"design_deviation_mm\":", rib.design_deviation_mm).raw("}");
 }
 
+void write_loads(Text& out, const PoseLoads& l) {
+  out.field("{\"force_n\":", l.force_n).field(",\"moment_a_n_mm\":", l.moment_a_n_mm);
+  out.field(",\"moment_b_n_mm\":", l.moment_b_n_mm).field(",\"stress_mpa\":", l.stress_mpa);
+  out.field(",\"droop_mm\":", l.droop_mm).field(",\"in_plane_sag_mm\":", l.in_plane_sag_mm).raw("}");
+}
+
 void write_pose(Text& out, const BladePose& pose) {
   out.field("{\"t\":", pose.t).string_field(",\"phase\":", pose.phase);
   out.raw(pose.heat ? ",\"heat\":true" : ",\"heat\":false").raw(",\"frame\":").frame(pose.frame);
@@ -143,7 +149,9 @@ void write_pose(Text& out, const BladePose& pose) {
     out.raw("null");
   }
   out.raw(",\"a\":").pose(pose.a).raw(",\"b\":").pose(pose.b).field(",\"margin\":", pose.margin);
-  out.raw(",\"margin_mm\":").optional(pose.margin_mm).raw(",\"rib\":").optional(pose.rib).raw("}");
+  out.raw(",\"margin_mm\":").optional(pose.margin_mm);
+  if (pose.loads) write_loads(out.raw(",\"loads\":"), *pose.loads);
+  out.raw(",\"rib\":").optional(pose.rib).raw("}");
 }
 
 void write_strip(Text& out, const Strip& strip) {

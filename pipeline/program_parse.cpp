@@ -194,9 +194,30 @@ void expect_chord(const JsonNode& node, const BladePose& pose, double length) {
   }
 }
 
-BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
+PoseLoads loads_of(const JsonNode& node) {
   node.expect_keys(
-      std::array{"t", "phase", "heat", "frame", "blade", "foam", "a", "b", "margin", "margin_mm", "rib"});
+      std::array{"force_n", "moment_a_n_mm", "moment_b_n_mm", "stress_mpa", "droop_mm", "in_plane_sag_mm"});
+  PoseLoads loads;
+  loads.force_n = number(node, "force_n", kNotNegative);
+  loads.moment_a_n_mm = number(node, "moment_a_n_mm");
+  loads.moment_b_n_mm = number(node, "moment_b_n_mm");
+  loads.stress_mpa = number(node, "stress_mpa", kNotNegative);
+  loads.droop_mm = number(node, "droop_mm", kNotNegative);
+  loads.in_plane_sag_mm = number(node, "in_plane_sag_mm", kNotNegative);
+  return loads;
+}
+
+// Loads may be left out: they follow from the shape and the blade.
+void expect_pose_keys(const JsonNode& node, bool loads) {
+  std::vector<const char*> keys{"t", "phase", "heat",   "frame",     "blade", "foam",
+                                "a", "b",     "margin", "margin_mm", "rib"};
+  if (loads) keys.push_back("loads");
+  node.expect_keys(keys);
+}
+
+BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
+  const bool has_loads = node.json().is_object() && node.json().contains("loads");
+  expect_pose_keys(node, has_loads);
   BladePose out;
   out.t = number(node, "t", kTime);
   out.phase = node.field("phase").one_of(kPhases);
@@ -215,6 +236,10 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   out.margin = number(node, "margin");
   const JsonNode margin_mm = node.field("margin_mm");
   if (!margin_mm.is_null()) out.margin_mm = margin_mm.number(kNotNegative);
+  if (has_loads) {
+    const JsonNode loads = node.field("loads");
+    out.loads = loads_of(loads);
+  }
   const JsonNode rib = node.field("rib");
   if (rib.is_null()) return out;
   if (rib.count() >= strip.ribs.size()) {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/blade_section.hpp"
+
 namespace hotblade::pipeline {
 
 struct DesignSettings {
@@ -37,7 +39,8 @@ struct FitSettings {
 struct BladeSettings {
   std::vector<double> free_lengths_mm{400, 600, 800, 1000, 1200, 1500};
   double width_mm = 8, thickness_mm = 0.5;
-  double youngs_modulus_mpa = 190000, yield_strength_mpa = 1010, safety = 1.5, density_kg_m3 = 7900;
+  double youngs_modulus_mpa = 190000, poisson_ratio = 0.3, yield_strength_mpa = 1010, safety = 1.5;
+  double density_kg_m3 = 7900;
   double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
 };
@@ -109,6 +112,8 @@ void validate(const Settings& settings);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);
 [[nodiscard]] std::string to_toml(const Settings& settings);  // commented, round-trips through resolve
+
+[[nodiscard]] robot::BladeSection blade_section(const BladeSettings& blade);
 
 // Bending strain limit: largest curvature the blade may take, 2 yield / (safety E thickness), 1/mm.
 [[nodiscard]] double max_curvature_per_mm(const BladeSettings& blade);

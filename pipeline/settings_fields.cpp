@@ -54,6 +54,8 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.blade.thickness_mm; }},
     {"blade", "youngs_modulus_mpa", "MPa", 1000, 500000, "", "Young's modulus",
      [](S& s) -> Place { return &s.blade.youngs_modulus_mpa; }},
+    {"blade", "poisson_ratio", "", 0, 0.5, "", "Poisson's ratio, for the blade's twist under its weight",
+     [](S& s) -> Place { return &s.blade.poisson_ratio; }},
     {"blade", "yield_strength_mpa", "MPa", 10, 5000, "", "Yield strength",
      [](S& s) -> Place { return &s.blade.yield_strength_mpa; }},
     {"blade", "safety", "", 1, 10, "", "Bending stress stays below the yield strength divided by this",

@@ -237,7 +237,7 @@ std::vector<std::string> not_checked() {
           "clamp error that would lose the blade's shape (margin_mm)",
           "pull on a straight blade by a clamp error along it",
           "melt-back of a slow or held blade",
-          "in-plane and out-of-plane gravity in the blade's shape (the droop is a budget line only)",
+          "gravity in the measured deviation: its first-order share is added in the plan's verdict and budget",
           "arm reach and arm collision",
           "thermal spring-back",
           "plinth outside the kept side",

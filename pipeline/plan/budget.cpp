@@ -9,7 +9,6 @@ namespace hotblade::pipeline {
 
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2
 // Registers count micrometres: half a count on each axis.
 constexpr double kQuantisationMm = 0.5e-3 * 1.7320508075688772;
 
@@ -36,13 +35,6 @@ double interpolation_mm(const Program& program) {
 }
 
 }  // namespace
-
-double droop_mm(const BladeSettings& b, double length_mm) {
-  const double area = b.width_mm * b.thickness_mm;                       // mm^2
-  const double weight = b.density_kg_m3 * 1e-9 * area * kGravity;        // N/mm
-  const double inertia = b.thickness_mm * std::pow(b.width_mm, 3) / 12;  // mm^4
-  return weight * std::pow(length_mm, 4) / (384 * b.youngs_modulus_mpa * inertia);
-}
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh) {
   std::map<std::pair<int, int>, std::vector<Side>> sides;
@@ -74,10 +66,10 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh) {
 }
 
 std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
-                                                         const Settings& settings, const Program& program) {
-  double fit = 0, longest = 0;
+                                                         const Program& program,
+                                                         const GravityShare& gravity) {
+  double fit = 0;
   for (const Strip& strip : program.strips) {
-    longest = std::max(longest, strip.blade_length_mm);
     for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
   }
   return {{"mesh", mesh_chord_mm(design.mesh)},
@@ -85,7 +77,8 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
           {"interpolation", interpolation_mm(program)},
           {"quantisation", kQuantisationMm},
-          {"gravity_droop", droop_mm(settings.blade, longest)}};
+          {"gravity_droop", gravity.droop_mm},
+          {"gravity_in_plane", gravity.in_plane_mm}};
 }
 
 }  // namespace hotblade::pipeline

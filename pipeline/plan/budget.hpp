@@ -11,17 +11,19 @@
 
 namespace hotblade::pipeline {
 
-// Sag of the blade's middle out of a horizontal rib plane, clamped ends, section upright:
-// rho A g l^4 / (384 E I), I = thickness width^3 / 12 (clamped beam under its own weight).
-[[nodiscard]] double droop_mm(const BladeSettings& blade, double length_mm);
+// What weight moves the surface, the largest of all strips, mm.
+struct GravityShare {
+  double droop_mm = 0;     // by droop and twist out of the plane
+  double in_plane_mm = 0;  // by the first-order change of the shape in a tilted plane
+};
 
 // Height of the mesh's chords over the surface it stands for, from the angle between neighbouring faces: 99%
 // of the edges stay below; creases are the design's own.
 [[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh);
 
-// Lines: mesh, fit, between_ribs, interpolation, quantisation, gravity_droop.
+// Lines: mesh, fit, between_ribs, interpolation, quantisation, gravity_droop, gravity_in_plane.
 [[nodiscard]] std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
-                                                                       const Settings& settings,
-                                                                       const Program& program);
+                                                                       const Program& program,
+                                                                       const GravityShare& gravity);
 
 }  // namespace hotblade::pipeline

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "elastica/stability.hpp"
-#include "pipeline/plan/blade.hpp"
+#include "pipeline/plan/blade_check.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/plan/time_law.hpp"
 
@@ -196,68 +196,6 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
   return m;
 }
 
-// Shapes and places of one pose: bending, clamp clearance to the block, free parts.
-struct PoseCheck {
-  double curvature = 0, clearance = 0, depth = 0;
-  bool crosses = false;
-};
-
-double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
-  const Eigen::Vector3d d = p - stock.frame.origin;
-  const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-  return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
-}
-
-PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const StockRect& rect) {
-  PoseCheck c;
-  c.curvature = elastica::ElasticaCurve(pose.blade).max_abs_curvature();
-  c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
-  const bool cuts = pose.foam.has_value();
-  const FreeParts free = examine_free_parts(pose.blade, cuts ? (*pose.foam)[0] : 0,
-                                            cuts ? (*pose.foam)[1] : pose.blade.length, rect);
-  c.crosses = free.crosses_itself;
-  if (cuts) c.depth = free.depth_mm;
-  return c;
-}
-
-// The limits of the blade's shape, at every pose: the interpolated ones between the ribs too.
-void check_shapes(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
-  const StockRect rect = stock_rect(strip.ribs, settings.stock);
-  std::vector<PoseCheck> checks(motion.poses.size());
-  tbb::parallel_for(std::size_t{0}, checks.size(),
-                    [&](std::size_t i) { checks[i] = check_pose(motion.poses[i], strip, rect); });
-  const auto first_by = [&](auto before) {
-    return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
-  };
-  const std::size_t bent = first_by([](const auto& a, const auto& b) { return a.curvature > b.curvature; });
-  const std::size_t near = first_by([](const auto& a, const auto& b) { return a.clearance < b.clearance; });
-  const std::size_t deep = first_by([](const auto& a, const auto& b) { return a.depth > b.depth; });
-  const std::size_t crossed = first_by([](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
-  motion.largest_curvature_per_mm = checks[bent].curvature;
-  motion.smallest_clearance_mm = checks[near].clearance;
-  const auto refuse = [&](std::size_t i, const char* name, double value, double bound, const char* unit,
-                          const char* hint) {
-    const BladePose& pose = motion.poses[i];
-    motion.refusals.push_back({strip.id, "", fmt::format("{} while {} at {:.2f} s", name, pose.phase, pose.t),
-                               value, bound, unit, hint});
-  };
-  const double sharpest = max_curvature_per_mm(settings.blade);
-  if (!(checks[bent].curvature <= sharpest)) {
-    refuse(bent, "blade radius", 1 / checks[bent].curvature, 1 / sharpest, "mm",
-           "the blade would exceed yield between the ribs: closer ribs, or a thinner blade");
-  }
-  if (!(checks[near].clearance >= settings.stock.clearance_mm)) {
-    refuse(near, "clamp clearance to the stock", checks[near].clearance, settings.stock.clearance_mm, "mm",
-           "add a longer blade to blade.free_lengths_mm");
-  }
-  if (!(checks[deep].depth <= kFreePartDepthMm)) {
-    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
-           "mm", "closer ribs or more splits");
-  }
-  if (checks[crossed].crosses)
-    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
-}
-
 void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const Measured m = measure(motion.poses, strip, settings.machine);
   // Written so that a value that is not a number is refused.
@@ -284,12 +222,6 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
            "raise machine.plinth_mm");
   at_least("feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",
            "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
-  const auto worst =
-      std::min_element(motion.poses.begin(), motion.poses.end(),
-                       [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
-  motion.smallest_margin = worst->margin;
-  at_least(fmt::format("stability margin while {} at {:.2f} s", worst->phase, worst->t), worst->margin,
-           settings.blade.min_margin, "", "the blade could snap on the way");
 }
 
 // Slowest blade point in foam over the cut; the time law starts and stops outside the block.
@@ -327,7 +259,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   }
   motion.slowest_feed_mm_s = slowest_feed(motion.poses);
   check_limits(strip, settings, motion);
-  check_shapes(strip, settings, motion);
+  check_blade(strip, settings, motion);
   return motion;
 }
 

@@ -16,7 +16,11 @@ struct BladeMotion {
   std::vector<BladePose> poses;
   double duration_s = 0, cut_s = 0;
   double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
-  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;  // over all poses
+  // Over all poses.
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+  double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
+  // Over the poses that cut, of the part that forms the design.
+  double droop_mm = 0, twist_rad = 0, in_plane_sag_mm = 0;
 
   std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
 };

@@ -84,7 +84,7 @@ Strip make_strip(const StripPlan& plan, const BladeMotion& motion) {
   strip.design_to_cell = plan.design_to_cell;
   strip.stock = plan.stock;
   for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
-    strip.ribs.push_back(make_rib(plan.ribs[i], plan, fmt::format("{}R{:03}", plan.id, i + 1)));
+    strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i)));
   }
   strip.poses = motion.poses;
   return strip;
@@ -109,10 +109,15 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   f.duration_s = motion.duration_s;
   f.cut_s = motion.cut_s;
   f.slowest_feed_mm_s = motion.slowest_feed_mm_s;
-  f.droop_mm = droop_mm(settings.blade, plan.blade_length_mm);
+  f.largest_force_n = motion.largest_force_n;
+  f.largest_moment_n_mm = motion.largest_moment_n_mm;
+  f.largest_stress_mpa = motion.largest_stress_mpa;
+  f.droop_mm = motion.droop_mm;
+  f.in_plane_sag_mm = motion.in_plane_sag_mm;
   double steepest = 0;
   for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
-  f.droop_error_mm = f.droop_mm * std::sin(steepest);
+  // The twist tilts the section, whose edges move by half its width.
+  f.droop_error_mm = f.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * motion.twist_rad;
   f.stock_volume_mm3 = plan.stock.size_mm.prod();
   return f;
 }
@@ -187,10 +192,10 @@ void judge(const Settings& settings, PlanResult& result) {
         {"design", "", "strips", 0, 1, "", "no chain of ribs was found: see the warnings"});
   }
   for (const StripFacts& f : result.strips) {
-    const double together = f.deviation_max_mm + f.droop_error_mm;
+    const double together = f.deviation_max_mm + f.droop_error_mm + f.in_plane_sag_mm;
     if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
       continue;
-    result.refusals.push_back({f.id, "", "deviation with the droop of the blade", together,
+    result.refusals.push_back({f.id, "", "deviation with the sag of the blade under its weight", together,
                                settings.design.tolerance_mm, "mm",
                                "a shorter or wider blade, or another slice.direction"});
   }
@@ -212,6 +217,15 @@ void judge(const Settings& settings, PlanResult& result) {
          100 * settings.design.max_uncut_share, "%",
          "another slice.direction, a trimmed design or a larger design.max_uncut_share"});
   }
+}
+
+GravityShare gravity_share(const std::vector<StripFacts>& strips) {
+  GravityShare share;
+  for (const StripFacts& f : strips) {
+    share.droop_mm = std::max(share.droop_mm, f.droop_error_mm);
+    share.in_plane_mm = std::max(share.in_plane_mm, f.in_plane_sag_mm);
+  }
+  return share;
 }
 
 }  // namespace
@@ -243,7 +257,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   v.tolerance_mm = settings.design.tolerance_mm;
   v.deviation_mm = result.verification.deviation;
   v.uncut_mm2 = result.verification.uncut_mm2;
-  v.budget_mm = error_budget(design, settings, program);
+  v.budget_mm = error_budget(design, program, gravity_share(result.strips));
   v.samples = result.verification.cut_samples + result.verification.design_samples;
   v.not_checked = not_checked();
   if (!result.verification.within_tolerance && result.refusals.empty()) {

@@ -21,8 +21,10 @@ struct StripFacts {
   double seam_gap_mm = 0, seam_kink_deg = 0;  // largest, to the strip before along the ribs
   double deviation_max_mm = 0;
   double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
-  double droop_mm = 0;        // sag of the blade's middle out of its plane
-  double droop_error_mm = 0;  // what it moves the surface where it is steepest
+  double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
+  double droop_mm = 0;         // largest sag out of the plane of the part that cuts
+  double droop_error_mm = 0;   // what droop and twist move the surface where it is steepest
+  double in_plane_sag_mm = 0;  // largest sag in the plane; 0 where rib planes are level
   double stock_volume_mm3 = 0;
 };
 

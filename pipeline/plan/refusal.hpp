@@ -16,6 +16,9 @@ struct Refusal {
   std::string hint;  // what would make it cuttable
 };
 
+// S003R012: rib `index` (from 0) of a strip.
+[[nodiscard]] std::string rib_id(const std::string& strip, std::size_t index);
+
 // `S003 S003R012: radius 55.2 mm (limit 70.5 mm): hint`
 [[nodiscard]] std::string describe(const Refusal& refusal);
 

@@ -1,0 +1,155 @@
+#include "pipeline/plan/blade_check.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/plan/blade.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+struct PoseCheck {
+  double curvature = 0, clearance = 0, depth = 0;
+  bool crosses = false, cuts = false;
+  robot::BladeLoads loads;
+  robot::BladeSag sag;
+};
+
+double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
+  const Eigen::Vector3d d = p - stock.frame.origin;
+  const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+  return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
+}
+
+PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const StockRect& rect,
+                     const robot::BladeSection& section, const Eigen::Vector3d& down) {
+  PoseCheck c;
+  c.loads = robot::blade_loads(pose.blade, section);
+  c.curvature = 1 / c.loads.smallest_radius_mm;
+  c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
+  c.cuts = pose.foam.has_value();
+  const double s0 = c.cuts ? (*pose.foam)[0] : 0, s1 = c.cuts ? (*pose.foam)[1] : pose.blade.length;
+  const FreeParts free = examine_free_parts(pose.blade, s0, s1, rect);
+  c.crosses = free.crosses_itself;
+  if (c.cuts) c.depth = free.depth_mm;
+  c.sag = robot::blade_sag(pose.blade, section, down, s0, s1);
+  return c;
+}
+
+PoseLoads pose_loads(const PoseCheck& c) {
+  return {c.loads.force_n.norm(), c.loads.moment_a_n_mm, c.loads.moment_b_n_mm,
+          c.loads.stress_mpa,     c.sag.droop_mm,        c.sag.in_plane_mm};
+}
+
+void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
+  motion.smallest_clearance_mm = std::numeric_limits<double>::infinity();
+  motion.smallest_margin = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    const PoseCheck& c = checks[i];
+    motion.poses[i].loads = pose_loads(c);
+    motion.smallest_margin = std::min(motion.smallest_margin, motion.poses[i].margin);
+    motion.largest_curvature_per_mm = std::max(motion.largest_curvature_per_mm, c.curvature);
+    motion.smallest_clearance_mm = std::min(motion.smallest_clearance_mm, c.clearance);
+    motion.largest_force_n = std::max(motion.largest_force_n, c.loads.force_n.norm());
+    motion.largest_moment_n_mm = std::max(
+        {motion.largest_moment_n_mm, std::abs(c.loads.moment_a_n_mm), std::abs(c.loads.moment_b_n_mm)});
+    motion.largest_stress_mpa = std::max(motion.largest_stress_mpa, c.loads.stress_mpa);
+    if (!c.cuts) continue;
+    motion.droop_mm = std::max(motion.droop_mm, c.sag.droop_mm);
+    motion.twist_rad = std::max(motion.twist_rad, c.sag.twist_rad);
+    motion.in_plane_sag_mm = std::max(motion.in_plane_sag_mm, c.sag.in_plane_mm);
+  }
+}
+
+// Adds refusals that name the strip, the nearest rib while cutting, the phase and the time.
+class Refuser {
+ public:
+  Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
+
+  void operator()(std::size_t i, const char* name, double value, double bound, const char* unit,
+                  const char* hint) {
+    const BladePose& pose = motion_.poses[i];
+    motion_.refusals.push_back({strip_.id, pose.foam ? rib_name(pose) : "",
+                                fmt::format("{} in phase {} at {:.2f} s", name, pose.phase, pose.t), value,
+                                bound, unit, hint});
+  }
+
+ private:
+  [[nodiscard]] std::string rib_name(const BladePose& pose) const {
+    const double offset = pose.frame.origin.dot(strip_.sweep);
+    const auto nearest =
+        std::min_element(strip_.ribs.begin(), strip_.ribs.end(), [&](const RibFit& p, const RibFit& q) {
+          return std::abs(p.offset_mm - offset) < std::abs(q.offset_mm - offset);
+        });
+    return rib_id(strip_.id, static_cast<std::size_t>(nearest - strip_.ribs.begin()));
+  }
+
+  const StripPlan& strip_;
+  BladeMotion& motion_;
+};
+
+}  // namespace
+
+Eigen::Vector3d down_in_plane(const StripPlan& strip) {
+  const Eigen::Vector3d down = strip.design_to_cell.q.conjugate() * -Eigen::Vector3d::UnitZ();
+  return {down.dot(strip.x), down.dot(strip.y), down.dot(strip.x.cross(strip.y))};
+}
+
+void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
+  const StockRect rect = stock_rect(strip.ribs, settings.stock);
+  const robot::BladeSection section = blade_section(settings.blade);
+  const Eigen::Vector3d down = down_in_plane(strip);
+  std::vector<PoseCheck> checks(motion.poses.size());
+  tbb::parallel_for(std::size_t{0}, checks.size(), [&](std::size_t i) {
+    checks[i] = check_pose(motion.poses[i], strip, rect, section, down);
+  });
+  collect(checks, motion);
+  Refuser refuse(strip, motion);
+  const auto first_by = [&](auto before) {
+    return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
+  };
+  // Written so that a value that is not a number is refused.
+  const double sharpest = max_curvature_per_mm(settings.blade);
+  if (!(motion.largest_curvature_per_mm <= sharpest)) {
+    const std::size_t i = first_by([](const auto& a, const auto& b) { return a.curvature > b.curvature; });
+    refuse(i, "bending stress (yield strength over safety)", checks[i].loads.stress_mpa,
+           settings.blade.yield_strength_mpa / settings.blade.safety, "MPa",
+           "the blade would yield between the ribs: closer ribs, or a thinner blade");
+  }
+  if (!(motion.smallest_clearance_mm >= settings.stock.clearance_mm)) {
+    const std::size_t i = first_by([](const auto& a, const auto& b) { return a.clearance < b.clearance; });
+    refuse(i, "clamp clearance to the stock", checks[i].clearance, settings.stock.clearance_mm, "mm",
+           "add a longer blade to blade.free_lengths_mm");
+  }
+  const std::size_t deep = first_by([](const auto& a, const auto& b) { return a.depth > b.depth; });
+  if (!(checks[deep].depth <= kFreePartDepthMm)) {
+    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
+           "mm", "closer ribs or more splits");
+  }
+  const std::size_t crossed = first_by([](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
+  if (checks[crossed].crosses)
+    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
+  const std::size_t tipped =
+      first_by([](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
+  if (!checks[tipped].sag.stable) {
+    refuse(tipped, "margin against tipping out of the plane",
+           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
+           "a shorter or thicker blade");
+  }
+  if (!(motion.smallest_margin >= settings.blade.min_margin)) {
+    const auto worst =
+        std::min_element(motion.poses.begin(), motion.poses.end(),
+                         [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
+    refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin", worst->margin,
+           settings.blade.min_margin, "",
+           "the blade could snap through on the way: a shorter blade or more splits");
+  }
+}
+
+}  // namespace hotblade::pipeline
