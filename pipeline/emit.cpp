@@ -26,8 +26,9 @@ Json vector_json(const Eigen::Vector3d& v) {
 }
 
 Json refusal_json(const Refusal& r) {
-  return {{"strip", r.strip}, {"rib", r.rib},   {"limit", r.limit}, {"value", r.value},
-          {"bound", r.bound}, {"unit", r.unit}, {"hint", r.hint},   {"message", describe(r)}};
+  return {{"strip", r.strip},     {"rib", r.rib},          {"limit", r.limit}, {"value", r.value},
+          {"bound", r.bound},     {"unit", r.unit},        {"hint", r.hint},   {"place", r.place},
+          {"details", r.details}, {"message", describe(r)}};
 }
 
 Json strip_json(const StripFacts& f, const Strip& strip) {
@@ -59,6 +60,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"droop_mm", f.droop_mm},
           {"droop_error_mm", f.droop_error_mm},
           {"in_plane_sag_mm", f.in_plane_sag_mm},
+          {"clamp_error_mm", f.clamp_error_mm},
           {"duration_s", f.duration_s},
           {"cut_s", f.cut_s},
           {"feed_slowest_mm_s", f.slowest_feed_mm_s},

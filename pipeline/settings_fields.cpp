@@ -107,6 +107,10 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.machine.envelope_mm; }},
     {"machine", "plinth_mm", "mm", 0, 3000, "", "The stock stands this far above the table",
      [](S& s) -> Place { return &s.machine.plinth_mm; }},
+    {"machine", "clamp_error_mm", "mm", 0, 10, "", "Error of a clamp's position, for the error budget",
+     [](S& s) -> Place { return &s.machine.clamp_error_mm; }},
+    {"machine", "clamp_error_rad", "rad", 0, 0.1, "", "Error of a clamp's angle, for the error budget",
+     [](S& s) -> Place { return &s.machine.clamp_error_rad; }},
 };
 
 template <typename Numbers>

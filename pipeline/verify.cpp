@@ -1,5 +1,7 @@
 #include "pipeline/verify.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include "gpu/mesh_distance.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/swept_surface.hpp"
+#include "robot/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
@@ -124,6 +127,17 @@ double clamp_mismatch_mm(const Program& program) {
   return worst;
 }
 
+std::vector<BranchReport> follow_branches(const Program& program, double min_margin) {
+  const BladeData& b = program.blade;
+  const robot::BladeSection section{b.width_mm,           b.thickness_mm, b.youngs_modulus_mpa, 0,
+                                    b.yield_strength_mpa, b.safety,       b.density_kg_m3};
+  std::vector<BranchReport> branches(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, branches.size(), [&](std::size_t i) {
+    branches[i] = follow_branch(program.strips[i], {robot::max_curvature_per_mm(section), min_margin});
+  });
+  return branches;
+}
+
 // Distances in, statistics out; sums run in sample order, so they do not depend on threads.
 class Statistics {
  public:
@@ -177,11 +191,17 @@ class Statistics {
 
 }  // namespace
 
+bool VerifyReport::holds() const {
+  return std::all_of(branches.begin(), branches.end(),
+                     [](const BranchReport& b) { return b.status == BranchStatus::kHeld; });
+}
+
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                     const VerifyOptions& options) {
   VerifyReport report;
   report.area_mm2 = design.health.area_mm2;
   report.strip_max_mm.assign(program.strips.size(), 0.0);
+  report.branches = follow_branches(program, options.min_margin);
   const SweptSurface cut = swept_surface(program, options.sample_mm);
   if (cut.triangles.empty()) {
     report.uncut_mm2 = report.area_mm2;
@@ -233,15 +253,15 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
 }
 
 std::vector<std::string> not_checked() {
-  return {"equilibrium between waypoints: the planned shape is taken, and its stability checked at each",
-          "clamp error that would lose the blade's shape (margin_mm)",
-          "pull on a straight blade by a clamp error along it",
-          "melt-back of a slow or held blade",
-          "gravity in the measured deviation: its first-order share is added in the plan's verdict and budget",
-          "arm reach and arm collision",
-          "thermal spring-back",
-          "plinth outside the kept side",
-          "jerk of the clamps"};
+  return {
+      "clamp error that would lose the blade's shape (margin_mm)",
+      "pull on a straight blade by a clamp error along it",
+      "melt-back of a slow or held blade",
+      "gravity in the measured deviation: its first-order share is added in the plan's verdict and budget",
+      "arm reach and arm collision",
+      "thermal spring-back",
+      "plinth outside the kept side",
+      "jerk of the clamps"};
 }
 
 }  // namespace hotblade::pipeline

@@ -6,12 +6,15 @@
 // tolerances from the cut and its nearest cut point is on the cut's edge, or farther than `far` tolerances
 // from every cut.
 //
-// The blade's shape is taken from the program; that both clamps hold it where the program says is checked.
+// The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
+// branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
+// alone (pipeline/branch.hpp).
 #pragma once
 
 #include <vector>
 
 #include "gpu/backend.hpp"
+#include "pipeline/branch.hpp"
 #include "pipeline/program.hpp"
 #include "surface/design_surface.hpp"
 
@@ -20,9 +23,10 @@ namespace hotblade::pipeline {
 struct VerifyOptions {
   double tolerance_mm = 1;
   double max_uncut_share = 0.01;
-  double sample_mm = 2.5;      // spacing of samples on both surfaces
-  double reach = 3, far = 20;  // tolerances
+  double sample_mm = 2.5;                     // spacing of samples on both surfaces
+  double reach = 3, far = 20;                 // tolerances
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
+  double min_margin = 0;                      // smallest accepted stability margin
 };
 
 // How many samples deviate by how much: bin i holds [i, i + 1) * bin_mm, `beyond` what lies past the last
@@ -42,8 +46,11 @@ struct VerifyReport {
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
-  bool within_tolerance = false;  // deviation and uncut share both
-  gpu::BackendUse to_design, to_cut;  // what computed the distances each way
+  bool within_tolerance = false;       // deviation and uncut share both
+  gpu::BackendUse to_design, to_cut;   // what computed the distances each way
+  std::vector<BranchReport> branches;  // by strip
+  // Every strip's blade takes the program's shapes.
+  [[nodiscard]] bool holds() const;
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
 };
 

@@ -31,11 +31,30 @@ fs::path find_design(const VerifyArguments& arguments, const Program& program) {
                      beside.string() + ": the design is not beside the program: say --design FILE.obj");
 }
 
-double max_uncut_share(const Program& program) {
+// A number of the plan's settings, by JSON pointer.
+double setting(const Program& program, const char* pointer, double otherwise) {
   const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
-  const auto path = nlohmann::json::json_pointer("/design/max_uncut_share");
-  if (settings.is_discarded() || !settings.contains(path) || !settings[path].is_number()) return 0.01;
+  const auto path = nlohmann::json::json_pointer(pointer);
+  if (settings.is_discarded() || !settings.contains(path) || !settings[path].is_number()) return otherwise;
   return settings[path].get<double>();
+}
+
+// One line a strip: the branch of shapes found from its clamp poses.
+void print_branches(const Program& program, const VerifyReport& report) {
+  for (std::size_t i = 0; i < report.branches.size(); ++i) {
+    const BranchReport& b = report.branches[i];
+    const Strip& strip = program.strips[i];
+    if (b.status == BranchStatus::kHeld) {
+      std::cout << fmt::format(
+          "{}  blade held on one branch: within {:.4f} mm of the plan, margin at least {:.1f}, radius at "
+          "least {:.0f} "
+          "mm{}\n",
+          strip.id, b.mismatch_mm, b.smallest_margin, 1 / std::max(b.largest_curvature_per_mm, 1e-9),
+          b.taut_poses > 0 ? fmt::format(", {} waypoints straight", b.taut_poses) : "");
+    } else {
+      std::cout << describe(branch_refusal(strip, b)) << "\n";
+    }
+  }
 }
 
 // A cut within tolerance is not enough when the plan was refused for another limit.
@@ -60,7 +79,8 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   }
   VerifyOptions options;
   options.tolerance_mm = program.verification.tolerance_mm;
-  options.max_uncut_share = max_uncut_share(program);
+  options.max_uncut_share = setting(program, "/design/max_uncut_share", options.max_uncut_share);
+  options.min_margin = setting(program, "/blade/min_margin", 0);
   options.sample_mm = arguments.sample_mm;
   options.backend = backend_named(arguments.backend);
   console.report_progress("verify", 0.3);
@@ -80,6 +100,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
       d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
+  print_branches(program, report);
   for (const std::string& item : program.verification.not_checked)
     std::cout << "not checked: " << item << "\n";
   if (report.clamp_mismatch_mm > kClampMismatchMm) {
@@ -88,6 +109,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
   if (!report.within_tolerance) return Exit::kDeviation;
+  if (!report.holds()) return Exit::kNotCuttable;
   return expect_passed(program, console);
 }
 
@@ -105,7 +127,8 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
   command->footer(
-      "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the plan was "
+      "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the blade would "
+      "snap, yield or leave the planned shapes, or the plan was "
       "refused.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");
   command->callback([arguments, &console, &action] {

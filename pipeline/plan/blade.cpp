@@ -1,5 +1,6 @@
 #include "pipeline/plan/blade.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,13 +18,13 @@ using elastica::Elastica;
 constexpr int kBladeSamples = 97;
 
 // Checks in the order a candidate passes them; a later stage means that it came further.
-enum Stage { kRibCurvature, kLength, kCurvature, kClearance, kReentry, kCrossing, kMargin, kPassed };
+enum Stage { kRibCurvature, kLength, kCurvature, kClearance, kReentry, kCrossing, kMargin, kSag, kPassed };
 
 struct RibCheck {
   Stage stage = kPassed;
   double value = 0;
   double margin = std::numeric_limits<double>::infinity();
-  double curvature = 0, clearance = 0;
+  double curvature = 0, clamp_curvature = 0, clearance = 0;
 };
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -59,6 +60,19 @@ double depth_behind(const Eigen::Vector2d& q, const std::vector<Eigen::Vector2d>
   return depth;
 }
 
+// Share of the tolerance that weight may use up. A longer or more strongly bent blade sags more, so that
+// another split can always bring it down.
+constexpr double kSagShare = 0.25;
+
+// What weight moves the cut at this rib, in a level plane: droop where the design is steepest, and half the
+// section's width tilted by the twist.
+double sag_error_mm(const Elastica& blade, double s0, const RibFit& rib, const BladeSettings& settings) {
+  const robot::BladeSag sag = robot::blade_sag(blade, blade_section(settings), -Eigen::Vector3d::UnitZ(), s0,
+                                               s0 + rib.elastica.length);
+  if (!sag.stable) return std::numeric_limits<double>::infinity();
+  return sag.droop_mm * std::sin(rib.max_slope_rad) + 0.5 * settings.width_mm * sag.twist_rad;
+}
+
 RibCheck check_rib(const RibFit& rib, double length, double share, const StockRect& rect,
                    const Settings& settings) {
   RibCheck c;
@@ -76,8 +90,9 @@ RibCheck check_rib(const RibFit& rib, double length, double share, const StockRe
   const elastica::ElasticaCurve curve(blade);
   c.curvature = curve.max_abs_curvature();
   if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
-  const Eigen::Vector2d a = curve.at(0).position(), b = curve.at(length).position();
-  c.clearance = std::min(rect.distance(a), rect.distance(b));
+  const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
+  c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
+  c.clearance = std::min(rect.distance(a.position()), rect.distance(b.position()));
   if (c.clearance < settings.stock.clearance_mm) return {kClearance, c.clearance};
   const double s0 = share * spare;
   const FreeParts free = examine_free_parts(blade, s0, s0 + rib.elastica.length, rect);
@@ -85,6 +100,8 @@ RibCheck check_rib(const RibFit& rib, double length, double share, const StockRe
   if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(blade);
   if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
+  const double sag = sag_error_mm(blade, s0, rib, settings.blade);
+  if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {kSag, sag};
   return c;
 }
 
@@ -94,7 +111,7 @@ Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
       return {
           "",
           "",
-          "radius of a rib",
+          "radius of a rib (bending stress over yield strength and safety)",
           c.value,
           1 / max_curvature_per_mm(settings.blade),
           "mm",
@@ -135,23 +152,31 @@ Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
     case kCrossing:
       return {
           "", "", "self-crossings of the blade", c.value, 0, "", "allow more splits or add a shorter blade"};
+    case kSag:
+      return {"",
+              "",
+              "sag of the blade under its weight",
+              c.value,
+              kSagShare * settings.design.tolerance_mm,
+              "mm",
+              "allow more splits, or a wider or shorter blade"};
     default:
       return {"",
               "",
-              "stability margin",
+              "stability margin (snap-through)",
               c.value,
               settings.blade.min_margin,
               "",
-              "the blade could snap: allow more splits or add a shorter blade than " +
+              "the blade could snap through: allow more splits or add a shorter blade than " +
                   std::to_string(int(length)) + " mm"};
   }
 }
 
-// The earlier stage, then the larger amount: depth and length grow with the harm, everything else shrinks
-// with it.
+// The earlier stage, then the larger amount: depth, length and sag grow with the harm, everything else
+// shrinks with it.
 bool worse(const RibCheck& a, const RibCheck& b) {
   if (a.stage != b.stage) return a.stage < b.stage;
-  return a.stage == kLength || a.stage == kReentry ? a.value > b.value : a.value < b.value;
+  return a.stage == kLength || a.stage == kReentry || a.stage == kSag ? a.value > b.value : a.value < b.value;
 }
 
 BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double share) {
@@ -159,9 +184,49 @@ BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double
   for (const RibCheck& c : checks) {
     choice.smallest_margin = std::min(choice.smallest_margin, c.margin);
     choice.largest_curvature_per_mm = std::max(choice.largest_curvature_per_mm, c.curvature);
+    choice.clamp_curvature_per_mm = std::max(choice.clamp_curvature_per_mm, c.clamp_curvature);
     choice.smallest_clearance_mm = std::min(choice.smallest_clearance_mm, c.clearance);
   }
   return choice;
+}
+
+// Whether q loads blade and clamps less than p; differences below a percent are no reason for an uneven
+// share.
+bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
+  constexpr double kWorthIt = 0.99;
+  if (q.largest_curvature_per_mm < kWorthIt * p.largest_curvature_per_mm) return true;
+  if (kWorthIt * q.largest_curvature_per_mm > p.largest_curvature_per_mm) return false;
+  return q.clamp_curvature_per_mm < kWorthIt * p.clamp_curvature_per_mm;
+}
+
+// What the shares of one length came to.
+struct LengthTrial {
+  std::optional<BladeChoice> choice;
+  RibCheck furthest;  // the worst rib of the share that came furthest, when there is no choice
+  int rib = -1;
+};
+
+LengthTrial try_length(const std::vector<RibFit>& ribs, double length, const StockRect& rect,
+                       const Settings& settings) {
+  // Of the extension, on clamp A's side; the more even ones first.
+  constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
+  LengthTrial trial;
+  for (const double share : kShares) {
+    std::vector<RibCheck> checks(ribs.size());
+    tbb::parallel_for(std::size_t{0}, ribs.size(),
+                      [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, rect, settings); });
+    const auto worst = std::min_element(checks.begin(), checks.end(), worse);
+    if (worst->stage == kPassed) {
+      const BladeChoice choice = summarise(checks, length, share);
+      if (!trial.choice || less_loaded(choice, *trial.choice)) trial.choice = choice;
+    } else if (trial.rib < 0 || worse(trial.furthest, *worst)) {
+      trial.furthest = *worst;
+      trial.rib = static_cast<int>(worst - checks.begin());
+    }
+    // No share changes the rib itself or the length, and hardly one the sag.
+    if (worst->stage == kRibCurvature || worst->stage == kLength || worst->stage == kSag) break;
+  }
+  return trial;
 }
 
 }  // namespace
@@ -205,32 +270,25 @@ StockRect stock_rect(const std::vector<RibFit>& ribs, const StockSettings& setti
 BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect, const Settings& settings) {
   BladeReport report;
   int furthest = -1;
-  // Shares of the extension on clamp A's side, the even one first; of those that serve, the least bent one is
-  // taken.
-  constexpr std::array<double, 5> kShares{0.5, 0.4, 0.6, 0.3, 0.7};
+  std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
-    for (const double share : kShares) {
-      std::vector<RibCheck> checks(ribs.size());
-      tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
-        checks[i] = check_rib(ribs[i], length, share, rect, settings);
-      });
-      const auto worst = std::min_element(checks.begin(), checks.end(), worse);
-      if (worst->stage == kPassed) {
-        const BladeChoice choice = summarise(checks, length, share);
-        if (!report.choice || choice.largest_curvature_per_mm < report.choice->largest_curvature_per_mm) {
-          report.choice = choice;
-        }
-      } else if (worst->stage > furthest) {
-        furthest = worst->stage;
-        report.refusal = refusal_of(*worst, length, settings);
-        report.rib = static_cast<int>(worst - checks.begin());
-        report.rib_too_sharp = worst->stage == kRibCurvature;
-      }
-      if (worst->stage == kRibCurvature) return report;  // no length and no share changes the rib itself
-      if (worst->stage == kLength) break;                // nor a share the length
+    const LengthTrial trial = try_length(ribs, length, rect, settings);
+    if (trial.choice) {
+      report.choice = trial.choice;
+      return report;
     }
-    if (report.choice) break;
+    const Refusal refusal = refusal_of(trial.furthest, length, settings);
+    details.push_back(fmt::format("blade of {:.0f} mm: {}", length, describe_amount(refusal)));
+    if (trial.furthest.stage > furthest) {
+      furthest = trial.furthest.stage;
+      report.refusal = refusal;
+      report.rib = trial.rib;
+      report.rib_too_sharp = trial.furthest.stage == kRibCurvature;
+    }
+    // No length changes the rib itself, and a longer blade sags more.
+    if (trial.furthest.stage == kRibCurvature || trial.furthest.stage == kSag) break;
   }
+  report.refusal.details = std::move(details);
   return report;
 }
 

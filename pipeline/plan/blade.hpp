@@ -1,5 +1,7 @@
 // Which blade cuts a strip: the shortest free length whose extension clears the stock, bends within yield, is
-// stable and neither crosses itself nor re-enters the part.
+// stable and neither crosses itself nor re-enters the part. Of the ways to share the extension between both
+// sides, the one that loads blade and clamps least: the force is the same for all, so the largest moment in
+// the blade decides, then the larger of the two clamps' moments, then the more even share.
 #pragma once
 
 #include <optional>
@@ -12,12 +14,14 @@ namespace hotblade::pipeline {
 struct BladeChoice {
   double length_mm = 0, share_a = 0.5;
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+  double clamp_curvature_per_mm =
+      0;  // the larger of both clamps and all ribs: the moment there over the stiffness
 };
 
 struct BladeReport {
   std::optional<BladeChoice> choice;
-  // The limit that stopped the candidate that came furthest, when there is no choice. Rib index in `rib`, or
-  // -1.
+  // The limit that stopped the candidate that came furthest, when there is no choice; its details say which
+  // limit stopped the best share of each length. Rib index in `rib`, or -1.
   Refusal refusal;
   int rib = -1;
   bool rib_too_sharp =

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "elastica/sensitivity.hpp"
 #include "pipeline/plan/blade.hpp"
 
 namespace hotblade::pipeline {
@@ -67,6 +68,24 @@ void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
   }
 }
 
+// A blade this close to straight, its clamps a few errors from pulling it taut, is moved by an error along it
+// to second order only: neither its sensitivity nor its distance to a snap say anything there.
+bool straight(const BladePose& pose, const MachineSettings& machine) {
+  constexpr double kStraight = 1e-5, kErrors = 10;  // of the length; of the clamps' errors
+  const double slack = pose.blade.length - (pose.b.p - pose.a.p).norm();
+  return slack < std::max(kStraight * pose.blade.length, kErrors * machine.clamp_error_mm);
+}
+
+// What the clamps' errors move the blade by at the ribs, to first order.
+void weigh_clamp_errors(const MachineSettings& machine, BladeMotion& motion) {
+  for (const BladePose& pose : motion.poses) {
+    if (!pose.rib || straight(pose, machine)) continue;
+    const double moved =
+        elastica::sensitivity(pose.blade, {machine.clamp_error_mm, machine.clamp_error_rad}).total_mm;
+    if (std::isfinite(moved)) motion.clamp_error_mm = std::max(motion.clamp_error_mm, moved);
+  }
+}
+
 // Adds refusals that name the strip, the nearest rib while cutting, the phase and the time.
 class Refuser {
  public:
@@ -94,6 +113,58 @@ class Refuser {
   BladeMotion& motion_;
 };
 
+// Where `before` puts a pose first.
+template <typename Before>
+std::size_t first_by(const std::vector<PoseCheck>& checks, Before before) {
+  return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
+}
+
+// Limits are written so that a value that is not a number is refused.
+void refuse_bending(const std::vector<PoseCheck>& checks, const BladeSettings& blade, Refuser& refuse) {
+  const std::size_t i =
+      first_by(checks, [](const auto& a, const auto& b) { return a.curvature > b.curvature; });
+  if (checks[i].curvature <= max_curvature_per_mm(blade)) return;
+  refuse(i, "bending stress (yield strength over safety)", checks[i].loads.stress_mpa,
+         blade.yield_strength_mpa / blade.safety, "MPa",
+         "the blade would yield on the way: closer ribs, or a thinner blade");
+}
+
+void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& stock, Refuser& refuse) {
+  const std::size_t near =
+      first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
+  if (!(checks[near].clearance >= stock.clearance_mm)) {
+    refuse(near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
+           "add a longer blade to blade.free_lengths_mm");
+  }
+  const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
+  if (!(checks[deep].depth <= kFreePartDepthMm)) {
+    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
+           "mm", "closer ribs or more splits");
+  }
+  const std::size_t crossed =
+      first_by(checks, [](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
+  if (checks[crossed].crosses)
+    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
+}
+
+void refuse_instability(const std::vector<PoseCheck>& checks, const robot::BladeSection& section,
+                        double min_margin, const BladeMotion& motion, Refuser& refuse) {
+  const std::size_t tipped =
+      first_by(checks, [](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
+  if (!checks[tipped].sag.stable) {
+    refuse(tipped, "margin against tipping out of the plane",
+           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
+           "a shorter or thicker blade");
+  }
+  if (motion.smallest_margin >= min_margin) return;
+  const auto worst =
+      std::min_element(motion.poses.begin(), motion.poses.end(),
+                       [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
+  refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin (snap-through)",
+         worst->margin, min_margin, "",
+         "the blade could snap through on the way: a shorter blade or more splits");
+}
+
 }  // namespace
 
 Eigen::Vector3d down_in_plane(const StripPlan& strip) {
@@ -110,46 +181,11 @@ void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& 
     checks[i] = check_pose(motion.poses[i], strip, rect, section, down);
   });
   collect(checks, motion);
+  weigh_clamp_errors(settings.machine, motion);
   Refuser refuse(strip, motion);
-  const auto first_by = [&](auto before) {
-    return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
-  };
-  // Written so that a value that is not a number is refused.
-  const double sharpest = max_curvature_per_mm(settings.blade);
-  if (!(motion.largest_curvature_per_mm <= sharpest)) {
-    const std::size_t i = first_by([](const auto& a, const auto& b) { return a.curvature > b.curvature; });
-    refuse(i, "bending stress (yield strength over safety)", checks[i].loads.stress_mpa,
-           settings.blade.yield_strength_mpa / settings.blade.safety, "MPa",
-           "the blade would yield between the ribs: closer ribs, or a thinner blade");
-  }
-  if (!(motion.smallest_clearance_mm >= settings.stock.clearance_mm)) {
-    const std::size_t i = first_by([](const auto& a, const auto& b) { return a.clearance < b.clearance; });
-    refuse(i, "clamp clearance to the stock", checks[i].clearance, settings.stock.clearance_mm, "mm",
-           "add a longer blade to blade.free_lengths_mm");
-  }
-  const std::size_t deep = first_by([](const auto& a, const auto& b) { return a.depth > b.depth; });
-  if (!(checks[deep].depth <= kFreePartDepthMm)) {
-    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
-           "mm", "closer ribs or more splits");
-  }
-  const std::size_t crossed = first_by([](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
-  if (checks[crossed].crosses)
-    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
-  const std::size_t tipped =
-      first_by([](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
-  if (!checks[tipped].sag.stable) {
-    refuse(tipped, "margin against tipping out of the plane",
-           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
-           "a shorter or thicker blade");
-  }
-  if (!(motion.smallest_margin >= settings.blade.min_margin)) {
-    const auto worst =
-        std::min_element(motion.poses.begin(), motion.poses.end(),
-                         [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
-    refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin", worst->margin,
-           settings.blade.min_margin, "",
-           "the blade could snap through on the way: a shorter blade or more splits");
-  }
+  refuse_bending(checks, settings.blade, refuse);
+  refuse_places(checks, settings.stock, refuse);
+  refuse_instability(checks, section, settings.blade.min_margin, motion, refuse);
 }
 
 }  // namespace hotblade::pipeline

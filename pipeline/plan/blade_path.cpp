@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 
+#include "elastica/stability.hpp"
 #include "pipeline/plan/rib_spline.hpp"
 
 namespace hotblade::pipeline {
@@ -30,10 +31,9 @@ struct Forming {
   BladeShape worked;
   MidState mid, flat;
 
-  explicit Forming(const BladeShape& shape) : worked(shape), mid(mid_state(shape.blade)) {
+  Forming(const BladeShape& shape, double side) : worked(shape), mid(mid_state(shape.blade)) {
     flat = mid;
-    const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
-    flat.kappa = (turn < 0 ? -2 : 2) * kFlatHalfTurn / shape.blade.length;
+    flat.kappa = side * 2 * kFlatHalfTurn / shape.blade.length;
     flat.tension1 = flat.tension2 = 0;
   }
 
@@ -50,6 +50,26 @@ struct Forming {
     return shape;
   }
 };
+
+// The least stability margin on the way between the flat arc and the working shape.
+double smallest_margin(const Forming& forming) {
+  constexpr int kShapes = 8;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 1; i < kShapes; ++i)
+    least = std::min(least, elastica::stability_margin(forming.at(static_cast<double>(i) / kShapes).blade));
+  return least;
+}
+
+// The flat arc bends to the side the working shape turns to; to the other one where that way is closer to a
+// snap.
+Forming form(const BladeShape& shape, double min_margin) {
+  const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
+  Forming forming(shape, turn < 0 ? -1 : 1);
+  const double margin = smallest_margin(forming);
+  if (margin >= min_margin) return forming;
+  Forming other(shape, turn < 0 ? 1 : -1);
+  return smallest_margin(other) > margin ? other : forming;
+}
 
 // Sideways on the waste side until the whole blade, worked or flat, is clear of the block.
 double way_out_mm(const StripPlan& strip, const Forming& forming, const StockSettings& stock) {
@@ -97,8 +117,9 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   marks.start_mm = marks.first_rib_mm - outside;
   marks.end_mm = marks.last_rib_mm + outside;
   const double above = marks.first_rib_mm - settings.stock.border_mm - settings.motion.approach_mm;
-  const Forming first(in_air(shape_at(strip, *spline, marks.first_rib_mm), above));
-  const Forming last(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.end_mm));
+  const double min_margin = settings.blade.min_margin;
+  const Forming first = form(in_air(shape_at(strip, *spline, marks.first_rib_mm), above), min_margin);
+  const Forming last = form(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.end_mm), min_margin);
   const double aside = way_out_mm(strip, last, settings.stock);
   const auto moved = [](BladeShape shape, double by) {
     shape.blade.y += by;

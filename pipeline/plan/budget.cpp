@@ -66,8 +66,7 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh) {
 }
 
 std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
-                                                         const Program& program,
-                                                         const GravityShare& gravity) {
+                                                         const Program& program, const PoseErrors& errors) {
   double fit = 0;
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
@@ -77,8 +76,9 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
           {"interpolation", interpolation_mm(program)},
           {"quantisation", kQuantisationMm},
-          {"gravity_droop", gravity.droop_mm},
-          {"gravity_in_plane", gravity.in_plane_mm}};
+          {"gravity_droop", errors.droop_mm},
+          {"gravity_in_plane", errors.in_plane_mm},
+          {"clamp_error", errors.clamp_mm}};
 }
 
 }  // namespace hotblade::pipeline

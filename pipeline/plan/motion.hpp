@@ -21,6 +21,7 @@ struct BladeMotion {
   double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
   // Over the poses that cut, of the part that forms the design.
   double droop_mm = 0, twist_rad = 0, in_plane_sag_mm = 0;
+  double clamp_error_mm = 0;  // what errors of the clamps (settings.machine) move it, poses not straight
 
   std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
 };

@@ -114,6 +114,7 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   f.largest_stress_mpa = motion.largest_stress_mpa;
   f.droop_mm = motion.droop_mm;
   f.in_plane_sag_mm = motion.in_plane_sag_mm;
+  f.clamp_error_mm = motion.clamp_error_mm;
   double steepest = 0;
   for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
   // The twist tilts the section, whose edges move by half its width.
@@ -177,6 +178,7 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
   verify_options.tolerance_mm = settings.design.tolerance_mm;
   verify_options.max_uncut_share = settings.design.max_uncut_share;
   verify_options.backend = hooks.backend;
+  verify_options.min_margin = settings.blade.min_margin;
   result.verification = verify(result.program, design, verify_options);
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
@@ -199,6 +201,10 @@ void judge(const Settings& settings, PlanResult& result) {
                                settings.design.tolerance_mm, "mm",
                                "a shorter or wider blade, or another slice.direction"});
   }
+  for (std::size_t i = 0; i < v.branches.size(); ++i) {
+    if (v.branches[i].status != BranchStatus::kHeld)
+      result.refusals.push_back(branch_refusal(result.program.strips[i], v.branches[i]));
+  }
   if (v.deviation.max > settings.design.tolerance_mm) {
     const auto worst = std::max_element(v.strip_max_mm.begin(), v.strip_max_mm.end());
     const std::string strip =
@@ -219,11 +225,12 @@ void judge(const Settings& settings, PlanResult& result) {
   }
 }
 
-GravityShare gravity_share(const std::vector<StripFacts>& strips) {
-  GravityShare share;
+PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
+  PoseErrors share;
   for (const StripFacts& f : strips) {
     share.droop_mm = std::max(share.droop_mm, f.droop_error_mm);
     share.in_plane_mm = std::max(share.in_plane_mm, f.in_plane_sag_mm);
+    share.clamp_mm = std::max(share.clamp_mm, f.clamp_error_mm);
   }
   return share;
 }
@@ -257,7 +264,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   v.tolerance_mm = settings.design.tolerance_mm;
   v.deviation_mm = result.verification.deviation;
   v.uncut_mm2 = result.verification.uncut_mm2;
-  v.budget_mm = error_budget(design, program, gravity_share(result.strips));
+  v.budget_mm = error_budget(design, program, pose_errors(result.strips));
   v.samples = result.verification.cut_samples + result.verification.design_samples;
   v.not_checked = not_checked();
   if (!result.verification.within_tolerance && result.refusals.empty()) {

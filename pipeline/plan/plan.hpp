@@ -25,6 +25,7 @@ struct StripFacts {
   double droop_mm = 0;         // largest sag out of the plane of the part that cuts
   double droop_error_mm = 0;   // what droop and twist move the surface where it is steepest
   double in_plane_sag_mm = 0;  // largest sag in the plane; 0 where rib planes are level
+  double clamp_error_mm = 0;   // what the clamps' errors of position and angle move the cut
   double stock_volume_mm3 = 0;
 };
 

@@ -33,7 +33,8 @@ std::optional<EdgeOver> edge_over_stock(Eigen::Vector3d size, const StockSetting
 // One share [u0, u1] of some ribs as a strip, or why not.
 struct Attempt {
   std::optional<StripPlan> strip;
-  Refusal refusal;
+  Refusal refusal;        // without the strip's and the rib's id
+  std::size_t rib = 0;    // that it is about
   bool fitted = false;    // an elastica serves every rib; what failed is the blade or the block
   bool hopeless = false;  // the design itself is far too sharp: shorter pieces are no flatter
 };
@@ -51,7 +52,7 @@ std::size_t worst_rib(const std::vector<RibFit>& ribs) {
 std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i) {
   const Eigen::Vector2d q = ribs[i].target[ribs[i].target.size() / 2];
   const Eigen::Vector3d p = q.x() * chain.x + q.y() * chain.y + ribs[i].offset_mm * chain.sweep;
-  return fmt::format("rib at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+  return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
 // The block on the table: sweep downwards, x kept, bottom on the plinth, centred.
@@ -125,13 +126,15 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
   const double allowed = allowed_mm(settings);
   const std::size_t worst = worst_rib(closest);
   if (!(closest[worst].deviation_mm <= allowed)) {
-    attempt.refusal = {rib_place(chain, closest, worst),
+    attempt.rib = worst;
+    attempt.refusal = {"",
                        "",
                        "deviation of an elastica",
                        closest[worst].deviation_mm,
                        allowed,
                        "mm",
-                       "allow more splits (fit.max_splits) or a larger tolerance"};
+                       "allow more splits (fit.max_splits) or a larger tolerance",
+                       rib_place(chain, closest, worst)};
     return attempt;
   }
   attempt.fitted = true;
@@ -141,19 +144,20 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
     // A shorter piece follows the design more closely, so its radius only shrinks; half leaves room for the
     // slack that the tolerance gives.
     attempt.hopeless = served.blade.rib_too_sharp && attempt.refusal.value < 0.5 * attempt.refusal.bound;
-    attempt.refusal.strip =
-        rib_place(chain, served.ribs, static_cast<std::size_t>(std::max(0, served.blade.rib)));
+    attempt.rib = static_cast<std::size_t>(std::max(0, served.blade.rib));
+    attempt.refusal.place = rib_place(chain, served.ribs, attempt.rib);
     return attempt;
   }
   StripPlan strip = make_strip_plan(chain, served, settings);
   if (const auto over = edge_over_stock(strip.stock.size_mm, settings.stock)) {
-    attempt.refusal = {rib_place(chain, strip.ribs, 0),
+    attempt.refusal = {"",
                        "",
                        "block edge",
                        over->edge_mm,
                        over->stock_mm,
                        "mm",
-                       "allow more splits or larger stock.max_size_mm"};
+                       "allow more splits or larger stock.max_size_mm",
+                       rib_place(chain, strip.ribs, 0)};
     return attempt;
   }
   attempt.strip = std::move(strip);
@@ -175,6 +179,17 @@ std::vector<std::pair<std::size_t, std::size_t>> sweep_runs(const ChainTarget& c
     runs.emplace_back((chain.ribs.size() - 1) * i / count, (chain.ribs.size() - 1) * (i + 1) / count);
   }
   return runs;
+}
+
+// Numbers a run's strips from `next` on. A run that is refused takes one number, which its refusal names and
+// no program has.
+void name_strips(StripLayout& run, int& next) {
+  const auto name = [&next] { return fmt::format("S{:03}", next++); };
+  for (StripPlan& strip : run.strips) strip.id = name();
+  for (Refusal& refusal : run.refusals) {
+    refusal.strip = name();
+    refusal.rib = refusal.strip + refusal.rib;
+  }
 }
 
 // A run of sections on its way to strips: ribs on some of the sections, split lines common to all of them.
@@ -205,7 +220,10 @@ class RunLayout {
   // The refusal that is told in the end. The first one of pieces that an elastica serves says most; before
   // that, how far the last one was off.
   void listen(const Attempt& attempt) {
-    if (!fitted_) said_ = attempt.refusal;
+    if (!fitted_) {
+      said_ = attempt.refusal;
+      said_.rib = rib_id("", attempt.rib);
+    }
     fitted_ = fitted_ || attempt.fitted;
     hopeless_ = hopeless_ || attempt.hopeless;
   }
@@ -309,11 +327,12 @@ StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
     parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
   });
+  int number = 1;
   for (StripLayout& part : parts) {
+    name_strips(part, number);
     std::move(part.strips.begin(), part.strips.end(), std::back_inserter(layout.strips));
     std::move(part.refusals.begin(), part.refusals.end(), std::back_inserter(layout.refusals));
   }
-  for (std::size_t i = 0; i < layout.strips.size(); ++i) layout.strips[i].id = fmt::format("S{:03}", i + 1);
   return layout;
 }
 

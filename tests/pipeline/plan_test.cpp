@@ -45,7 +45,7 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
 INSTANTIATE_TEST_SUITE_P(All, PlanSample,
                          ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
                                            Sample{"hypar", 1, 0.3}, Sample{"bump", 3, 0.5},
-                                           Sample{"saddle", 1, 0.5}, Sample{"vase", 4, 0.3},
+                                           Sample{"saddle", 1, 0.5}, Sample{"vase", 6, 0.3},
                                            Sample{"window", 4, 0.6}, Sample{"branch", 3, 0.3}),
                          [](const ::testing::TestParamInfo<Sample>& sample) {
                            return std::string(sample.param.name);
