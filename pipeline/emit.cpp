@@ -61,6 +61,8 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"droop_error_mm", f.droop_error_mm},
           {"in_plane_sag_mm", f.in_plane_sag_mm},
           {"clamp_error_mm", f.clamp_error_mm},
+          {"clamp_acceleration_before_joint_fit_mm_s2", f.clamp_acceleration_before_mm_s2},
+          {"clamp_acceleration_mm_s2", f.clamp_acceleration_after_mm_s2},
           {"duration_s", f.duration_s},
           {"cut_s", f.cut_s},
           {"feed_slowest_mm_s", f.slowest_feed_mm_s},

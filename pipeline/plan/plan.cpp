@@ -106,6 +106,8 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   }
   f.seam_gap_mm = plan.seam_before.gap_mm;
   f.seam_kink_deg = plan.seam_before.kink_deg;
+  f.clamp_acceleration_before_mm_s2 = plan.joint.acceleration_before_mm_s2;
+  f.clamp_acceleration_after_mm_s2 = plan.joint.acceleration_after_mm_s2;
   f.duration_s = motion.duration_s;
   f.cut_s = motion.cut_s;
   f.slowest_feed_mm_s = motion.slowest_feed_mm_s;

@@ -20,6 +20,8 @@ struct StripFacts {
   double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
   double seam_gap_mm = 0, seam_kink_deg = 0;  // largest, to the strip before along the ribs
   double deviation_max_mm = 0;
+  // Of the ribs solved together (plan/joint_fit.hpp).
+  double clamp_acceleration_before_mm_s2 = 0, clamp_acceleration_after_mm_s2 = 0;
   double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
   double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
   double droop_mm = 0;         // largest sag out of the plane of the part that cuts

@@ -103,7 +103,8 @@ Eigen::Vector3d pure(const MidState& m) {
 
 // What the neighbours say this rib should be: the line through them, or through the next two at a strip's
 // ends (a plain copy of one neighbour would drag the end ribs inwards). At least 3 ribs.
-MidState neighbours_say(const std::vector<double>& offsets, const std::vector<MidState>& mids, std::size_t i) {
+MidState neighbours_say(const std::vector<double>& offsets, const std::vector<MidState>& mids,
+                        std::size_t i) {
   const std::size_t last = mids.size() - 1;
   const std::size_t a = i == 0 ? 1 : i - 1, b = i == 0 ? 2 : i == last ? last - 2 : i + 1;
   const double t = (offsets[i] - offsets[a]) / (offsets[b] - offsets[a]);
@@ -123,6 +124,16 @@ std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double 
   tbb::parallel_for(std::size_t{0}, ribs.size(),
                     [&](std::size_t i) { fits[i] = fit_rib(ribs[i], u0, u1, settings); });
   return fits;
+}
+
+void settle(RibFit& rib, const MidState& state) {
+  rib.elastica = from_mid_state(state);
+  if (rib.clamp_start || rib.clamp_end) {
+    // A hundred times as strong as a neighbour's word: what the shared ends leave open is the state's.
+    refit(rib, {0, &state, 100 * kNeighbourWeight});
+  } else {
+    rib.deviation_mm = elastica::max_distance(rib.target, rib.elastica);
+  }
 }
 
 std::vector<RibFit> calmed(const std::vector<RibFit>& ribs, double tension_weight) {

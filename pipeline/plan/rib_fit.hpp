@@ -36,6 +36,10 @@ inline constexpr double kLeastTensionWeight = 1e-6;
 [[nodiscard]] std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
                                            const FitSettings& settings);
 
+// Takes the elastica of this state and measures it. A rib with shared ends is fitted to them again, pulled to
+// the state's curvature and tensions.
+void settle(RibFit& rib, const elastica::MidState& state);
+
 // Calmer fits: the tensions of all ribs pulled to zero with one weight (elastica/fit.hpp). The blade goes on
 // along the rib's elastica on both sides, and what little a rib says about the tensions would otherwise curl
 // it up there. Deviations grow with the weight. Clamped ends are kept; a rib that cannot keep them deviates

@@ -208,6 +208,8 @@ class RunLayout {
       }
       settled = !refine();
     }
+    for (StripPlan& strip : layout_.strips) smooth(strip);
+    measure_seams();
     return std::move(layout_);
   }
 
@@ -247,11 +249,30 @@ class RunLayout {
       }
       layout_.strips.push_back(std::move(*attempt.strip));
     }
+    lines_ = lines;
+    return true;
+  }
+
+  void measure_seams() {
     for (std::size_t i = 1; i < layout_.strips.size(); ++i) {
       layout_.strips[i].seam_before = measure_seam(layout_.strips[i - 1].ribs, layout_.strips[i].ribs);
     }
-    lines_ = lines;
-    return true;
+  }
+
+  // Solves the strip's ribs together; a result that its blade cannot serve is given up.
+  void smooth(StripPlan& strip) const {
+    std::vector<RibFit> ribs = strip.ribs;
+    const double allowed = allowed_mm(settings_);
+    const JointFitReport joint = joint_fit(
+        ribs, {strip.blade_length_mm, strip.share_a, settings_.motion.feed_mm_s, 0.1 * allowed, allowed});
+    const StockRect rect = stock_rect(ribs, settings_.stock);
+    const BladeReport blade = choose_blade(ribs, rect, settings_);
+    strip.joint = {joint.acceleration_before_mm_s2, joint.acceleration_before_mm_s2, 0};
+    if (joint.weight == 0 || !blade.choice || blade.choice->length_mm > strip.blade_length_mm) return;
+    StripPlan next = make_strip_plan(chain_, {ribs, blade}, settings_);
+    if (edge_over_stock(next.stock.size_mm, settings_.stock)) return;
+    next.joint = joint;
+    strip = std::move(next);
   }
 
   // Longer ribs than any blade or block need no fit to be told.

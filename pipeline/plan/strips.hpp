@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "pipeline/plan/joint_fit.hpp"
 #include "pipeline/plan/rib_fit.hpp"
 #include "pipeline/plan/seams.hpp"
 #include "pipeline/program.hpp"
@@ -20,6 +21,7 @@ struct StripPlan {
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
   Stock stock;
   Pose design_to_cell;
+  JointFitReport joint;   // the ribs solved together, before and after
   SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
