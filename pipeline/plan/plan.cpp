@@ -147,6 +147,29 @@ void check_interrupt(const PlanHooks& hooks) {
   if (hooks.stop()) throw CommandError(Exit::kInterrupted, "interrupted: nothing was written");
 }
 
+struct PosedStrip {
+  StripPlan strip;
+  BladeMotion motion;
+};
+
+// A strip whose ribs were solved together may bring the blade nearer to a snap on its way from the flat arc:
+// then each rib's own fit is posed as well, and the safer of the two is taken.
+PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
+  constexpr double kFarFromSnap = 10;  // times the smallest margin allowed
+  PosedStrip posed{strip, move_blade(strip, settings)};
+  const bool far = posed.motion.smallest_margin >= kFarFromSnap * settings.blade.min_margin;
+  if (!strip.separate || (posed.motion.refusals.empty() && far)) return posed;
+  StripPlan separate = *strip.separate;
+  separate.id = strip.id;
+  separate.seam_before = strip.seam_before;
+  BladeMotion motion = move_blade(separate, settings);
+  const std::size_t was = posed.motion.refusals.size(), is = motion.refusals.size();
+  if (is < was || (is == was && motion.smallest_margin > posed.motion.smallest_margin)) {
+    return {std::move(separate), std::move(motion)};
+  }
+  return posed;
+}
+
 // Slices, fits, poses and verifies at one rib spacing.
 void plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                Stopwatch& watch, PlanResult& result) {
@@ -168,9 +191,9 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
   for (std::size_t i = 0; i < layout.strips.size(); ++i) {
     hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(i) / static_cast<double>(layout.strips.size()));
     check_interrupt(hooks);
-    const BladeMotion motion = move_blade(layout.strips[i], settings);
-    result.program.strips.push_back(make_strip(layout.strips[i], motion));
-    result.strips.push_back(facts_of(layout.strips[i], motion, settings));
+    const auto [strip, motion] = pose_strip(layout.strips[i], settings);
+    result.program.strips.push_back(make_strip(strip, motion));
+    result.strips.push_back(facts_of(strip, motion, settings));
     result.refusals.insert(result.refusals.end(), motion.refusals.begin(), motion.refusals.end());
   }
   watch.lap("pose");

@@ -272,6 +272,7 @@ class RunLayout {
     StripPlan next = make_strip_plan(chain_, {ribs, blade}, settings_);
     if (edge_over_stock(next.stock.size_mm, settings_.stock)) return;
     next.joint = joint;
+    next.separate = std::make_shared<const StripPlan>(strip);
     strip = std::move(next);
   }
 

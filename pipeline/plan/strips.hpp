@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "pipeline/plan/joint_fit.hpp"
@@ -21,7 +22,9 @@ struct StripPlan {
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
   Stock stock;
   Pose design_to_cell;
-  JointFitReport joint;   // the ribs solved together, before and after
+  JointFitReport joint;  // the ribs solved together, before and after
+  // The same strip with each rib on its own best fit, where the ribs were solved together.
+  std::shared_ptr<const StripPlan> separate;
   SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
