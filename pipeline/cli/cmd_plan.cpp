@@ -51,8 +51,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   std::size_t ribs = 0;
   for (const StripFacts& f : result.strips) ribs += f.ribs;
   std::cout << strip_table(result);
-  std::cout << fmt::format("strips {}, ribs {} at most {:.3g} mm apart\n", result.strips.size(), ribs,
-                           result.spacing_mm);
+  std::cout << fmt::format("strips {}, ribs {} of sections at most {:.3g} mm apart\n", result.strips.size(),
+                           ribs, result.spacing_mm);
   if (result.verification.cut_samples == 0) {
     std::cout << "deviation not measured: nothing is cut\n";
   } else {
@@ -127,7 +127,8 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   console.report_progress("emit", 0.95);
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads, seconds};
+  const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
+                       seconds};
   const ReportPictures pictures = arguments.no_pictures
                                       ? ReportPictures{{}, "not asked for (--no-pictures)", {}}
                                       : take_pictures(result, design);

@@ -111,7 +111,8 @@ std::string figures_section(const PlanResult& result) {
   html += figure(fmt::format("{:.3f} mm", d.max), "largest deviation");
   html += figure(fmt::format("{:.3f} mm", d.p99), "deviation of 99 % of the samples");
   html += figure(fmt::format("{}", result.strips.size()), "strips (blocks of foam)");
-  html += figure(fmt::format("{}", ribs), fmt::format("ribs, at most {:.3g} mm apart", result.spacing_mm));
+  html += figure(fmt::format("{}", ribs),
+                 fmt::format("ribs, of sections at most {:.3g} mm apart", result.spacing_mm));
   html += figure(duration(total_duration_s(result)), "time on the machine");
   html += figure(fmt::format("{:.1f} l", foam_l), "foam in all blocks");
   return html + "</div>\n";
