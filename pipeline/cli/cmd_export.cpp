@@ -1,10 +1,7 @@
 // hotblade export: the surface as cut, waypoints and robot programs for other software.
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
 #include <memory>
 
-#include "pipeline/atomic_file.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/export/post_processor.hpp"
 #include "pipeline/export/surface_files.hpp"
@@ -12,8 +9,6 @@
 
 namespace hotblade::pipeline {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct ExportArguments {
   std::string program, format, output;
@@ -41,14 +36,8 @@ void expect_runnable(const Program& program, const ExportArguments& arguments) {
 Exit run_export(const ExportArguments& arguments) {
   const Program program = read_program(arguments.program);
   expect_runnable(program, arguments);
-  const fs::path directory = arguments.output;
   const std::vector<ExportedFile> files = exported(program, arguments);
-  ensure_directory(directory);
-  for (const ExportedFile& file : files) expect_writable(directory / file.name, arguments.force);
-  for (const ExportedFile& file : files) {
-    write_file_atomically(directory / file.name, file.text, arguments.force);
-    std::cout << (directory / file.name).string() << '\n';
-  }
+  write_exported(files, arguments.output, arguments.force);
   return Exit::kOk;
 }
 

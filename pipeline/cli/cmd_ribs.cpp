@@ -1,17 +1,12 @@
 // hotblade ribs: rib curves with their ids, for templates and CAD.
 #include <CLI/CLI.hpp>
-#include <filesystem>
-#include <iostream>
 #include <memory>
 
-#include "pipeline/atomic_file.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/export/rib_files.hpp"
 
 namespace hotblade::pipeline {
 namespace {
-
-namespace fs = std::filesystem;
 
 struct RibsArguments {
   std::string program, format, output;
@@ -21,15 +16,9 @@ struct RibsArguments {
 
 Exit run_ribs(const RibsArguments& arguments) {
   const Program program = read_program(arguments.program);
-  const fs::path directory = arguments.output;
   const std::vector<ExportedFile> files = rib_files(program, arguments.format, arguments.options);
   if (files.empty()) throw CommandError(Exit::kBadInput, arguments.program + ": has no ribs: plan it again");
-  ensure_directory(directory);
-  for (const ExportedFile& file : files) expect_writable(directory / file.name, arguments.force);
-  for (const ExportedFile& file : files) {
-    write_file_atomically(directory / file.name, file.text, arguments.force);
-    std::cout << (directory / file.name).string() << '\n';
-  }
+  write_exported(files, arguments.output, arguments.force);
   return Exit::kOk;
 }
 
