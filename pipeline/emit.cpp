@@ -10,6 +10,7 @@
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
+#include "pipeline/report/foam_share.hpp"
 
 namespace hotblade::pipeline {
 
@@ -67,6 +68,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"cut_s", f.cut_s},
           {"feed_slowest_mm_s", f.slowest_feed_mm_s},
           {"stock_volume_mm3", f.stock_volume_mm3},
+          {"foam_kept_share", foam_kept_share(strip)},
           {"stock_size_mm", vector_json(strip.stock.size_mm)},
           {"poses", strip.poses.size()},
           {"rib_facts", ribs}};

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/report_plots.hpp"
+#include "pipeline/report/strip_table.hpp"
 
 namespace hotblade::pipeline {
 
@@ -18,7 +17,7 @@ constexpr const char* kStyle = R"css(
 *{box-sizing:border-box}
 body{font:15px/1.45 "Helvetica Neue",Arial,sans-serif;color:var(--ink);margin:0 auto;max-width:1060px;padding:24px}
 h1{font-size:24px;margin:0 0 2px}h2{font-size:17px;margin:30px 0 8px;border-bottom:1px solid var(--line);padding-bottom:3px}
-p.sub{color:var(--soft);margin:0 0 16px;overflow-wrap:anywhere}
+p.sub,p.note{color:var(--soft);margin:0 0 16px;overflow-wrap:anywhere}p.note{font-size:13px;margin:6px 0 0}
 .verdict{border-left:6px solid;padding:10px 16px;margin:12px 0;background:#f5f6f7}
 .verdict b{font-size:20px}.passed{border-color:var(--good)}.passed b{color:var(--good)}
 .refused{border-color:var(--bad)}.refused b{color:var(--bad)}
@@ -48,11 +47,6 @@ std::string base64(const std::string& bytes) {
 
 std::string place(const Eigen::Vector3d& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
-}
-
-std::string duration(double seconds) {
-  const long whole = std::lround(seconds);
-  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
 double total_duration_s(const PlanResult& result) {
@@ -127,37 +121,6 @@ std::string pictures_section(const std::vector<ReportPicture>& pictures, const s
         escaped(p.caption), base64(p.png));
   }
   return html + "</div>\n";
-}
-
-std::string strips_section(const PlanResult& result) {
-  if (result.strips.empty()) return "";
-  std::string html =
-      "<h2>Strips</h2><div class=\"scroll\"><table><tr><th "
-      "class=\"l\">strip</th><th>ribs</th><th>blade<small>mm"
-      "</small></th><th>deviation<small>mm</small></th><th>rib fit<small>mm</small></th><th>smallest "
-      "radius<small>mm"
-      "</small></th><th>stability margin</th><th>clamp to "
-      "foam<small>mm</small></th><th>droop<small>mm</small></th>"
-      "<th>slowest feed<small>mm/s</small></th><th>block<small>mm</small></th><th>time</th><th "
-      "class=\"l\">verdict"
-      "</th></tr>\n";
-  for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    const StripFacts& f = result.strips[i];
-    const Eigen::Vector3d size = result.program.strips[i].stock.size_mm;
-    const auto refused = static_cast<std::size_t>(
-        std::count_if(result.refusals.begin(), result.refusals.end(),
-                      [&](const Refusal& r) { return r.strip.rfind(f.id, 0) == 0; }));
-    html += fmt::format(
-        "<tr{}><td class=\"l\">{}</td><td>{}</td><td>{:.0f}</td><td>{:.3f}</td><td>{:.3f}</td><td>{}</td>"
-        "<td>{:.1f}</td><td>{:.1f}</td><td>{:.3f}</td><td>{:.2f}</td><td class=\"n\">{:.0f} x {:.0f} x "
-        "{:.0f}</td><td class=\"n\">{}</td>"
-        "<td class=\"l\">{}</td></tr>\n",
-        refused > 0 ? " class=\"bad\"" : "", escaped(f.id), f.ribs, f.blade_length_mm, f.deviation_max_mm,
-        f.worst_fit_mm, f.smallest_radius_mm > 0 ? fmt::format("{:.0f}", f.smallest_radius_mm) : "straight",
-        f.smallest_margin, f.clamp_clearance_mm, f.droop_mm, f.slowest_feed_mm_s, size.x(), size.y(),
-        size.z(), duration(f.duration_s), refused > 0 ? fmt::format("{} over", refused) : "ok");
-  }
-  return html + "</table></div>\n";
 }
 
 std::string deviation_section(const PlanResult& result) {

@@ -7,9 +7,12 @@
 #include <numeric>
 #include <set>
 
+#include "pipeline/report/foam_share.hpp"
 #include "pipeline/report/pictures.hpp"
 #include "pipeline/report/report_plots.hpp"
+#include "pipeline/report/strip_table.hpp"
 #include "plan_design.hpp"
+#include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -57,6 +60,34 @@ TEST(ReportHtml, OfAPassedPlanSaysSoWithItsFigures) {
   for (const std::string& line : result.program.verification.not_checked) {
     EXPECT_THAT(html, HasSubstr(escaped(line)));
   }
+}
+
+TEST(ReportHtml, HasEveryColumnOfEveryStrip) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const std::string html = report_html(result, {}, "none");
+  ASSERT_FALSE(strip_columns().empty());
+  for (const StripColumn& c : strip_columns()) {
+    EXPECT_THAT(html, HasSubstr(fmt::format("<th>{}<small>{}</small></th>", c.name, c.unit)));
+    const StripRow row{result.strips.front(), result.program.strips.front(), result.program.blade, 0};
+    EXPECT_THAT(html, HasSubstr(">" + escaped(c.cell(row)) + "</td>")) << c.name;
+  }
+}
+
+TEST(FoamKeptShare, OfAVaultIsTheClosedFormOfItsSection) {
+  const Program program = testing::vault_program({.poses = 200});
+  const Strip& strip = program.strips.front();
+  // The block is 360 mm wide, from z = -60 mm up; the blade a circle about (0, -drop).
+  const double r = testing::kVaultRadius + 0.5, half = strip.stock.size_mm.x() / 2;
+  const double drop = testing::kVaultRadius * std::cos(testing::kVaultHalfAngle);
+  const double under = half * std::sqrt(r * r - half * half) + r * r * std::asin(half / r);
+  const double area = under + 2 * half * (60 - drop);
+  EXPECT_NEAR(foam_kept_share(strip), area / (2 * half * strip.stock.size_mm.z()), 1e-4);
+}
+
+TEST(FoamKeptShare, IsNothingWhereNoPoseLiesInTheBlock) {
+  Strip strip = testing::vault_program().strips.front();
+  strip.stock.frame.origin.y() += 1e4;
+  EXPECT_EQ(foam_kept_share(strip), 0);
 }
 
 TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {

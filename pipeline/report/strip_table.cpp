@@ -1,0 +1,121 @@
+#include "pipeline/report/strip_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/report/foam_share.hpp"
+#include "pipeline/report/report_plots.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+std::string block(const StripRow& row) {
+  const Eigen::Vector3d& size = row.strip.stock.size_mm;
+  return fmt::format("{:.0f} x {:.0f} x {:.0f}", size.x(), size.y(), size.z());
+}
+
+std::string radius(const StripRow& row) {
+  const double mm = row.facts.smallest_radius_mm;
+  return mm > 0 ? fmt::format("{:.0f}", mm) : "straight";
+}
+
+// Of the stress that yield strength and safety allow.
+std::string stress_share(const StripRow& row) {
+  const double allowed = row.blade.yield_strength_mpa / row.blade.safety;
+  return allowed > 0 ? fmt::format("{:.0f}", 100 * row.facts.largest_stress_mpa / allowed) : "-";
+}
+
+std::string verdict(const StripRow& row) {
+  return row.refusals > 0 ? fmt::format("{} over", row.refusals) : "ok";
+}
+
+// One figure of the facts with so many decimals.
+template <double StripFacts::*member, int decimals>
+std::string fixed(const StripRow& row) {
+  return fmt::format("{:.{}f}", row.facts.*member, decimals);
+}
+
+using F = StripFacts;
+constexpr StripTable kCut = StripTable::kCut, kBlade = StripTable::kBlade;
+
+const auto kColumns = std::to_array<StripColumn>({
+    {kCut, "ribs", "", [](const StripRow& r) { return fmt::format("{}", r.facts.ribs); }},
+    {kCut, "deviation", "mm", fixed<&F::deviation_max_mm, 3>},
+    {kCut, "rib fit", "mm", fixed<&F::worst_fit_mm, 3>},
+    {kCut, "kink at seam", "deg", fixed<&F::seam_kink_deg, 2>},
+    {kCut, "block", "mm", block},
+    {kCut, "foam kept", "%",
+     [](const StripRow& r) { return fmt::format("{:.0f}", 100 * foam_kept_share(r.strip)); }},
+    {kCut, "slowest feed", "mm/s", fixed<&F::slowest_feed_mm_s, 2>},
+    {kCut, "time", "", [](const StripRow& r) { return duration(r.facts.duration_s); }},
+    {kCut, "verdict", "", verdict},
+    {kBlade, "blade", "mm", fixed<&F::blade_length_mm, 0>},
+    {kBlade, "smallest radius", "mm", radius},
+    {kBlade, "stability margin", "", fixed<&F::smallest_margin, 1>},
+    {kBlade, "clamp to foam", "mm", fixed<&F::clamp_clearance_mm, 1>},
+    {kBlade, "end force", "N", fixed<&F::largest_force_n, 1>},
+    {kBlade, "end moment", "N mm", fixed<&F::largest_moment_n_mm, 0>},
+    {kBlade, "bending stress", "MPa", fixed<&F::largest_stress_mpa, 0>},
+    {kBlade, "of the allowed", "%", stress_share},
+    {kBlade, "droop", "mm", fixed<&F::droop_mm, 3>},
+});
+
+// The place a refusal names starts with the strip's id, if it is about a strip.
+bool names(const Refusal& refusal, const std::string& id) {
+  if (refusal.strip.rfind(id, 0) != 0) return false;
+  return refusal.strip.size() == id.size() || refusal.strip[id.size()] == ' ';
+}
+
+std::string table(const PlanResult& result, StripTable which) {
+  std::string html = "<div class=\"scroll\"><table><tr><th class=\"l\">strip</th>";
+  for (const StripColumn& c : kColumns) {
+    if (c.table == which) html += fmt::format("<th>{}<small>{}</small></th>", c.name, c.unit);
+  }
+  html += "</tr>\n";
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const auto refused = static_cast<std::size_t>(
+        std::count_if(result.refusals.begin(), result.refusals.end(),
+                      [&](const Refusal& r) { return names(r, result.strips[i].id); }));
+    const StripRow row{result.strips[i], result.program.strips[i], result.program.blade, refused};
+    html += fmt::format("<tr{}><td class=\"l\">{}</td>", refused > 0 ? " class=\"bad\"" : "",
+                        escaped(row.facts.id));
+    for (const StripColumn& c : kColumns) {
+      if (c.table == which) html += "<td class=\"n\">" + escaped(c.cell(row)) + "</td>";
+    }
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+}  // namespace
+
+std::span<const StripColumn> strip_columns() {
+  return kColumns;
+}
+
+std::string duration(double seconds) {
+  const long whole = std::lround(seconds);
+  return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {:02} s", whole / 60, whole % 60);
+}
+
+std::string strips_section(const PlanResult& result) {
+  if (result.strips.empty()) return "";
+  const BladeData& b = result.program.blade;
+  return "<h2>Strips</h2>\n" + table(result, kCut) +
+         "<p class=\"note\">Foam kept: the block's volume on the part's side of the blade; the rest is "
+         "waste. Kink: the angle between the surfaces of neighbouring strips where they meet.</p>\n"
+         "<h2>Load on blade and clamps</h2>\n" +
+         table(result, kBlade) +
+         fmt::format(
+             "<p class=\"note\">Largest of all poses. End force and moment are what a clamp has to hold. "
+             "Allowed stress: {:.0f} MPa, the yield strength of {:.0f} MPa over a safety of {:g}. A "
+             "stability "
+             "margin of 0 is where the blade snaps into another shape.</p>\n",
+             b.safety > 0 ? b.yield_strength_mpa / b.safety : 0, b.yield_strength_mpa, b.safety);
+}
+
+}  // namespace hotblade::pipeline

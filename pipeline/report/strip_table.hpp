@@ -1,0 +1,39 @@
+// The strips of a report: one list of columns says everything that stands about a strip, in the order it is
+// read. A new figure is a new line in strip_columns().
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "pipeline/plan/plan.hpp"
+
+namespace hotblade::pipeline {
+
+// What one row is made from.
+struct StripRow {
+  const StripFacts& facts;
+  const Strip& strip;
+  const BladeData& blade;
+  std::size_t refusals = 0;  // that name the strip
+};
+
+// Which table a column stands in: what is cut, or what the blade and the clamps bear.
+enum class StripTable { kCut, kBlade };
+
+struct StripColumn {
+  StripTable table;
+  const char* name;
+  const char* unit;  // empty: none
+  std::string (*cell)(const StripRow&);
+};
+
+[[nodiscard]] std::span<const StripColumn> strip_columns();
+
+// Both tables as HTML; a strip that is refused stands out. Empty when there are no strips.
+[[nodiscard]] std::string strips_section(const PlanResult& result);
+
+// 95 s -> "1 min 35 s".
+[[nodiscard]] std::string duration(double seconds);
+
+}  // namespace hotblade::pipeline
