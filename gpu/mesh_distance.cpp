@@ -15,6 +15,7 @@
 #include "gpu/mesh_distance_opencl.hpp"
 #include "gpu/mesh_frame.hpp"
 #include "gpu/mesh_search.hpp"
+#include "gpu/mesh_side.hpp"
 #include "gpu/mesh_tree.hpp"
 #include "gpu/point_order.hpp"
 
@@ -66,6 +67,8 @@ struct MeshDistance::Impl {
   MeshTree tree;
   MeshSearch search = mesh_search();
   Backend wanted = Backend::kCpu;
+  mutable std::once_flag side_once;
+  mutable std::optional<MeshSide> side;
 
   // Which backend answers; the device is started when first needed and dropped for good when it fails.
   struct Choice {
@@ -105,7 +108,8 @@ struct MeshDistance::Impl {
 // The nearest of the candidates in double precision; of equal ones the lowest.
 Nearest MeshDistance::Impl::settle(const Vector3d& q, std::span<const Candidate> candidates) const {
   Nearest nearest;
-  TriangleDistance best{std::numeric_limits<double>::infinity(), {0, 0, 0}};
+  TriangleDistance best;
+  best.distance_sq = std::numeric_limits<double>::infinity();
   for (const Candidate& candidate : candidates) {
     const TriangleDistance d = frame.distance(candidate.triangle, q);
     if (d.distance_sq < best.distance_sq || nearest.triangle < 0 ||
@@ -346,6 +350,29 @@ std::vector<Nearest> MeshDistance::query(std::span<const Vector3d> points) const
   }
   impl_->answer_on_host(points, order, answers);
   return answers;
+}
+
+std::vector<Side> MeshDistance::sides(std::span<const Vector3d> points,
+                                      std::span<const Nearest> answers) const {
+  if (points.size() != answers.size())
+    throw std::logic_error("MeshDistance::sides: spans of different sizes");
+  const MeshFrame& frame = impl_->frame;
+  for (const Nearest& answer : answers) {
+    if (answer.triangle < 0 || static_cast<std::size_t>(answer.triangle) >= frame.triangles.size()) {
+      throw std::logic_error("MeshDistance::sides: an answer's triangle is not of this mesh");
+    }
+  }
+  std::call_once(impl_->side_once, [&] { impl_->side.emplace(frame); });
+  std::vector<Side> sides(points.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kBlock), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const Vector3d q = frame.local(points[i]);
+      const double rounding = kDistanceErrorRel * std::max(1.0, q.cwiseAbs().maxCoeff());
+      const double height = impl_->side->height(frame, answers[i].triangle, q, rounding);
+      sides[i] = height > 0 ? Side::kBefore : (height < 0 ? Side::kBehind : Side::kNeither);
+    }
+  });
+  return sides;
 }
 
 BackendUse MeshDistance::used() const {

@@ -26,6 +26,9 @@ struct Nearest {
   Eigen::Vector3d point{0, 0, 0};  // on that triangle
 };
 
+// Positive is where the face normals point to.
+enum class Side { kBehind = -1, kNeither = 0, kBefore = 1 };
+
 // A mesh prepared for queries. Copies what it needs; safe for concurrent queries.
 class MeshDistance {
  public:
@@ -40,6 +43,14 @@ class MeshDistance {
   // One answer a point, in order; runs on all cores allowed. Points that follow each other closely are
   // answered faster. Throws std::logic_error when a coordinate is not finite.
   [[nodiscard]] std::vector<Nearest> query(std::span<const Eigen::Vector3d> points) const;
+
+  // On which side of the mesh each point lies, from the answers that query gave for these points: by the
+  // pseudo-normals of mesh_side.hpp, right everywhere around a closed mesh whose faces agree; beside an open
+  // one, by the nearest face, edge or vertex. kNeither for points on the mesh up to kDistanceErrorRel and
+  // beside triangles without area that no other shares. The first call prepares the normals. Throws
+  // std::logic_error when the spans differ in size or an answer is not of this mesh.
+  [[nodiscard]] std::vector<Side> sides(std::span<const Eigen::Vector3d> points,
+                                        std::span<const Nearest> answers) const;
 
   // What answered the last query, and why.
   [[nodiscard]] BackendUse used() const;

@@ -32,21 +32,32 @@ TriangleDistance triangle_distance(const std::array<Vector3d, 3>& corners, const
   const double v = (r - along * e0).dot(h) * inv_h, u = along - v * shear;
   if (inv_h > 0 && u >= 0 && v >= 0 && u + v <= 1) {
     const Vector3d offset = u * e0 + v * e1;
-    return {(r - offset).squaredNorm(), a + offset};
+    return {(r - offset).squaredNorm(), a + offset, Feature::kFace, 0};
   }
   const Vector3d e2 = e1 - e0;
-  Vector3d nearest = std::clamp(along, 0.0, 1.0) * e0;
-  double nearest_sq = (r - nearest).squaredNorm();
-  for (const Vector3d& offset :
-       {Vector3d(std::clamp(r.dot(e1) * inverse(e1.squaredNorm()), 0.0, 1.0) * e1),
-        Vector3d(e0 + std::clamp((r - e0).dot(e2) * inverse(e2.squaredNorm()), 0.0, 1.0) * e2)}) {
-    const double sq = (r - offset).squaredNorm();
+  // Shares along the edges from the first corner to the second, to the third, and from the second to the
+  // third.
+  const std::array<double, 3> share{std::clamp(along, 0.0, 1.0),
+                                    std::clamp(r.dot(e1) * inverse(e1.squaredNorm()), 0.0, 1.0),
+                                    std::clamp((r - e0).dot(e2) * inverse(e2.squaredNorm()), 0.0, 1.0)};
+  const std::array<Vector3d, 3> offset{share[0] * e0, share[1] * e1, e0 + share[2] * e2};
+  std::size_t nearest = 0;
+  double nearest_sq = (r - offset[0]).squaredNorm();
+  for (std::size_t i = 1; i < 3; ++i) {
+    const double sq = (r - offset[i]).squaredNorm();
     if (sq < nearest_sq) {
       nearest_sq = sq;
-      nearest = offset;
+      nearest = i;
     }
   }
-  return {nearest_sq, a + nearest};
+  constexpr std::size_t kFrom[] = {0, 0, 1}, kTo[] = {1, 2, 2}, kEdge[] = {0, 2, 1};
+  std::size_t corner = kEdge[nearest];
+  Feature feature = Feature::kEdge;
+  if (!(share[nearest] > 0 && share[nearest] < 1)) {
+    feature = Feature::kVertex;
+    corner = share[nearest] > 0 ? kTo[nearest] : kFrom[nearest];
+  }
+  return {nearest_sq, a + offset[nearest], feature, static_cast<int>((first + corner) % 3)};
 }
 
 }  // namespace hotblade::gpu

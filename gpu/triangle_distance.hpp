@@ -7,9 +7,13 @@
 
 namespace hotblade::gpu {
 
+enum class Feature { kFace, kEdge, kVertex };
+
 struct TriangleDistance {
   double distance_sq = 0;
   Eigen::Vector3d nearest{0, 0, 0};  // on the triangle
+  Feature feature = Feature::kFace;  // what it lies on
+  int corner = 0;                    // the vertex, or the edge from this corner to the next
 };
 
 // Exact to a few roundings of the largest coordinate, for needles, caps, and triangles that are a segment or

@@ -27,11 +27,11 @@ std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, con
                                         const std::vector<Eigen::Vector3d>& points) {
   const gpu::MeshDistance distance(design.vertices, design.triangles);
   const auto nearest = distance.query(points);
+  const auto sides = distance.sides(points, nearest);
   const double to_waste = waste_sign(design, keep);
   std::vector<double> signed_mm(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector3d normal = area_vector(design, static_cast<std::size_t>(nearest[i].triangle));
-    const double side = to_waste * (points[i] - nearest[i].point).dot(normal);
+    const double side = to_waste * static_cast<double>(sides[i]);
     signed_mm[i] = side < 0 ? -nearest[i].distance : nearest[i].distance;
   }
   return signed_mm;
