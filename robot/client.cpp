@@ -24,6 +24,9 @@ constexpr auto kBusyRetry = milliseconds(100);
 constexpr auto kShortestBackoff = milliseconds(5), kLongestBackoff = milliseconds(500);
 constexpr std::uint32_t kPrefill = 256;  // waypoints before START: seconds of motion, at any step
 constexpr int kMaxFruitless = 100;       // answers without progress, one after the other
+// One after the other: a request that was spoilt on the way earns one, a controller of another kind nothing
+// else.
+constexpr int kMaxExceptions = 10;
 
 std::string limit_text(LimitCode code, const MotionLimits& l) {
   const auto number = [](double value) {
@@ -78,6 +81,11 @@ class Streamer {
   bool connect();
   bool reconnect();
   bool identify();
+  bool known_kind();
+  template <std::size_t N>
+  bool read_block(std::uint16_t address, std::array<std::uint16_t, N>& block, const char* name);
+  bool refused_again(const char* what);
+  bool interrupted_without_link();
   bool refresh();
   bool transact(std::uint16_t address, std::span<const std::uint16_t> registers);
   bool command(Op op);
@@ -103,7 +111,7 @@ class Streamer {
   protocol::Status status_;
   std::uint32_t nonce_, run_ = 0, token_ = 0;
   bool open_ = false, lost_ = false;
-  int fruitless_ = 0;
+  int fruitless_ = 0, exceptions_ = 0;
   Clock::time_point shown_{};
   StreamReport report_;
 };
@@ -112,7 +120,7 @@ bool Streamer::connect() {
   const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
   auto pause = kShortestBackoff;
   while (!link_.connect()) {
-    if (interrupted()) return settle(StreamOutcome::kInterrupted, "interrupted while connecting");
+    if (interrupted()) return interrupted_without_link();
     if (Clock::now() >= give_up) {
       return settle(StreamOutcome::kLinkLost,
                     "no connection (" + link_.error() + ", waited " + std::to_string(options_.link_down_ms) +
@@ -131,18 +139,52 @@ bool Streamer::reconnect() {
   return connect();
 }
 
-bool Streamer::identify() {
-  std::array<std::uint16_t, protocol::kIdentSize> block{};
+// True while another attempt makes sense.
+bool Streamer::refused_again(const char* what) {
+  if (++exceptions_ < kMaxExceptions) return true;
+  return settle(StreamOutcome::kRefused,
+                std::string(what) + " (" + link_.error() +
+                    ", again and again): client and controller disagree on the protocol; check the address");
+}
+
+// A whole block, however many attempts that takes.
+template <std::size_t N>
+bool Streamer::read_block(std::uint16_t address, std::array<std::uint16_t, N>& block, const char* name) {
+  const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
   for (;;) {
-    const LinkOutcome outcome = link_.read(protocol::kIdentBase, block);
-    if (outcome == LinkOutcome::kOk) break;
+    const LinkOutcome outcome = link_.read(address, block);
+    if (outcome == LinkOutcome::kOk && protocol::block_intact(block)) break;
     if (outcome == LinkOutcome::kException) {
-      return settle(StreamOutcome::kRefused,
-                    "IDENT cannot be read (" + link_.error() + "): not this controller?");
+      if (!refused_again((std::string(name) + " cannot be read").c_str())) return false;
+      continue;
+    }
+    if (interrupted()) return interrupted_without_link();
+    if (Clock::now() >= give_up) {
+      return settle(StreamOutcome::kLinkLost, "no answers (waited " + std::to_string(options_.link_down_ms) +
+                                                  " ms): check the link; --resume goes on later");
     }
     if (!reconnect()) return false;
   }
+  exceptions_ = 0;
+  return true;
+}
+
+bool Streamer::interrupted_without_link() {
+  return settle(
+      StreamOutcome::kInterrupted,
+      "interrupted while the link is down: a machine that moves is held by the controller's watchdog");
+}
+
+bool Streamer::identify() {
+  std::array<std::uint16_t, protocol::kIdentSize> block{};
+  if (!read_block(protocol::kIdentBase, block, "IDENT")) return false;
+  const std::uint32_t boot = ident_.boot_id;
   ident_ = protocol::decode_ident(block);
+  if (boot != 0 && boot != ident_.boot_id) ++report_.restarts;
+  return known_kind();
+}
+
+bool Streamer::known_kind() {
   if (ident_.magic == protocol::kMagic && ident_.version == protocol::kVersion &&
       ident_.registers_per_waypoint == protocol::kRegistersPerWaypoint &&
       ident_.unit_codes == protocol::kUnitCodes &&
@@ -156,38 +198,31 @@ bool Streamer::identify() {
 
 bool Streamer::refresh() {
   std::array<std::uint16_t, protocol::kStatusSize> block{};
-  const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
-  for (;;) {
-    const LinkOutcome outcome = link_.read(protocol::kStatusBase, block);
-    if (outcome == LinkOutcome::kOk) break;
-    if (outcome == LinkOutcome::kException) {
-      return settle(StreamOutcome::kRefused,
-                    "STATUS cannot be read (" + link_.error() + "): not this controller?");
-    }
-    if (Clock::now() >= give_up)
-      return settle(StreamOutcome::kLinkLost, "no answers: --resume goes on later");
-    if (!reconnect()) return false;
-  }
+  if (!read_block(protocol::kStatusBase, block, "STATUS")) return false;
   status_ = protocol::decode_status(block);
   lost_ = false;
   return true;
 }
 
-// Writes a block and reads STATUS in one transaction. After a lost answer STATUS is read afresh, and lost_
-// stays set: whether the write was carried out shows in `accepted` or in the last nonce.
+// Writes a block and reads STATUS in one transaction. After a lost answer IDENT and STATUS are read afresh,
+// and lost_ stays set: whether the write was carried out shows in `accepted` or in the last nonce.
 bool Streamer::transact(std::uint16_t address, std::span<const std::uint16_t> registers) {
   std::array<std::uint16_t, protocol::kStatusSize> block{};
   const LinkOutcome outcome = link_.write_read(address, registers, protocol::kStatusBase, block);
   lost_ = false;
-  if (outcome == LinkOutcome::kOk) {
+  if (outcome == LinkOutcome::kOk && protocol::block_intact(block)) {
+    exceptions_ = 0;
     status_ = protocol::decode_status(block);
     return true;
   }
   if (outcome == LinkOutcome::kException) {
-    return settle(StreamOutcome::kRefused, "the controller refused a write (" + link_.error() +
-                                               "): client and controller disagree on the protocol");
+    if (!refused_again("the controller refused a write")) return false;
+  } else if (!reconnect() || !identify()) {
+    return false;
   }
-  if (!reconnect() || !refresh()) return false;
+  const int exceptions = exceptions_;
+  if (!refresh()) return false;
+  if (outcome == LinkOutcome::kException) exceptions_ = exceptions;
   lost_ = true;
   return true;
 }
@@ -237,7 +272,9 @@ bool Streamer::open() {
   if (status_.last_result != Result::kOk) return refused_open();
   token_ = status_.token;
   open_ = true;
-  return check_prefix();
+  if (!check_prefix()) return false;
+  if (options_.opened) options_.opened(run_, token_);
+  return true;
 }
 
 bool Streamer::refused_open() {
@@ -332,6 +369,7 @@ bool Streamer::judge_window(std::uint32_t accepted_before) {
   const std::string at = "waypoint " + std::to_string(status_.fault_sequence);
   switch (status_.last_result) {
     case Result::kLimit:
+      report_.at = status_.fault_sequence;
       return settle(StreamOutcome::kRefused,
                     "LIMIT: " + at + ": " +
                         limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits) +
@@ -341,6 +379,7 @@ bool Streamer::judge_window(std::uint32_t accepted_before) {
                                                  std::to_string(status_.token) + ", ours " +
                                                  std::to_string(token_) + ")");
     case Result::kConflict:
+      report_.at = status_.fault_sequence;
       return settle(StreamOutcome::kFault, "CONFLICT: " + at + " was accepted with other contents");
     default:
       break;
@@ -368,9 +407,11 @@ bool Streamer::hold() {
 
 bool Streamer::stopped_by_fault() {
   if (status_.state == State::kEstop) {
+    if (status_.job_id == job_.id && status_.executed > 0) report_.at = status_.executed - 1;
     return settle(StreamOutcome::kFault, "ESTOP is latched: clear the cell, then reset with --reset");
   }
   std::string what = std::string("FAULT ") + protocol::name(status_.fault);
+  report_.at = status_.fault_sequence;
   if (status_.fault == Fault::kExecutionLimit) {
     what += ": " + limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits);
   }
@@ -389,7 +430,10 @@ void Streamer::finish() {
   }
   const protocol::Status done = status_;
   if (!command(Op::kClose)) return;
-  if (status_.last_result != Result::kOk) {
+  // A controller restarted after it had closed the job does not remember the command, but the job.
+  const bool closed = status_.state == State::kIdle && status_.job_id == job_.id && status_.run == run_ &&
+                      status_.executed == job_.size();
+  if (status_.last_result != Result::kOk && !closed) {
     settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) + ": CLOSE refused");
   }
   status_ = done;

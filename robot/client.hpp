@@ -3,11 +3,12 @@
 //
 // It goes on from the controller's `accepted` alone, never from the success of a write. On any error but a
 // Modbus exception it closes the connection, connects again, compares the accepted prefix with its own and
-// goes on.
+// goes on; so it does when the controller was restarted and went on from its journal.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "robot/job.hpp"
@@ -31,6 +32,9 @@ struct StreamOptions {
   std::uint32_t run = 0;
   // Take over this job where an earlier client left it, waiting for its lease to run out if need be.
   bool resume = false;
+  // Called with the run and the token as soon as the job is open, before anything moves: to be kept until the
+  // job is done.
+  std::function<void(std::uint32_t run, std::uint32_t token)> opened;
   std::uint32_t response_ms = 500;     // an answer later than that is lost
   std::uint32_t link_down_ms = 30000;  // so long without any answer: give up
   std::uint32_t poll_ms = 20;          // between looks at the status while there is nothing to send
@@ -52,7 +56,9 @@ struct StreamReport {
   std::uint32_t run = 0, token = 0;
   std::uint32_t executed = 0;
   int reconnects = 0;
-  std::uint64_t windows = 0;  // sent, repeated ones included
+  int restarts = 0;                 // of the controller, seen by its boot id
+  std::uint64_t windows = 0;        // sent, repeated ones included
+  std::optional<std::uint32_t> at;  // the waypoint a refusal or a fault speaks of
 };
 
 // Never throws for what a controller or a link can do.

@@ -65,6 +65,7 @@ protocol::Status Controller::status() const {
       watched ? (std::max(watchdog_at_us_, now_us_) - now_us_) / 1000 : options_.watchdog_ms;
   s.watchdog_ms = static_cast<std::uint16_t>(std::min<std::uint64_t>(left_ms, 0xFFFF));
   s.time_us = now_us_;
+  s.phase = phase_;
   return s;
 }
 
@@ -74,6 +75,7 @@ bool Controller::lease_alive() const {
 
 void Controller::feed(Connection from) {
   owner_ = from;
+  newest_ = std::max(newest_, from);
   lease_until_us_ = now_us_ + std::uint64_t{options_.lease_ms} * 1000;
   watchdog_at_us_ = now_us_ + std::uint64_t{options_.watchdog_ms} * 1000;
 }
@@ -105,6 +107,8 @@ Result Controller::dispatch(const protocol::Command& c, Connection from) {
   // Anybody may clear up behind an owner whose lease has run out; nobody else may do anything.
   const bool clears_up = (c.op == Op::kAbort || c.op == Op::kReset) && !lease_alive();
   if (!owns(c.token) && !clears_up) return loaded_ ? Result::kBadToken : Result::kState;
+  // A frame that comes late over a connection given up long ago must not set the machine in motion.
+  if ((c.op == Op::kStart || c.op == Op::kResume) && from < newest_) return Result::kState;
   if (owns(c.token)) feed(from);
   if (c.op != Op::kReset && (c.job_id != job_.id || c.run != job_.run)) return Result::kState;
   return act(c);
@@ -138,29 +142,43 @@ Result Controller::open(const protocol::Command& c, Connection from) {
   } else if (lease_alive()) {
     result = Result::kBusy;
   } else if (same_job) {
-    ++token_;
-    report("takeover");
+    give_token("takeover");
   } else if (state_ == State::kDone || (state_ == State::kOpen && job_.executed == 0)) {
     result = open_new(c);  // the former owner left nothing half cut
   } else {
     result = Result::kState;
   }
+  if (result == Result::kOk && state_ == State::kFault) return Result::kState;  // the log cannot be written
   if (result == Result::kOk) feed(from);
   return result;
+}
+
+// On record before anybody sees it, so that no restart gives the same token again.
+void Controller::give_token(const char* why) {
+  ++token_;
+  newest_ = kNobody;
+  report(why);
+  commit();
 }
 
 Result Controller::open_new(const protocol::Command& c) {
   if (!plausible(c.blade) || c.waypoint_count == 0 || c.waypoint_count > options_.max_waypoints) {
     return limit(LimitCode::kBlade, 0);
   }
-  ++token_;
-  std::vector<protocol::RawWaypoint> raw;
-  raw.reserve(c.waypoint_count);
-  const LimitChecker checker(options_.limits, c.blade.length_mm());
-  job_ = {c.job_id, c.run, c.waypoint_count, c.blade, std::move(raw), 0, checker, 0, 0, checker};
-  chain_.restart(c.job_id);
+  load(c.job_id, c.run, c.waypoint_count, c.blade);
   loaded_ = true;
   state_ = State::kOpen;
+  give_token("open");
+  return Result::kOk;
+}
+
+void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
+                      const protocol::BladeData& blade) {
+  std::vector<protocol::RawWaypoint> raw;
+  raw.reserve(count);
+  const LimitChecker checker(options_.limits, blade.length_mm());
+  job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker};
+  chain_.restart(job);
   fault_ = Fault::kNone;
   fault_detail_ = 0;
   fault_sequence_ = 0;
@@ -169,10 +187,11 @@ Result Controller::open_new(const protocol::Command& c) {
   path_ = PathClock(options_.time_scale == kAsFastAsDataComes);
   motion_s_ = 0;
   poses_written_ = 0;
+  step_ = 0;
+  phase_ = protocol::Phase::kProgram;
+  held_.reset();
   heat_off_ = false;
   stop_reason_ = StopReason::kNone;
-  report("open");
-  return Result::kOk;
 }
 
 Result Controller::start() {
@@ -197,13 +216,13 @@ Result Controller::hold() {
 
 Result Controller::resume() {
   if (state_ == State::kRunning && !path_.stopping()) return Result::kOk;
-  if (state_ != State::kHeld) return Result::kState;
+  // Without the next waypoint nobody knows where the path goes on.
+  if (state_ != State::kHeld || job_.accepted() == job_.executed) return Result::kState;
   state_ = State::kRunning;
   fault_ = Fault::kNone;
-  heat_off_ = false;
   stop_reason_ = StopReason::kNone;
-  path_.speed_up();
   report("resume");
+  go_on_from_held();
   return Result::kOk;
 }
 
@@ -280,6 +299,8 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
     const auto decoded = protocol::decode_waypoint(w.raw[i]);
     const LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : checker.next(decoded.waypoint);
     if (code != LimitCode::kNone) return limit(code, w.first_sequence + i);
+    if (i == already && held_ && !agrees_with_held_pose(from_, decoded.waypoint))
+      return limit(LimitCode::kHeldPose, w.first_sequence + i);
   }
   if (w.last) {
     if (const LimitCode code = checker.finish(); code != LimitCode::kNone) return limit(code, job_.count - 1);
@@ -288,6 +309,10 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   for (std::uint32_t i = already; i < w.count; ++i) {
     job_.raw.push_back(w.raw[i]);
     job_.accepted_crc = protocol::crc32(w.raw[i], job_.accepted_crc);
+  }
+  if (held_) {
+    held_.reset();
+    load_step(step_);
   }
   return Result::kOk;
 }
@@ -301,7 +326,8 @@ Result Controller::limit(LimitCode code, std::uint32_t sequence) {
 void Controller::report(const char* what) {
   uncommitted_ = true;
   if (sink_ == nullptr) return;
-  sink_->event({what, job_.id, job_.run, token_, job_.executed, job_.count, motion_us(), fault_});
+  sink_->event({what, job_.id, job_.run, token_, job_.executed, job_.count, motion_us(), fault_,
+                fault_detail_, fault_sequence_, job_.blade});
 }
 
 void Controller::commit() {

@@ -6,8 +6,10 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
+#include "robot/controller_journal.hpp"
 #include "robot/execution_sink.hpp"
 #include "robot/job.hpp"
 #include "robot/limits.hpp"
@@ -22,12 +24,13 @@ inline constexpr double kAsFastAsDataComes = std::numeric_limits<double>::infini
 struct ControllerOptions {
   MotionLimits limits;
   std::uint32_t boot_id = 1;
-  std::uint16_t capabilities = protocol::kCapWriteRead | protocol::kCapSimulator;
+  std::uint16_t capabilities = protocol::kCapWriteRead | protocol::kCapSimulator | protocol::kCapBlockCrc;
   std::uint16_t fifo_size = 1024;         // 51 s of waypoints 50 ms apart
   std::uint32_t max_waypoints = 1000000;  // 71 minutes at 5 ms are 859 thousand
   std::uint32_t watchdog_ms = 2000;       // silence of the owner until the motion is slowed down
   std::uint32_t lease_ms = 5000;          // silence of the owner until somebody else may take over
   std::uint32_t heat_dwell_ms = 2000;     // HELD with a hot blade until the heat goes off
+  std::uint32_t reheat_ms = 2000;         // of the motion clock: a cold blade until it cuts again
   double time_scale = 1;                  // of the motion clock only; watchdog and lease stay in wall time
 };
 
@@ -39,6 +42,11 @@ class Controller {
 
   // `sink` may be null and must outlive the controller.
   explicit Controller(const ControllerOptions& options, ExecutionSink* sink = nullptr);
+
+  // Goes on where a journal ends, once, before anything else: an open job is HELD with a cold blade and
+  // accepted = executed; DONE, FAULT and a latched ESTOP stay what they were. Throws LogError when the
+  // journal's waypoints break these limits.
+  void restore(const ControllerJournal& journal);
 
   [[nodiscard]] protocol::Ident ident() const;
   [[nodiscard]] protocol::Status status() const;
@@ -67,7 +75,7 @@ class Controller {
     protocol::BladeData blade;
     std::vector<protocol::RawWaypoint> raw;  // everything accepted; room for `count` reserved
     std::uint32_t accepted_crc = 0;
-    LimitChecker acceptance;
+    LimitChecker acceptance;  // of the stream as accepted; `execution` follows the motion
     std::uint32_t executed = 0, executed_crc = 0;
     LimitChecker execution;
     [[nodiscard]] std::uint32_t accepted() const { return static_cast<std::uint32_t>(raw.size()); }
@@ -81,6 +89,8 @@ class Controller {
   protocol::Result dispatch(const protocol::Command& c, Connection from);
   protocol::Result open(const protocol::Command& c, Connection from);
   protocol::Result open_new(const protocol::Command& c);
+  void load(std::uint64_t job, std::uint32_t run, std::uint32_t count, const protocol::BladeData& blade);
+  void give_token(const char* why);
   protocol::Result act(const protocol::Command& c);
   protocol::Result start();
   protocol::Result hold();
@@ -104,10 +114,24 @@ class Controller {
   void execute_next();
   void sample_due_poses();
   void write_pose();
+  [[nodiscard]] double to_next_waypoint_s() const;
+  [[nodiscard]] HeldPose pose_on(const Waypoint& from, const Waypoint& to) const;
   void come_to_rest();
   void fail(protocol::Fault fault, std::uint16_t detail, std::uint32_t sequence);
   void stop(StopReason reason);
   void cool_when_due();
+
+  // Out of the kerf and back (controller_reentry.cpp).
+  void go_on_from_held();
+  void begin_retract();
+  void brake_for_boundary();
+  void step_back();
+  void begin_reheat();
+  void spend_reheating(double& budget_s);
+  [[nodiscard]] double to_boundary_s() const;
+  void load_step(std::uint32_t index);
+  void replay(const ControllerJournal& journal);
+  [[nodiscard]] bool agrees_with_held_pose(const Waypoint& from, const Waypoint& to) const;
   void report(const char* what);
   [[nodiscard]] std::uint64_t motion_us() const;
 
@@ -127,7 +151,7 @@ class Controller {
   bool uncommitted_ = false;
 
   std::uint32_t token_ = 0;
-  Connection owner_ = kNobody;
+  Connection owner_ = kNobody, newest_ = kNobody;  // of those that showed the token: the last, the youngest
   std::uint64_t lease_until_us_ = 0, watchdog_at_us_ = 0;
 
   protocol::Result last_result_ = protocol::Result::kOk;
@@ -139,7 +163,12 @@ class Controller {
   StopReason stop_reason_ = StopReason::kNone;
   double motion_s_ = 0;              // the motion clock, s from START
   std::uint64_t poses_written_ = 0;  // every 10 ms of it
-  Waypoint from_, to_;               // the step under way
+  std::uint32_t step_ = 0;           // the step under way begins at this waypoint
+  Waypoint from_, to_;               // and goes from here to there; both the same while its end is unknown
+  protocol::Phase phase_ = protocol::Phase::kProgram;
+  std::uint32_t boundary_ = 0;    // where the heat came on: the end of a retraction
+  double reheated_at_s_ = 0;      // of the motion clock
+  std::optional<HeldPose> held_;  // after a restart, until the path is known to lead through it
   bool heat_off_ = false;
   std::uint64_t held_since_us_ = 0;
 };

@@ -7,6 +7,7 @@
 namespace hotblade::robot {
 
 using protocol::Fault;
+using protocol::Phase;
 using protocol::State;
 
 namespace {
@@ -21,6 +22,11 @@ double time_s(const Waypoint& w) {
 }
 
 }  // namespace
+
+// Along the way, forwards or backwards.
+double Controller::to_next_waypoint_s() const {
+  return path_.backwards() ? path_.path_s() - time_s(from_) : time_s(to_) - path_.path_s();
+}
 
 std::uint64_t Controller::motion_us() const {
   return static_cast<std::uint64_t>(std::llround(motion_s_ / kMicro));
@@ -45,7 +51,8 @@ void Controller::move_to(std::uint64_t now_us) {
 
 // A fault stops along the path too: what is passed on the way is executed and on record.
 bool Controller::moving() const {
-  return (state_ == State::kRunning || state_ == State::kFault) && !path_.at_rest();
+  const bool at_work = !path_.at_rest() || phase_ == Phase::kReheat;
+  return (state_ == State::kRunning || state_ == State::kFault) && at_work;
 }
 
 double Controller::data_end_s() const {
@@ -61,8 +68,16 @@ bool Controller::data_ends_at(double braking_s) const {
 void Controller::run_motion(double budget_s) {
   execute_due();
   while (budget_s > 0 && moving()) {
-    if (job_.executed >= job_.accepted()) return run_dry();
-    if (!path_.stopping() && data_ends_at(path_.braking_s())) {
+    if (phase_ == Phase::kReheat) {
+      spend_reheating(budget_s);
+      continue;
+    }
+    if (path_.backwards()) {
+      brake_for_boundary();
+      if (!path_.backwards()) continue;
+    } else if (step_ + 1 >= job_.accepted()) {
+      return run_dry();
+    } else if (!path_.stopping() && data_ends_at(path_.braking_s())) {
       stop(StopReason::kUnderrun);
       continue;
     }
@@ -84,9 +99,11 @@ void Controller::run_dry() {
 // The time to the next thing that happens: waypoint, pose, end of a ramp, start of braking, end of the
 // budget.
 double Controller::step_length(double budget_s) const {
-  const double to_waypoint = path_.time_to(time_s(to_) - path_.path_s());
+  const double to_waypoint = path_.time_to(to_next_waypoint_s());
   const double to_pose = static_cast<double>(poses_written_) * kPoseStep_s - motion_s_;
   double step = std::min({budget_s, to_waypoint, std::max(to_pose, 0.0), path_.ramp_left_s()});
+  if (path_.backwards())
+    return path_.stopping() ? step : std::min(step, path_.time_to_brake_for(to_boundary_s()));
   const bool complete = job_.accepted() == job_.count;
   if (!complete && !path_.stopping() && options_.time_scale != kAsFastAsDataComes) {
     const double until_braking = data_end_s() - path_.path_s() - path_.braking_s();
@@ -99,22 +116,34 @@ double Controller::step_length(double budget_s) const {
 // After a step: what became due, in the order of time.
 void Controller::settle() {
   constexpr double kRounding_s = 1e-9;  // far below the microsecond that times are given in
-  if (path_.path_s() >= time_s(to_) - kRounding_s) path_.snap(time_s(to_));
+  if (to_next_waypoint_s() <= kRounding_s) path_.snap(time_s(path_.backwards() ? from_ : to_));
   sample_due_poses();
-  execute_due();
-  if (state_ != State::kDone && path_.at_rest()) come_to_rest();
+  if (path_.backwards()) {
+    step_back();
+  } else {
+    execute_due();
+  }
+  if (state_ == State::kDone || !path_.at_rest() || phase_ == Phase::kReheat) return;
+  if (path_.backwards() && stop_reason_ == StopReason::kNone) return begin_reheat();
+  come_to_rest();
 }
 
 void Controller::execute_due() {
+  if (path_.backwards()) return;
   if (job_.executed == 0 && job_.accepted() > 0 && moving()) {
     execute_next();
     sample_due_poses();
   }
-  // The step after the last executed waypoint begins as soon as its end has been accepted.
-  while (job_.executed > 0 && job_.executed < job_.accepted() && moving()) {
-    to_ = protocol::decode_waypoint(job_.raw[job_.executed]).waypoint;
+  // A step begins as soon as its end has been accepted. On the way back into a kerf it ends at a waypoint
+  // that has been executed before.
+  while (job_.executed > 0 && step_ + 1 < job_.accepted() && moving()) {
+    to_ = protocol::decode_waypoint(job_.raw[step_ + 1]).waypoint;
     if (path_.path_s() < time_s(to_)) return;
-    execute_next();
+    if (step_ + 1 < job_.executed) {
+      load_step(step_ + 1);
+    } else {
+      execute_next();
+    }
   }
 }
 
@@ -134,12 +163,14 @@ void Controller::execute_next() {
     sink_->executed({job_.id, token_, job_.executed, decoded.waypoint.t_us, motion_us(), raw, chain});
   }
   from_ = to_ = decoded.waypoint;
-  ++job_.executed;
+  step_ = job_.executed++;
+  phase_ = Phase::kProgram;
   uncommitted_ = true;
   if (job_.executed < job_.count) return;
   path_.stop_at_once();
   if (state_ == State::kFault) return;
   state_ = State::kDone;
+  heat_off_ = true;
   report("done");
 }
 
@@ -153,10 +184,15 @@ void Controller::sample_due_poses() {
 
 void Controller::write_pose() {
   if (sink_ == nullptr || job_.executed == 0) return;
-  const double length = time_s(to_) - time_s(from_);
-  const double share = length > 0 ? std::clamp((path_.path_s() - time_s(from_)) / length, 0.0, 1.0) : 0;
-  sink_->pose({job_.id, job_.executed - 1, motion_us(), interpolate(from_.a, to_.a, share),
-               interpolate(from_.b, to_.b, share), from_.heat && !heat_off_, state_});
+  const HeldPose now = held_ ? *held_ : pose_on(from_, to_);
+  sink_->pose(
+      {job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(), 0});
+}
+
+HeldPose Controller::pose_on(const Waypoint& from, const Waypoint& to) const {
+  const double length = time_s(to) - time_s(from);
+  const double share = length > 0 ? std::clamp((path_.path_s() - time_s(from)) / length, 0.0, 1.0) : 0;
+  return {interpolate(from.a, to.a, share), interpolate(from.b, to.b, share)};
 }
 
 void Controller::stop(StopReason reason) {
@@ -169,6 +205,7 @@ void Controller::stop(StopReason reason) {
 
 void Controller::come_to_rest() {
   held_since_us_ = now_us_;
+  phase_ = Phase::kProgram;
   if (stop_reason_ == StopReason::kFault || state_ == State::kFault) {
     write_pose();
     return;

@@ -1,13 +1,13 @@
 #include "robot/execution_log.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
 #include <cstring>
-#include <fstream>
-#include <string_view>
+#include <span>
 
 namespace hotblade::robot {
 namespace {
@@ -52,7 +52,7 @@ void put_hex(std::string& out, std::uint64_t value) {
 }
 
 // Decimals: 0.1 um for positions, 1e-9 for directions, both below the registers' resolution.
-constexpr int kPositionDecimals = 4, kDirectionDecimals = 9;
+constexpr int kPositionDecimals = 4, kDirectionDecimals = 9, kTimeDecimals = 6;
 
 void put_vector(std::string& out, const Eigen::Vector3d& v, int decimals) {
   out += '[';
@@ -75,6 +75,20 @@ void put_pose(std::string& out, const Pose& pose) {
   out += "]}";
 }
 
+// What a restarted controller has to know to go on.
+void put_blade(std::string& out, const protocol::BladeData& blade) {
+  const std::array<std::pair<const char*, std::uint32_t>, 5> fields{
+      {{",\"length_um\":", blade.length_um},
+       {",\"width_um\":", blade.width_um},
+       {",\"thickness_um\":", blade.thickness_um},
+       {",\"youngs_modulus_mpa\":", blade.youngs_modulus_mpa},
+       {",\"yield_strength_mpa\":", blade.yield_strength_mpa}}};
+  for (const auto& [key, value] : fields) {
+    out += key;
+    put(out, value);
+  }
+}
+
 // Cuts the file after its last complete line.
 void drop_torn_line(int fd) {
   off_t size = ::lseek(fd, 0, SEEK_END);
@@ -86,68 +100,6 @@ void drop_torn_line(int fd) {
   if (::ftruncate(fd, size) == 0) ::lseek(fd, size, SEEK_SET);
 }
 
-// Reads one known field out of a line this file wrote.
-class Line {
- public:
-  Line(std::string_view text, const std::string& place) : text_(text), place_(place) {}
-
-  [[nodiscard]] std::string_view raw_value(std::string_view key) const {
-    std::string wanted(1, '"');
-    wanted.append(key).append("\":");
-    const auto at = text_.find(wanted);
-    if (at == std::string_view::npos) fail(key);
-    const auto from = at + wanted.size();
-    const auto to = text_.find_first_of(",}", from);
-    if (to == std::string_view::npos || to == from) fail(key);
-    return text_.substr(from, to - from);
-  }
-  [[nodiscard]] std::string_view string(std::string_view key) const {
-    const auto value = raw_value(key);
-    if (value.size() < 2 || value.front() != '"' || value.back() != '"') fail(key);
-    return value.substr(1, value.size() - 2);
-  }
-  template <typename Number>
-  [[nodiscard]] Number number(std::string_view key, std::string_view value, int base = 10) const {
-    Number result{};
-    std::from_chars_result parsed{};
-    if constexpr (std::is_floating_point_v<Number>) {
-      parsed = std::from_chars(value.data(), value.data() + value.size(), result);
-    } else {
-      parsed = std::from_chars(value.data(), value.data() + value.size(), result, base);
-    }
-    if (parsed.ec != std::errc() || parsed.ptr != value.data() + value.size()) fail(key);
-    return result;
-  }
-  template <std::size_t N>
-  void bytes(std::string_view key, std::array<std::uint8_t, N>& out) const {
-    const auto text = string(key);
-    if (text.size() != 2 * N) fail(key);
-    for (std::size_t i = 0; i < N; ++i) out[i] = number<std::uint8_t>(key, text.substr(2 * i, 2), 16);
-  }
-  [[noreturn]] void fail(std::string_view key) const {
-    throw LogError(place_ + ": no valid " + std::string(key) + ": not a line of an execution log");
-  }
-
- private:
-  std::string_view text_;
-  const std::string& place_;
-};
-
-void take_executed(const Line& line, std::uint64_t id, LoggedJob& job) {
-  const auto sequence = line.number<std::uint32_t>("seq", line.raw_value("seq"));
-  protocol::RawWaypoint raw{};
-  Sha256 chain{};
-  line.bytes("raw", raw);
-  line.bytes("chain", chain);
-  Chain expected(id);
-  if (!job.raw.empty()) expected.resume(job.chain);
-  job.chain_follows = job.chain_follows && expected.add(raw) == chain;
-  job.sequences.push_back(sequence);
-  job.raw.push_back(raw);
-  job.chain = chain;
-  job.t_exec = line.number<double>("t_exec", line.raw_value("t_exec"));
-}
-
 }  // namespace
 
 ExecutionLog::ExecutionLog(std::filesystem::path file, const Options& options) : options_(options) {
@@ -155,6 +107,10 @@ ExecutionLog::ExecutionLog(std::filesystem::path file, const Options& options) :
   if (fd_ < 0) {
     throw LogError(file.string() + ": cannot be opened for appending (" + std::strerror(errno) +
                    "): choose a writable place");
+  }
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(fd_);
+    throw LogError(file.string() + ": is written by another controller: stop that one or choose another log");
   }
   drop_torn_line(fd_);
   buffer_.reserve(kFlushBytes + kSpareBytes);
@@ -233,7 +189,11 @@ void ExecutionLog::pose(const PoseSample& s) {
   buffer_ += s.heat ? "true" : "false";
   buffer_ += ",\"state\":\"";
   buffer_ += protocol::name(s.state);
-  buffer_ += "\"}\n";
+  buffer_ += "\",\"path\":";
+  put(buffer_, s.path_s, kTimeDecimals);
+  buffer_ += ",\"following_mm\":";
+  put(buffer_, s.following_mm, kPositionDecimals);
+  buffer_ += "}\n";
 }
 
 void ExecutionLog::event(const JobEvent& e) {
@@ -255,41 +215,12 @@ void ExecutionLog::event(const JobEvent& e) {
   put_seconds(buffer_, e.t_us);
   buffer_ += ",\"fault\":\"";
   buffer_ += protocol::name(e.fault);
-  buffer_ += "\"}\n";
-}
-
-std::map<std::uint64_t, LoggedJob> read_execution_log(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw LogError(file.string() + ": cannot be read: check the path");
-  std::map<std::uint64_t, LoggedJob> jobs;
-  std::size_t number = 0;
-  for (std::string text; std::getline(in, text);) {
-    ++number;
-    if (in.eof()) break;  // a line without its end was never committed
-    if (text.starts_with("{\"ev\":\"pose\"")) continue;
-    const std::string place = file.string() + ":" + std::to_string(number);
-    const Line line(text, place);
-    const auto ev = line.string("ev");
-    const auto id = line.number<std::uint64_t>("job", line.string("job"), 16);
-    if (ev == "open") jobs[id] = {};  // another run of the same job
-    if (ev == "exec") take_executed(line, id, jobs[id]);
-  }
-  return jobs;
-}
-
-ExecutionProof prove(const Job& job, const LoggedJob& logged) {
-  ExecutionProof proof;
-  proof.planned = job.raw.size();
-  proof.executed = logged.sequences.size();
-  proof.in_order = proof.planned == proof.executed;
-  for (std::size_t i = 0; i < logged.sequences.size(); ++i) {
-    proof.in_order = proof.in_order && logged.sequences[i] == i;
-  }
-  proof.bytes_equal = logged.raw == job.raw;
-  Chain chain(job.id);
-  for (const auto& raw : job.raw) chain.add(raw);
-  proof.chain_equal = logged.chain_follows && logged.chain == chain.value();
-  return proof;
+  buffer_ += "\",\"detail\":";
+  put(buffer_, e.fault_detail);
+  buffer_ += ",\"at\":";
+  put(buffer_, e.fault_sequence);
+  if (std::strcmp(e.what, "open") == 0) put_blade(buffer_, e.blade);
+  buffer_ += "}\n";
 }
 
 }  // namespace hotblade::robot

@@ -6,23 +6,19 @@
 //   {"ev":"pose","job":"<16
 //   hex>","seq":K,"t":S,"frame":{..},"a":{..},"b":{..},"blade":null,"heat":B,"state":"RUNNING"}
 //
-// with poses every 10 ms of simulated time in the cell frame, mm and s, and lines for changes of state.
+// with poses every 10 ms of simulated time in the cell frame, mm and s, and lines for changes of state. It is
+// the controller's journal too: read_controller_journal().
 #pragma once
 
 #include <filesystem>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "robot/controller_journal.hpp"
 #include "robot/execution_sink.hpp"
 
 namespace hotblade::robot {
-
-// `file: what: hint`
-struct LogError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 class ExecutionLog final : public ExecutionSink {
  public:
@@ -30,7 +26,8 @@ class ExecutionLog final : public ExecutionSink {
     bool durable = true;  // fsync on commit
     bool poses = true;
   };
-  // Appends to the file; a torn last line, left by a crash, is dropped. Throws LogError.
+  // Appends to the file, which nobody else may be writing; a torn last line, left by a crash, is dropped.
+  // Throws LogError.
   ExecutionLog(std::filesystem::path file, const Options& options);
   ~ExecutionLog() override;
 
@@ -58,7 +55,8 @@ struct LoggedJob {
   double t_exec = 0;          // s, of the last executed waypoint
 };
 
-// Jobs of a log by job id; where a job was run more than once its last run counts. Throws LogError for a line
+// Jobs of a log by job id; where a job was run more than once its last run counts, restarts of the controller
+// included. Throws LogError for a line
 // that is no line of a log, with its number.
 [[nodiscard]] std::map<std::uint64_t, LoggedJob> read_execution_log(const std::filesystem::path& file);
 

@@ -26,10 +26,13 @@ struct PoseSample {
   Pose a, b;  // cell frame, mm
   bool heat = false;
   protocol::State state = protocol::State::kIdle;
+  double path_s = 0;        // of the strip's own time: the place on the path
+  double following_mm = 0;  // how far the worse clamp is behind what is asked of it
 };
 
 // A change of state: what = "open", "takeover", "start", "hold", "held", "cold" (heat off after the dwell),
-// "resume", "done", "fault", "estop", "reset", "close".
+// "resume", "retract", "reheat", "reenter", "restart" (of the controller, from its journal), "done", "fault",
+// "estop", "reset", "close".
 struct JobEvent {
   const char* what = "";
   std::uint64_t job = 0;
@@ -37,6 +40,9 @@ struct JobEvent {
   std::uint32_t waypoint_count = 0;
   std::uint64_t t_us = 0;
   protocol::Fault fault = protocol::Fault::kNone;
+  std::uint16_t fault_detail = 0;
+  std::uint32_t fault_sequence = 0;
+  protocol::BladeData blade = {};
 };
 
 class ExecutionSink {

@@ -49,7 +49,8 @@ const char* describe(LimitCode code) {
                               "angular speed",
                               "angular acceleration",
                               "chord too long for the blade",
-                              "blade data or number of waypoints out of range"};
+                              "blade data or number of waypoints out of range",
+                              "path does not continue from the held pose"};
   const auto i = static_cast<std::size_t>(code);
   return i < kTexts.size() ? kTexts[i] : "unknown limit";
 }
@@ -94,7 +95,8 @@ LimitCode LimitChecker::check_place(const Waypoint& w) const {
   if (!inside(w.a.p) || !inside(w.b.p)) return LimitCode::kEnvelope;
   // Two clamps rounded to whole micrometres on three axes move apart by at most sqrt(3) um.
   constexpr double kRounding_mm = 2e-3;
-  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm) return LimitCode::kChord;
+  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm)
+    return LimitCode::kChord;
   return LimitCode::kNone;
 }
 

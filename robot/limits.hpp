@@ -19,8 +19,8 @@ struct MotionLimits {
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
   Eigen::Vector3d envelope_min_mm{-2000, -2000, 0}, envelope_max_mm{2000, 2000, 3000};
   std::uint32_t min_dt_us = 5000;
-  // The chord stays within blade length * (1 - slack), give or take the registers' rounding. None is asked for by
-  // default: ruled surfaces are cut with a straight blade, whose chord is its length.
+  // The chord stays within blade length * (1 - slack), give or take the registers' rounding. None is asked
+  // for by default: ruled surfaces are cut with a straight blade, whose chord is its length.
   double chord_slack = 0;
 };
 
@@ -39,7 +39,8 @@ enum class LimitCode : std::uint16_t {
   kAngularSpeed = 10,
   kAngularAcceleration = 11,
   kChord = 12,
-  kBlade = 13,  // OPEN announces an impossible blade or number of waypoints
+  kBlade = 13,     // OPEN announces an impossible blade or number of waypoints
+  kHeldPose = 14,  // after a restart: the path does not lead through the pose the clamps are held at
 };
 
 [[nodiscard]] const char* describe(LimitCode code);

@@ -26,6 +26,12 @@ bool inside(std::uint16_t address, std::size_t count, std::uint16_t base, std::u
   return address >= base && address + count <= std::size_t{base} + size;
 }
 
+template <typename Block>
+Block sealed(Block block) {
+  protocol::seal_block(block);
+  return block;
+}
+
 }  // namespace
 
 // One request under way: its bytes without the MBAP header, and the answer that grows.
@@ -107,9 +113,9 @@ std::uint8_t RegisterMap::fill(Pdu& pdu, std::uint16_t address, std::uint16_t co
   if (address >= protocol::kScratchBase) {
     copy(scratch_, protocol::kScratchBase);
   } else if (address >= protocol::kStatusBase) {
-    copy(protocol::encode_status(controller_.status()), protocol::kStatusBase);
+    copy(sealed(protocol::encode_status(controller_.status())), protocol::kStatusBase);
   } else {
-    copy(protocol::encode_ident(controller_.ident()), protocol::kIdentBase);
+    copy(sealed(protocol::encode_ident(controller_.ident())), protocol::kIdentBase);
   }
   return kOk;
 }

@@ -27,6 +27,11 @@ class PathClock {
   [[nodiscard]] double rate() const { return rate_; }
   [[nodiscard]] bool at_rest() const { return rate_ <= 0 && target_ <= 0; }
   [[nodiscard]] bool stopping() const { return target_ <= 0; }
+  // Against the path parameter, on the way out of a kerf. Rates and distances are counted along the way.
+  [[nodiscard]] bool backwards() const { return direction_ < 0; }
+
+  // Only at rest.
+  void face(bool backwards) { direction_ = backwards ? -1 : 1; }
 
   // From rest at a waypoint where the path itself is at rest: the full rate at once.
   void start_at_full_rate() { rate_ = target_ = 1; }
@@ -40,6 +45,9 @@ class PathClock {
   [[nodiscard]] double full_braking_s() const { return instant_ ? 0 : 1 / (2 * kRampPerS); }
   // Motion time until the ramp under way ends; infinite without one.
   [[nodiscard]] double ramp_left_s() const;
+  // Motion time until a stop has to begin that ends `distance_s` from here; 0 when that is now. Exact, on the
+  // ramp to the full rate too.
+  [[nodiscard]] double time_to_brake_for(double distance_s) const;
   // Motion time until the path has gone on by `distance_s` at the present ramp; infinite when it stops
   // before.
   [[nodiscard]] double time_to(double distance_s) const;
@@ -51,7 +59,7 @@ class PathClock {
   [[nodiscard]] double slope() const;
 
   bool instant_;
-  double path_s_ = 0, rate_ = 0, target_ = 0;
+  double path_s_ = 0, rate_ = 0, target_ = 0, direction_ = 1;
 };
 
 }  // namespace hotblade::robot

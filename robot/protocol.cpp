@@ -173,9 +173,15 @@ const char* name(Result result) {
 }
 
 const char* name(Fault fault) {
-  constexpr std::array kNames{"none",    "UNDERRUN", "CONFLICT", "EXECUTION_LIMIT",
-                              "ABORTED", "LOG",      "WATCHDOG"};
+  constexpr std::array kNames{"none", "UNDERRUN", "CONFLICT", "EXECUTION_LIMIT", "ABORTED",
+                              "LOG",  "WATCHDOG", "RESTART",  "FOLLOWING",       "DRIVE"};
   const auto i = static_cast<std::size_t>(fault);
+  return i < kNames.size() ? kNames[i] : "unknown";
+}
+
+const char* name(Phase phase) {
+  constexpr std::array kNames{"program", "retract", "reheat", "reenter"};
+  const auto i = static_cast<std::size_t>(phase);
   return i < kNames.size() ? kNames[i] : "unknown";
 }
 
@@ -293,6 +299,8 @@ std::array<std::uint16_t, kStatusSize> encode_status(const Status& s) {
   w.u16(s.watchdog_ms);
   w.u64(s.time_us);
   w.u32(s.fault_sequence);
+  w.u16(static_cast<std::uint16_t>(s.phase));
+  w.u32(s.following_um);
   return registers;
 }
 
@@ -316,7 +324,20 @@ Status decode_status(std::span<const std::uint16_t, kStatusSize> registers) {
   s.watchdog_ms = r.u16();
   s.time_us = r.u64();
   s.fault_sequence = r.u32();
+  s.phase = static_cast<Phase>(r.u16());
+  s.following_um = r.u32();
   return s;
+}
+
+void seal_block(std::span<std::uint16_t> block) {
+  const std::size_t body = block.size() - 2;
+  Writer(block.subspan(body)).u32(crc32_registers(block.first(body)));
+}
+
+bool block_intact(std::span<const std::uint16_t> block) {
+  const std::size_t body = block.size() - 2;
+  const std::uint32_t crc = Reader(block.subspan(body)).u32();
+  return crc == 0 || crc == crc32_registers(block.first(body));
 }
 
 std::array<std::uint16_t, kCommandSize> encode_command(const Command& c) {

@@ -39,6 +39,7 @@ inline constexpr std::uint16_t kCapWriteRead = 1;    // function 23 on WINDOW an
 inline constexpr std::uint16_t kCapJournal = 2;      // executed survives a restart of the controller
 inline constexpr std::uint16_t kCapEquilibrium = 4;  // the blade's equilibrium is checked
 inline constexpr std::uint16_t kCapSimulator = 8;    // nothing moves
+inline constexpr std::uint16_t kCapBlockCrc = 16;    // IDENT and STATUS end with a CRC-32
 
 enum class Op : std::uint16_t { kOpen = 1, kStart, kHold, kResume, kAbort, kReset, kClose };
 enum class State : std::uint16_t { kIdle, kOpen, kRunning, kHeld, kDone, kFault, kEstop };
@@ -62,6 +63,16 @@ enum class Fault : std::uint16_t {
   kAborted = 4,         // FAULT: ABORT
   kLog = 5,             // FAULT: the execution log could not be written
   kWatchdog = 6,        // HELD: the owner fell silent
+  kRestart = 7,         // HELD: the controller was restarted and went on from its journal
+  kFollowing = 8,       // FAULT: the clamps do not follow
+  kDrive = 9,           // FAULT: a drive reports a fault
+};
+// What the clamps do while RUNNING.
+enum class Phase : std::uint16_t {
+  kProgram,  // along the program
+  kRetract,  // backwards out of the kerf, cold
+  kReheat,   // standing where the program heats the blade
+  kReenter,  // forwards again to where it was held
 };
 
 // "RUNNING", "CONFLICT": as documented; "unknown" for a number outside the table.
@@ -69,6 +80,7 @@ enum class Fault : std::uint16_t {
 [[nodiscard]] const char* name(State state);
 [[nodiscard]] const char* name(Result result);
 [[nodiscard]] const char* name(Fault fault);
+[[nodiscard]] const char* name(Phase phase);
 
 // CRC-32 of IEEE 802.3, continued from `crc`; 0xCBF43926 for "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0);
@@ -82,6 +94,12 @@ using RawWaypoint = std::array<std::uint8_t, kWaypointBytes>;
 [[nodiscard]] inline std::uint32_t time_us(const RawWaypoint& raw) {
   return static_cast<std::uint32_t>(raw[0]) << 24 | static_cast<std::uint32_t>(raw[1]) << 16 |
          static_cast<std::uint32_t>(raw[2]) << 8 | raw[3];
+}
+
+// Whether the blade is heated from this waypoint to the next.
+[[nodiscard]] inline bool is_hot(const RawWaypoint& raw) {
+  constexpr std::size_t kHeatByte = 20;  // the second word of clamp A's quaternion
+  return (raw[kHeatByte] & 0x40) != 0;
 }
 
 // nullopt when it cannot be expressed: a position beyond +-2^31 um, a number that is not finite, a quaternion
@@ -120,9 +138,17 @@ struct Status {
   std::uint32_t accepted_crc = 0, executed_crc = 0;
   std::uint16_t watchdog_ms = 0;  // left until the watchdog expires
   std::uint64_t time_us = 0;      // controller time since boot
+  Phase phase = Phase::kProgram;
+  std::uint32_t following_um = 0;  // how far the clamps are behind what is asked of them, the worse of both
 };
 [[nodiscard]] std::array<std::uint16_t, kStatusSize> encode_status(const Status& status);
 [[nodiscard]] Status decode_status(std::span<const std::uint16_t, kStatusSize> registers);
+
+// On the wire IDENT and STATUS end with a CRC-32 of the registers before it: TCP's own sum of 16 bits lets
+// some errors through.
+void seal_block(std::span<std::uint16_t> block);
+// True for a block without a CRC too (both registers 0): other controllers may leave it out.
+[[nodiscard]] bool block_intact(std::span<const std::uint16_t> block);
 
 // What OPEN says about the blade.
 struct BladeData {

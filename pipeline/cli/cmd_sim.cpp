@@ -1,5 +1,6 @@
 // hotblade sim: the controller simulator.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <atomic>
@@ -51,7 +52,27 @@ robot::ControllerOptions controller_options(const SimArguments& arguments) {
   const Settings settings = resolve(sources);
   options.limits = motion_limits(settings.motion, settings.machine);
   options.boot_id = std::random_device{}() | 1u;
+  if (!arguments.log.empty()) options.capabilities |= robot::protocol::kCapJournal;
   return options;
+}
+
+// The log is the journal: a job that was open when the last simulator ended is open again.
+void take_up_journal(const SimArguments& arguments, robot::Controller& controller, const Console& console) {
+  if (arguments.log.empty()) return;
+  const auto journal = robot::read_controller_journal(arguments.log);
+  try {
+    controller.restore(journal);
+  } catch (const robot::LogError& error) {
+    throw robot::LogError(arguments.log + ": " + error.what());
+  }
+  const auto status = controller.status();
+  if (journal.loaded) {
+    console.note(fmt::format("{}: job {} goes on, {} after {} of {} waypoints", arguments.log,
+                             robot::to_hex(status.job_id), robot::protocol::name(status.state),
+                             status.executed, journal.count));
+  } else if (status.state == robot::protocol::State::kEstop) {
+    console.note(arguments.log + ": ESTOP is latched");
+  }
 }
 
 // Ends the server when the program is told to stop; a signal handler may not.
@@ -87,7 +108,11 @@ Exit sim(const SimArguments& arguments, const Console& console) {
     if (!arguments.log.empty())
       log = std::make_unique<robot::ExecutionLog>(arguments.log, robot::ExecutionLog::Options{});
     robot::Controller controller(options, log.get());
+    take_up_journal(arguments, controller, console);
     robot::ControllerServer server(server_options, controller);
+    if (!listen.loopback())
+      console.warn("--listen: open to the network (" + arguments.listen + ") for " +
+                   fmt::format("{}", fmt::join(arguments.allow, ", ")));
     console.note("simulator: nothing moves, and the blade's equilibrium is not checked");
     std::cout << fmt::format("listening on {}:{}\n", listen.host, server.port()) << std::flush;
     const StopWatch watch(server);
@@ -108,7 +133,10 @@ void add_sim(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--listen", arguments->listen, "Where to listen; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  command->add_option("--log", arguments->log, "Append what is executed to this file")->type_name("FILE");
+  command
+      ->add_option("--log", arguments->log,
+                   "Append what is executed to this file, and go on from it after a restart")
+      ->type_name("FILE");
   command->add_option("--machine", arguments->machine, "Limits from the [machine] and [motion] of this file")
       ->type_name("TOML");
   command

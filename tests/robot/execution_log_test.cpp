@@ -121,7 +121,9 @@ TEST_F(ExecutionLogTest, ALineReadsAsDocumented) {
               {{1, -2, 3.00006}, {1, 0, 0, 0}},
               {{4, 5, 6}, {0, 1, 0, 0}},
               true,
-              protocol::State::kRunning});
+              protocol::State::kRunning,
+              1.229,
+              0.0012});
   }
   EXPECT_EQ(text(),
             "{\"ev\":\"pose\",\"job\":\"0123456789abcdef\",\"seq\":7,\"t\":1.230000,\"frame\":{\"origin\":"
@@ -129,7 +131,7 @@ TEST_F(ExecutionLogTest, ALineReadsAsDocumented) {
             "[0.000000000,1.000000000,0.000000000]},\"a\":{\"p\":[1.0000,-2.0000,3.0001],\"q\":"
             "[1.000000000,0.000000000,0.000000000,0.000000000]},\"b\":{\"p\":[4.0000,5.0000,6.0000],\"q\":"
             "[0.000000000,1.000000000,0.000000000,0.000000000]},\"blade\":null,\"heat\":true,\"state\":"
-            "\"RUNNING\"}\n");
+            "\"RUNNING\",\"path\":1.229000,\"following_mm\":0.0012}\n");
 }
 
 TEST(Job, IdDependsOnProgramStripAndWaypoints) {
