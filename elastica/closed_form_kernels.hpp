@@ -1,8 +1,8 @@
 // The batch loops of the closed form over SIMD lanes. For the sources compiled once per instruction set alone
-// (elastica/simd_lanes.hpp).
+// (elastica/kernels/simd_lanes.h).
 #pragma once
 
-#include "elastica/simd_lanes.hpp"
+#include "elastica/kernels/simd_lanes.h"
 // Lanes first.
 #include "elastica/closed_form_lanes.hpp"
 

@@ -1,8 +1,8 @@
 // The batch loops of the lambda-residual over SIMD lanes. For the sources compiled once per instruction set
-// alone (elastica/simd_lanes.hpp).
+// alone (elastica/kernels/simd_lanes.h).
 #pragma once
 
-#include "elastica/simd_lanes.hpp"
+#include "elastica/kernels/simd_lanes.h"
 // Lanes first.
 #include "elastica/kernels/edge_residual.h"
 #include "elastica/kernels/sincos.h"

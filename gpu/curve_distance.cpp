@@ -5,12 +5,16 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
-#include "gpu/cubic_lanes.hpp"
+#include "gpu/backend_choice.hpp"
+#include "gpu/curve_distance_opencl.hpp"
+#include "gpu/curve_lanes.hpp"
+#include "gpu/curve_search.hpp"
 
 namespace hotblade::gpu {
 namespace {
@@ -19,201 +23,180 @@ using Eigen::Vector2d;
 
 // Points of one task, whose unsure ones are settled while they are in the cache.
 constexpr std::size_t kBlock = 2048;
+// Points that both backends are timed with.
+constexpr std::size_t kTimed = 65536;
+// Points on the device at once, answers and all; the host settles those that it leaves.
+constexpr std::size_t kPortion = std::size_t{1} << 22;
 
-Vector2d value(const CubicChords& c, double t) {
-  const auto k = [&](int i) { return Vector2d(c.c[i][0], c.c[i][1]); };
-  return ((k(3) * t + k(2)) * t + k(1)) * t + k(0);
-}
-Vector2d velocity(const CubicChords& c, double t) {
-  const auto k = [&](int i) { return Vector2d(c.c[i][0], c.c[i][1]); };
-  return (3 * k(3) * t + 2 * k(2)) * t + k(1);
-}
-Vector2d acceleration(const CubicChords& c, double t) {
-  return {6 * c.c[3][0] * t + 2 * c.c[2][0], 6 * c.c[3][1] * t + 2 * c.c[2][1]};
-}
-// The acceleration is linear in t, so its size is largest at an end.
-double largest_acceleration(const CubicChords& c, double from, double to) {
-  return std::max(acceleration(c, from).norm(), acceleration(c, to).norm());
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// |B'|^2 + B.B'' over [from, to] by Bernstein coefficients.
-std::array<double, 5> bend(const CubicChords& c, double from, double to) {
-  const auto dot = [&](int i, int j) { return c.c[i][0] * c.c[j][0] + c.c[i][1] * c.c[j][1]; };
-  std::array<double, 5> a{dot(1, 1), 6 * dot(1, 2), 6 * dot(2, 2) + 12 * dot(1, 3), 20 * dot(2, 3),
-                          15 * dot(3, 3)};
-  // In powers of t - from, then of (t - from) / (to - from).
-  for (std::size_t i = 0; i < 4; ++i) {
-    for (std::size_t j = 4; j > i; --j) a[j - 1] += from * a[j];
+// The points of a query and where their answers go.
+struct Query {
+  std::span<const double> x, y;
+  std::span<double> distance, t;
+  [[nodiscard]] std::size_t size() const { return x.size(); }
+  [[nodiscard]] Query part(std::size_t first, std::size_t n) const {
+    return {x.subspan(first, n), y.subspan(first, n), distance.subspan(first, n), t.subspan(first, n)};
   }
-  const double width = to - from;
-  double power = 1;
-  for (double& coefficient : a) {
-    coefficient *= power;
-    power *= width;
-  }
-  constexpr double kChoose[5][5] = {
-      {1, 0, 0, 0, 0}, {1, 1, 0, 0, 0}, {1, 2, 1, 0, 0}, {1, 3, 3, 1, 0}, {1, 4, 6, 4, 1}};
-  std::array<double, 5> b{};
-  for (std::size_t k = 0; k < 5; ++k) {
-    for (std::size_t j = 0; j <= k; ++j) b[k] += kChoose[k][j] / kChoose[4][j] * a[j];
-  }
-  return b;
-}
-
-struct Best {
-  double distance = std::numeric_limits<double>::infinity(), t = 0;
 };
-
-// Branch and bound: parts of the curve that may hold a nearer point than the best are halved until the
-// squared distance is convex over them, and there its minimum is found by halving and Newton's method.
-class CarefulSearch {
- public:
-  CarefulSearch(const CubicChords& chords, const Vector2d& q) : c_(chords), q_(q) {
-    double size = q.cwiseAbs().maxCoeff();
-    for (const auto& from : c_.from) size = std::max({size, std::abs(from[0]), std::abs(from[1])});
-    rounding_ = CubicDistance::kErrorRel / 8 * size;
-  }
-
-  Best run() {
-    consider(0);
-    consider(1);
-    for (int i = 0; i < HOTBLADE_CHORDS; ++i) {
-      look(static_cast<double>(i) / HOTBLADE_CHORDS, (i + 1.0) / HOTBLADE_CHORDS);
-    }
-    return best_;
-  }
-
- private:
-  void consider(double t) {
-    const double d = (value(c_, t) - q_).norm();
-    if (d < best_.distance) best_ = {d, t};
-  }
-
-  // Half the derivative of the squared distance.
-  double slope(double t) const { return (value(c_, t) - q_).dot(velocity(c_, t)); }
-
-  bool convex(double from, double to) const {
-    const std::array<double, 5> b = bend(c_, from, to);
-    const double first = q_.dot(acceleration(c_, from)), last = q_.dot(acceleration(c_, to));
-    for (std::size_t k = 0; k < 5; ++k) {
-      if (!(b[k] > first + 0.25 * static_cast<double>(k) * (last - first))) return false;
-    }
-    return true;
-  }
-
-  void minimise(double from, double to) {
-    double low = from, high = to, t = 0.5 * (from + to);
-    for (int n = 0; n < 100 && low < high; ++n) {
-      const double f = slope(t);
-      (f > 0 ? high : low) = t;
-      const double bend = velocity(c_, t).squaredNorm() + (value(c_, t) - q_).dot(acceleration(c_, t));
-      double next = t - f / bend;
-      if (!(next > low && next < high)) next = 0.5 * (low + high);
-      if (next == t) break;
-      t = next;
-    }
-    consider(t);
-  }
-
-  void look(double from, double to) {
-    const Vector2d a = value(c_, from), leg = value(c_, to) - a;
-    const double sq = leg.squaredNorm(), width = to - from;
-    const double s = sq > 0 ? std::clamp((q_ - a).dot(leg) / sq, 0.0, 1.0) : 0;
-    const double chord = (a + s * leg - q_).norm();
-    // A part that can gain no more than rounding is done with.
-    if (chord - largest_acceleration(c_, from, to) * width * width / 8 >= best_.distance - rounding_) return;
-    consider(from + s * width);
-    // At this width the sag is below 2^-60 of the curve's size.
-    if (width < 0x1p-30) return;
-    if (convex(from, to)) {
-      minimise(from, to);
-      return;
-    }
-    look(from, 0.5 * (from + to));
-    look(0.5 * (from + to), to);
-  }
-
-  const CubicChords& c_;
-  Vector2d q_;
-  double rounding_ = 0;  // of a distance
-  Best best_;
-};
-
-NearestOnCubic nearest_on_cubic() {
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl")) {
-    return nearest_on_cubic_avx512;
-  }
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return nearest_on_cubic_avx2;
-#endif
-  return nearest_on_cubic_baseline;
-}
 
 }  // namespace
 
-CubicChords make_chords(const std::array<Vector2d, 4>& p) {
-  CubicChords c{};
-  const Vector2d coefficients[4] = {Vector2d::Zero(), 3 * (p[1] - p[0]), 3 * ((p[2] - p[1]) - (p[1] - p[0])),
-                                    (p[3] - p[2]) - 2 * (p[2] - p[1]) + (p[1] - p[0])};
-  for (int i = 0; i < 4; ++i) {
-    for (int k = 0; k < 2; ++k) c.c[i][k] = coefficients[i][k];
+const CurveLanes& curve_lanes() {
+#if defined(__x86_64__)
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl")) {
+    return kCurveAvx512;
   }
-  constexpr double kStep = 1.0 / HOTBLADE_CHORDS;
-  for (int i = 0; i < HOTBLADE_CHORDS; ++i) {
-    const Vector2d from = value(c, i * kStep), leg = value(c, (i + 1) * kStep) - from;
-    const double sq = leg.squaredNorm();
-    for (int k = 0; k < 2; ++k) {
-      c.from[i][k] = from[k];
-      c.leg[i][k] = leg[k];
-    }
-    c.inv[i] = sq > std::numeric_limits<double>::min() ? 1 / sq : 0;
-    const double first = std::max(0.0, (i - 1) * kStep), last = std::min(1.0, (i + 2) * kStep);
-    const std::array<double, 5> b = bend(c, first, last);
-    std::copy(b.begin(), b.end(), c.bend[i]);
-    for (int k = 0; k < 2; ++k) {
-      c.first[i][k] = acceleration(c, first)[k];
-      c.last[i][k] = acceleration(c, last)[k];
-    }
-    // A curve strays from its chord by at most an eighth of its largest acceleration times the step squared.
-    c.sag = std::max(c.sag, largest_acceleration(c, i * kStep, (i + 1) * kStep) * kStep * kStep / 8);
-  }
-  return c;
+  if (avx2) return kCurveAvx2;
+#endif
+  return kCurveBaseline;
 }
 
-CubicDistance::CubicDistance(const std::array<Vector2d, 4>& control) : origin_(control[0]) {
-  for (const Vector2d& p : control) {
-    if (!p.allFinite()) throw std::logic_error("CubicDistance: a control point is not finite");
-  }
-  chords_ = make_chords(control);
+struct CurveDistance::Impl {
+  Impl(CurvePieces pieces, Backend backend) : curve(std::move(pieces)), choice(backend) {}
+
+  void settle(const Query& q, std::size_t i) const;
+  std::size_t on_host(const Query& q) const;
+  std::size_t on_host_block(const Query& q) const;
+  std::size_t on_device(const CurveSearchOnDevice& device, const Query& q) const;
+  double host_s(const Query& q) const;
+
+  CurvePieces curve;
+  CurveLanes lanes = curve_lanes();
+  mutable BackendChoice<CurveSearchOnDevice> choice;
+};
+
+void CurveDistance::Impl::settle(const Query& q, std::size_t i) const {
+  const Vector2d local = curve.local({q.x[i], q.y[i]});
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const CurveNearest nearest =
+      local.allFinite() ? nearest_by_search(curve, local, kErrorRel / 8) : CurveNearest{kNaN, kNaN};
+  q.distance[i] = nearest.distance / curve.scale;
+  q.t[i] = nearest.t;
 }
 
-std::size_t CubicDistance::query(std::span<const double> x, std::span<const double> y,
-                                 std::span<double> distance, std::span<double> t) const {
-  if (y.size() != x.size() || distance.size() != x.size() || t.size() != x.size()) {
-    throw std::logic_error("CubicDistance::query: spans of different sizes");
+// The whole curve at once where it is one polynomial, then the pieces for what is left, then the careful
+// search.
+std::size_t CurveDistance::Impl::on_host_block(const Query& q) const {
+  std::array<unsigned, kBlock + 8> unsure, still;
+  CurveQueries all{q.x.data(), q.y.data(),        curve.origin.x(), curve.origin.y(), curve.scale,
+                   q.size(),   q.distance.data(), q.t.data(),       unsure.data()};
+  const int count = static_cast<int>(curve.pieces.size());
+  std::size_t left =
+      curve.whole ? lanes.whole(*curve.whole, all) : lanes.pieces(curve.pieces.data(), count, curve.sag, all);
+  if (curve.whole && left > 0) {
+    std::array<std::array<double, kBlock>, 4> some;
+    for (std::size_t i = 0; i < left; ++i) {
+      some[0][i] = q.x[unsure[i]];
+      some[1][i] = q.y[unsure[i]];
+    }
+    all = {some[0].data(), some[1].data(), all.ox,         all.oy,      all.scale,
+           left,           some[2].data(), some[3].data(), still.data()};
+    const std::size_t last = lanes.pieces(curve.pieces.data(), count, curve.sag, all);
+    for (std::size_t i = 0; i < left; ++i) {
+      q.distance[unsure[i]] = some[2][i];
+      q.t[unsure[i]] = some[3][i];
+    }
+    for (std::size_t i = 0; i < last; ++i) still[i] = unsure[still[i]];
+    unsure = still;
+    left = last;
   }
-  const NearestOnCubic fast = nearest_on_cubic();
+  for (std::size_t i = 0; i < left; ++i) settle(q, unsure[i]);
+  return left;
+}
+
+std::size_t CurveDistance::Impl::on_host(const Query& q) const {
   std::atomic<std::size_t> careful = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, x.size(), kBlock), [&](const auto& range) {
-    std::array<unsigned, kBlock + 8> unsure;
-    for (std::size_t first = range.begin(); first < range.end(); first += kBlock) {
-      const std::size_t n = std::min(kBlock, range.end() - first);
-      const std::size_t count = fast(chords_, &x[first], &y[first], origin_.x(), origin_.y(), n,
-                                     &distance[first], &t[first], unsure.data());
-      careful += count;
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t at = first + unsure[i];
-        const Vector2d q = Vector2d(x[at], y[at]) - origin_;
-        const Best best = q.allFinite() ? CarefulSearch(chords_, q).run()
-                                        : Best{std::numeric_limits<double>::quiet_NaN(),
-                                               std::numeric_limits<double>::quiet_NaN()};
-        distance[at] = best.distance;
-        t[at] = best.t;
-      }
+  const std::size_t blocks = (q.size() + kBlock - 1) / kBlock;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks), [&](const auto& range) {
+    for (std::size_t block = range.begin(); block != range.end(); ++block) {
+      careful += on_host_block(q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock)));
     }
   });
   return careful;
+}
+
+std::size_t CurveDistance::Impl::on_device(const CurveSearchOnDevice& device, const Query& q) const {
+  std::atomic<std::size_t> careful = 0;
+  std::vector<Vector2d> local(std::min(kPortion, q.size())), answers(local.size());
+  for (std::size_t first = 0; first < q.size(); first += kPortion) {
+    const Query part = q.part(first, std::min(kPortion, q.size() - first));
+    const tbb::blocked_range<std::size_t> all(0, part.size(), kBlock);
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i)
+        local[i] = curve.local({part.x[i], part.y[i]});
+    });
+    device.nearest(std::span(local).first(part.size()), std::span(answers).first(part.size()));
+    tbb::parallel_for(all, [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        if (answers[i].x() >= 0) {
+          part.distance[i] = answers[i].x() / curve.scale;
+          part.t[i] = answers[i].y();
+        } else {
+          ++careful;
+          settle(part, i);
+        }
+      }
+    });
+  }
+  return careful;
+}
+
+// Seconds for all points by what a sample takes, after a run that warms up.
+double CurveDistance::Impl::host_s(const Query& q) const {
+  const std::size_t n = std::min(kTimed, q.size());
+  if (n == 0) return 0;
+  (void)on_host(q.part(0, n));
+  const auto start = std::chrono::steady_clock::now();
+  (void)on_host(q.part(0, n));
+  return seconds_since(start) * static_cast<double>(q.size()) / static_cast<double>(n);
+}
+
+CurveDistance::CurveDistance(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+CurveDistance::~CurveDistance() = default;
+CurveDistance::CurveDistance(CurveDistance&&) noexcept = default;
+CurveDistance& CurveDistance::operator=(CurveDistance&&) noexcept = default;
+
+CurveDistance CurveDistance::to_cubic(const std::array<Vector2d, 4>& control, Backend backend) {
+  return CurveDistance(std::make_unique<Impl>(pieces_of_cubic(control), backend));
+}
+
+CurveDistance CurveDistance::to_quadratics(std::span<const std::array<Vector2d, 3>> chain, Backend backend) {
+  return CurveDistance(std::make_unique<Impl>(pieces_of_quadratics(chain), backend));
+}
+
+std::size_t CurveDistance::query(std::span<const double> x, std::span<const double> y,
+                                 std::span<double> distance, std::span<double> t) const {
+  if (y.size() != x.size() || distance.size() != x.size() || t.size() != x.size()) {
+    throw std::logic_error("CurveDistance::query: spans of different sizes");
+  }
+  const Query q{x, y, distance, t};
+  const auto device = impl_->choice.choose(
+      [&] { return impl_->host_s(q); },
+      [&] { return std::make_shared<const CurveSearchOnDevice>(impl_->curve); },
+      [&](const CurveSearchOnDevice& search) {
+        const Query part = q.part(0, std::min(kTimed, q.size()));
+        (void)impl_->on_device(search, part);
+        const auto start = std::chrono::steady_clock::now();
+        (void)impl_->on_device(search, part);
+        return seconds_since(start) * static_cast<double>(q.size()) / static_cast<double>(part.size());
+      });
+  if (device) {
+    try {
+      return impl_->on_device(*device, q);
+    } catch (const DeviceError& error) {
+      impl_->choice.drop(error);
+    }
+  }
+  return impl_->on_host(q);
+}
+
+BackendUse CurveDistance::used() const {
+  return impl_->choice.used();
 }
 
 }  // namespace hotblade::gpu

@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "gpu/backend_choice.hpp"
 #include "gpu/mesh_distance_opencl.hpp"
 #include "gpu/mesh_frame.hpp"
 #include "gpu/mesh_search.hpp"
@@ -42,9 +43,6 @@ constexpr std::size_t kCandidates = 64;
 // Points whose candidates are on the device while the host settles as many.
 constexpr std::size_t kPortion = std::size_t{1} << 20;
 
-// Work that the CPU ends sooner is not worth starting a device: a context and a compiled kernel take 0.1 to 1
-// s.
-constexpr double kDeviceStart_s = 0.5;
 // Points that both backends are timed with, spread over all.
 constexpr std::size_t kTimed = 8192;
 
@@ -54,31 +52,18 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::string rounded(double seconds) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g s", seconds);
-  return text;
-}
-
 }  // namespace
 
 struct MeshDistance::Impl {
+  explicit Impl(Backend wanted) : choice(wanted) {}
+
   MeshFrame frame;
   MeshTree tree;
   MeshSearch search = mesh_search();
-  Backend wanted = Backend::kCpu;
   mutable std::once_flag side_once;
   mutable std::optional<MeshSide> side;
 
-  // Which backend answers; the device is started when first needed and dropped for good when it fails.
-  struct Choice {
-    std::mutex mutex;
-    std::shared_ptr<const MeshSearchOnDevice> device;
-    bool tried = false;
-    std::string failure;
-    BackendUse use;
-  };
-  mutable Choice choice;
+  mutable BackendChoice<MeshSearchOnDevice> choice;
 
   // What one thread keeps from point to point.
   struct Memory {
@@ -98,11 +83,8 @@ struct MeshDistance::Impl {
   void settle_portion(Points points, const Order& order, std::size_t first,
                       std::span<const MeshSearchOnDevice::Found> found, std::vector<Nearest>& answers) const;
   Eigen::Vector4f device_point(const Vector3d& point) const;
-  std::shared_ptr<const MeshSearchOnDevice> start_device() const;
   std::vector<Vector3d> sample(Points points, const Order& order) const;
-  bool device_is_faster(Points points, const Order& order) const;
   std::shared_ptr<const MeshSearchOnDevice> choose(Points points, const Order& order) const;
-  void drop_device(const DeviceError& error) const;
 };
 
 // The nearest of the candidates in double precision; of equal ones the lowest.
@@ -237,26 +219,6 @@ void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Poin
   }
 }
 
-// Null when there is no device or it failed, with the reason in choice.use. The mutex is held.
-std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::start_device() const {
-  if (!choice.tried) {
-    choice.tried = true;
-    try {
-      choice.device = std::make_shared<const MeshSearchOnDevice>(tree);
-    } catch (const DeviceError& error) {
-      drop_device(error);
-    }
-  }
-  if (!choice.device) choice.use = {Backend::kCpu, "cpu", choice.failure};
-  return choice.device;
-}
-
-void MeshDistance::Impl::drop_device(const DeviceError& error) const {
-  choice.device.reset();
-  choice.failure = std::string(error.what()) + "; distances are computed on the CPU";
-  choice.use = {Backend::kCpu, "cpu", choice.failure};
-}
-
 // Runs of neighbours spread over all points, as many as both backends are timed with.
 std::vector<Vector3d> MeshDistance::Impl::sample(Points points, const Order& order) const {
   std::vector<Vector3d> sample;
@@ -279,51 +241,27 @@ double predicted_s(std::size_t points, std::size_t sample, const Run& run) {
   return seconds_since(start) * static_cast<double>(points) / static_cast<double>(sample);
 }
 
-// Times both backends where that can pay. The mutex is held.
-bool MeshDistance::Impl::device_is_faster(Points points, const Order& order) const {
-  choice.use = {};
-  const std::vector<Vector3d> part = sample(points, order);
-  std::vector<Nearest> ignored(part.size());
-  const double host_s = predicted_s(points.size(), part.size(), [&] { answer_on_host(part, {}, ignored); });
-  choice.use.reason = "the CPU needs about " + rounded(host_s);
-  if (host_s < kDeviceStart_s) {
-    choice.use.reason += ", less than starting a device (" + rounded(kDeviceStart_s) + ")";
-    return false;
-  }
-  const DeviceFacts facts = find_opencl_device();
-  // Measured: the host's own code is several times faster than the same search through a CPU's OpenCL driver.
-  if (facts.is_cpu && !facts.asked_for) {
-    choice.use.reason += ", and the only OpenCL device is a CPU (" + facts.name + ")";
-    return false;
-  }
-  if (!start_device()) return false;
-  const double device_s =
-      predicted_s(points.size(), part.size(), [&] { answer_on_device(*choice.device, part, {}, ignored); });
-  choice.use.reason += ", " + facts.name + " about " + rounded(device_s);
-  return device_s < host_s;
-}
-
 // The device that is to answer, or null for the host.
 std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::choose(Points points,
                                                                      const Order& order) const {
-  const std::lock_guard lock(choice.mutex);
-  if (wanted == Backend::kCpu || points.empty()) return nullptr;
-  try {
-    if (wanted == Backend::kAuto && !device_is_faster(points, order)) return nullptr;
-  } catch (const DeviceError& error) {
-    drop_device(error);
-    return nullptr;
-  }
-  if (!start_device()) return nullptr;
-  choice.use.backend = Backend::kOpenCl;
-  choice.use.name = "opencl " + choice.device->facts().name;
-  return choice.device;
+  if (points.empty()) return nullptr;
+  std::vector<Vector3d> part;
+  std::vector<Nearest> ignored;
+  return choice.choose(
+      [&] {
+        part = sample(points, order);
+        ignored.resize(part.size());
+        return predicted_s(points.size(), part.size(), [&] { answer_on_host(part, {}, ignored); });
+      },
+      [&] { return std::make_shared<const MeshSearchOnDevice>(tree); },
+      [&](const MeshSearchOnDevice& device) {
+        return predicted_s(points.size(), part.size(), [&] { answer_on_device(device, part, {}, ignored); });
+      });
 }
 
 MeshDistance::MeshDistance(std::span<const Vector3d> vertices, std::span<const std::array<int, 3>> triangles,
                            Backend backend)
-    : impl_(std::make_unique<Impl>()) {
-  impl_->wanted = backend;
+    : impl_(std::make_unique<Impl>(backend)) {
   impl_->frame = make_mesh_frame(vertices, triangles);
   impl_->tree = build_mesh_tree(impl_->frame.vertices, impl_->frame.triangles);
 }
@@ -344,8 +282,7 @@ std::vector<Nearest> MeshDistance::query(std::span<const Vector3d> points) const
       impl_->answer_on_device(*device, points, order, answers);
       return answers;
     } catch (const DeviceError& error) {
-      const std::lock_guard lock(impl_->choice.mutex);
-      impl_->drop_device(error);
+      impl_->choice.drop(error);
     }
   }
   impl_->answer_on_host(points, order, answers);
@@ -376,8 +313,7 @@ std::vector<Side> MeshDistance::sides(std::span<const Vector3d> points,
 }
 
 BackendUse MeshDistance::used() const {
-  const std::lock_guard lock(impl_->choice.mutex);
-  return impl_->choice.use;
+  return impl_->choice.used();
 }
 
 }  // namespace hotblade::gpu

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
 #include "gpu/mesh_tree.hpp"
 #include "gpu/opencl_device.hpp"
+#include "gpu/opencl_portions.hpp"
 
 namespace hotblade::gpu {
 
@@ -21,20 +23,19 @@ class MeshSearchOnDevice {
   // Throws DeviceError when there is no device, it has no room for the tree, or the kernel does not build.
   explicit MeshSearchOnDevice(const MeshTree& tree);
 
-  [[nodiscard]] const DeviceFacts& facts() const { return device_.facts(); }
+  [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
 
   // For every point of the tree's frame, with its shared error (mesh_tree.h), the triangles that can be
-  // nearest. Points go through the device in portions that fit its memory and keep one launch short of any
-  // watchdog. Safe for concurrent callers, who take turns. Throws DeviceError.
+  // nearest. Portions as in opencl_portions.hpp. Safe for concurrent callers, who take turns. Throws
+  // DeviceError.
   void candidates(std::span<const Eigen::Vector4f> points, std::span<Found> found) const;
 
  private:
-  OpenClDevice device_;
+  std::shared_ptr<const OpenClDevice> device_;
   DeviceBuffer nodes_, packets_;
   mutable std::mutex turn_;
   mutable DeviceKernel kernel_;
-  mutable DeviceBuffer points_, found_;
-  mutable std::size_t portion_;
+  mutable DevicePortions portions_;
 };
 
 }  // namespace hotblade::gpu

@@ -4,7 +4,9 @@
 #include <CL/cl.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
+#include <limits>
 
 namespace hotblade::gpu {
 namespace {
@@ -96,6 +98,21 @@ cl_device_id choose_device() {
                            [](cl_device_id a, cl_device_id b) { return rank(a) < rank(b); });
 }
 
+// Bytes of device memory that may be used, of the whole.
+std::size_t allowed_memory(std::size_t bytes) {
+  const char* const text = std::getenv("HOTBLADE_OPENCL_MEMORY_MIB");
+  if (text == nullptr) return bytes;
+  std::size_t mib = 0;
+  const char* const end = text + std::char_traits<char>::length(text);
+  const auto [last, error] = std::from_chars(text, end, mib);
+  if (error != std::errc() || last != end || mib == 0 ||
+      mib > (std::numeric_limits<std::size_t>::max() >> 20)) {
+    throw DeviceError(std::string("OpenCL: HOTBLADE_OPENCL_MEMORY_MIB (") + text +
+                      ", a whole number above 0): set it to the MiB that may be used");
+  }
+  return std::min(bytes, mib << 20);
+}
+
 DeviceFacts facts_of(cl_device_id device) {
   DeviceFacts facts;
   facts.name = text_of(device, CL_DEVICE_NAME);
@@ -105,8 +122,9 @@ DeviceFacts facts_of(cl_device_id device) {
   facts.is_cpu = (value_of<cl_device_type>(device, CL_DEVICE_TYPE) & CL_DEVICE_TYPE_CPU) != 0;
   facts.little_endian = value_of<cl_bool>(device, CL_DEVICE_ENDIAN_LITTLE) != CL_FALSE;
   facts.asked_for = !wanted_device().empty();
-  facts.memory_bytes = value_of<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE);
-  facts.largest_buffer_bytes = value_of<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE);
+  facts.memory_bytes = allowed_memory(value_of<cl_ulong>(device, CL_DEVICE_GLOBAL_MEM_SIZE));
+  facts.largest_buffer_bytes =
+      std::min<std::size_t>(value_of<cl_ulong>(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE), facts.memory_bytes);
   return facts;
 }
 
@@ -156,7 +174,13 @@ OpenClDevice::OpenClDevice() {
   check(code, "command queue");
 }
 
-DeviceKernel OpenClDevice::kernel(std::string_view source, const std::string& name) const {
+void OpenClDevice::require_fp64() const {
+  if (!facts_.has_fp64) throw DeviceError("OpenCL: " + facts_.name + ": no double precision (cl_khr_fp64)");
+}
+
+std::shared_ptr<void> OpenClDevice::program(std::string_view source, const std::string& name) const {
+  const std::lock_guard lock(programs_turn_);
+  if (const auto known = programs_.find(source); known != programs_.end()) return known->second;
   int code = CL_SUCCESS;
   const char* text = source.data();
   const std::size_t length = source.size();
@@ -169,8 +193,15 @@ DeviceKernel OpenClDevice::kernel(std::string_view source, const std::string& na
   if (code = clBuildProgram(built, 1, &device, "-cl-std=CL1.2", nullptr, nullptr); code != CL_SUCCESS) {
     throw DeviceError("OpenCL: " + name + ": " + opencl_error_text(code) + ": " + build_log(built, device));
   }
+  programs_.emplace(source, program);
+  return program;
+}
+
+DeviceKernel OpenClDevice::kernel(std::string_view source, const std::string& name) const {
+  const std::shared_ptr<void> built = program(source, name);
+  int code = CL_SUCCESS;
   DeviceKernel kernel;
-  kernel.kernel_.reset(clCreateKernel(built, name.c_str(), &code),
+  kernel.kernel_.reset(clCreateKernel(static_cast<cl_program>(built.get()), name.c_str(), &code),
                        [](void* p) { clReleaseKernel(static_cast<cl_kernel>(p)); });
   check(code, "kernel");
   return kernel;
@@ -220,6 +251,41 @@ void OpenClDevice::run(const DeviceKernel& kernel, std::size_t count) const {
                                nullptr, nullptr),
         "launch");
   check(clFinish(static_cast<cl_command_queue>(queue_.get())), "run");
+}
+
+namespace {
+
+struct Shared {
+  std::mutex turn;
+  std::weak_ptr<const OpenClDevice> device;
+  std::string asked_for;  // device and memory, which a caller may have changed since
+};
+Shared& shared() {
+  static Shared instance;
+  return instance;
+}
+
+std::string environment() {
+  const char* const memory = std::getenv("HOTBLADE_OPENCL_MEMORY_MIB");
+  return std::string(wanted_device()) + '\n' + (memory == nullptr ? "" : memory);
+}
+
+}  // namespace
+
+std::shared_ptr<const OpenClDevice> shared_opencl_device() {
+  Shared& s = shared();
+  const std::lock_guard lock(s.turn);
+  if (auto device = s.device.lock(); device && s.asked_for == environment()) return device;
+  auto device = std::make_shared<const OpenClDevice>();
+  s.device = device;
+  s.asked_for = environment();
+  return device;
+}
+
+void forget_opencl_device() {
+  Shared& s = shared();
+  const std::lock_guard lock(s.turn);
+  s.device.reset();
 }
 
 }  // namespace hotblade::gpu

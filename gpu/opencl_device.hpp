@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -57,7 +59,8 @@ struct DeviceFacts {
 
 // The device that OpenClDevice() takes, without starting it: the one that HOTBLADE_OPENCL_DEVICE names (part
 // of its name), else a GPU before an accelerator before a CPU. Throws DeviceError when there is none; a
-// system without any driver is such a case.
+// system without any driver is such a case. HOTBLADE_OPENCL_MEMORY_MIB says how much of its memory may be
+// used; anything but a whole number above 0 is a DeviceError.
 [[nodiscard]] DeviceFacts find_opencl_device();
 
 // Every member throws DeviceError when the device refuses, with the OpenCL code in words.
@@ -68,7 +71,10 @@ class OpenClDevice {
   OpenClDevice();
 
   [[nodiscard]] const DeviceFacts& facts() const { return facts_; }
-  // Builds OpenCL C 1.2 source without relaxed mathematics and takes its kernel `name`.
+  // Throws when the device has no double precision.
+  void require_fp64() const;
+  // Builds OpenCL C 1.2 source without relaxed mathematics and takes its kernel `name`. A source is built
+  // once a device.
   [[nodiscard]] DeviceKernel kernel(std::string_view source, const std::string& name) const;
   [[nodiscard]] DeviceBuffer allocate(std::size_t bytes) const;
   [[nodiscard]] DeviceBuffer upload(const void* data, std::size_t bytes) const;
@@ -78,10 +84,21 @@ class OpenClDevice {
   void run(const DeviceKernel& kernel, std::size_t count) const;
 
  private:
+  [[nodiscard]] std::shared_ptr<void> program(std::string_view source, const std::string& name) const;
+
   DeviceFacts facts_;
   std::shared_ptr<void> context_, queue_;
   void* device_ = nullptr;
+  mutable std::mutex programs_turn_;
+  mutable std::map<std::string, std::shared_ptr<void>, std::less<>> programs_;  // by source
 };
+
+// The one device that everything on it shares, with its programs, as long as anything holds it. Throws
+// DeviceError as OpenClDevice() does.
+[[nodiscard]] std::shared_ptr<const OpenClDevice> shared_opencl_device();
+
+// After a failure: who asks next starts the device anew.
+void forget_opencl_device();
 
 // OpenCL's error code in words, with the code.
 [[nodiscard]] std::string opencl_error_text(int code);

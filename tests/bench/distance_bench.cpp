@@ -108,7 +108,7 @@ void build_peer(benchmark::State& state) {
 void points_to_cubic(benchmark::State& state) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
   const bool cusp = state.range(0) != 0;
-  const hotblade::gpu::CubicDistance curve(
+  const hotblade::gpu::CurveDistance curve = hotblade::gpu::CurveDistance::to_cubic(
       cusp ? std::array<Eigen::Vector2d, 4>{{{0, 0}, {1000, 300}, {0, 300}, {1000, 0}}}
            : std::array<Eigen::Vector2d, 4>{{{0, 0}, {300, 120}, {700, 140}, {1000, 0}}});
   std::mt19937_64 random(3);

@@ -26,6 +26,7 @@ typedef long long hb_lanes_mask __attribute__((vector_size(8 * HB_LANES)));
 
 #define HB_REAL hb_lanes
 #define HB_MASK hb_lanes_mask
+#define HB_NOT(m) (~(m))
 
 #if HB_LANES == 8
 #define HB_BROADCAST(a) ((hb_lanes)_mm512_set1_pd(a))
@@ -48,12 +49,18 @@ static inline __attribute__((always_inline)) hb_lanes hb_reciprocal(hb_lanes a) 
   return HB_FMA(HB_FMA(HB_FMA(h, h, h), h, h), y, y);
 }
 #define HB_RECIPROCAL(a) hb_reciprocal(a)
+#define HB_MAX(a, b) ((hb_lanes)_mm512_max_pd((__m512d)(a), (__m512d)(b)))
+#define HB_MIN(a, b) ((hb_lanes)_mm512_min_pd((__m512d)(a), (__m512d)(b)))
+#define HB_ANY(m) (_mm512_movepi64_mask((__m512i)(m)) != 0)
 #elif HB_LANES == 4
 #define HB_BROADCAST(a) ((hb_lanes)_mm256_set1_pd(a))
 #define HB_SQRT(a) ((hb_lanes)_mm256_sqrt_pd((__m256d)(a)))
 #define HB_FMA(a, b, c) ((hb_lanes)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
 #define HB_RSQRT(a) (HB_BROADCAST(1.0) / HB_SQRT(a))
 #define HB_RECIPROCAL(a) (HB_BROADCAST(1.0) / (a))
+#define HB_MAX(a, b) ((hb_lanes)_mm256_max_pd((__m256d)(a), (__m256d)(b)))
+#define HB_MIN(a, b) ((hb_lanes)_mm256_min_pd((__m256d)(a), (__m256d)(b)))
+#define HB_ANY(m) (_mm256_movemask_pd((__m256d)(m)) != 0)
 #else
 static inline __attribute__((always_inline)) hb_lanes hb_both(double a) {
   return hb_lanes{a, a};
@@ -70,6 +77,7 @@ static inline __attribute__((always_inline)) hb_lanes hb_both(double a) {
 #define HB_FMA(a, b, c) ((a) * (b) + (c))
 #define HB_RSQRT(a) (HB_BROADCAST(1.0) / HB_SQRT(a))
 #define HB_RECIPROCAL(a) (HB_BROADCAST(1.0) / (a))
+#define HB_ANY(m) (((m)[0] | (m)[1]) != 0)
 #endif
 
 // Lanes from and to arrays of `count` <= HB_LANES values; missing ones repeat the last, so that they cost and

@@ -1,0 +1,8 @@
+// Compiled for one instruction set; see CMakeLists.txt.
+#include "gpu/kernels/curve_lanes.h"
+
+namespace hotblade::gpu {
+
+const CurveLanes kCurveAvx2 = {on_whole, on_pieces};
+
+}  // namespace hotblade::gpu

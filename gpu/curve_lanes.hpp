@@ -1,0 +1,31 @@
+// The proven half of the nearest point on a curve, for the instruction set at hand.
+#pragma once
+
+#include <cstddef>
+
+#include "gpu/kernels/curve_pieces.h"
+
+namespace hotblade::gpu {
+
+// n points (x - ox, y - oy) scale of the curve's frame; distances are given unscaled. `unsure` has room for n
+// + 8 and gets the numbers of the points that are not proven.
+struct CurveQueries {
+  const double *x, *y;
+  double ox, oy, scale;
+  std::size_t n;
+  double *distance, *t;
+  unsigned* unsure;
+};
+
+// Both return how many are unsure (kernels/curve_nearest.h).
+struct CurveLanes {
+  std::size_t (*whole)(const hb_curve_whole& curve, const CurveQueries& queries);
+  std::size_t (*pieces)(const hb_curve_piece* pieces, int count, double sag, const CurveQueries& queries);
+};
+
+extern const CurveLanes kCurveBaseline, kCurveAvx2, kCurveAvx512;
+
+// The widest that this processor runs.
+[[nodiscard]] const CurveLanes& curve_lanes();
+
+}  // namespace hotblade::gpu
