@@ -6,11 +6,16 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <utility>
+#include <vector>
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
+#include "pipeline/export/rib_files.hpp"
 #include "pipeline/report/foam_share.hpp"
+#include "pipeline/report/remedies.hpp"
+#include "pipeline/report/report_plots.hpp"
 
 namespace hotblade::pipeline {
 
@@ -21,6 +26,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFiles[] = {"program.json", "report.json", "report.html",
                                   "preview.png",  "scene.gltf",  "run.json"};
+constexpr const char* kRibs = "ribs";
 
 Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -129,10 +135,19 @@ std::string report_json(const PlanResult& result) {
                        {"design", result.verification.design_samples}};
   report["budget_mm"] = Json::object();
   for (const auto& [name, mm] : v.budget_mm) report["budget_mm"][name] = mm;
+  report["budget_sum_mm"] = budget_sum_mm(v.budget_mm);
   report["rib_spacing_mm"] = result.spacing_mm;
   report["spacing_halved"] = result.refinements;
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
+  report["remedies"] = Json::array();
+  for (const Remedy& m : remedies(result)) {
+    report["remedies"].push_back({{"setting", m.setting},
+                                  {"now", m.now},
+                                  {"needed", m.needed},
+                                  {"because", m.why},
+                                  {"refusals_settled", m.refusals}});
+  }
   report["overrides"] = result.program.overrides;
   report["warnings"] = result.warnings;
   report["not_checked"] = v.not_checked;
@@ -145,18 +160,52 @@ std::string report_json(const PlanResult& result) {
   return report.dump(2) + "\n";
 }
 
+namespace {
+
+void expect_free(const fs::path& path, bool force) {
+  std::error_code error;
+  if (!force && fs::exists(fs::symlink_status(path, error))) {
+    throw CommandError(Exit::kFile, path.string() + ": already there: use --force to overwrite");
+  }
+}
+
+// What an earlier plan wrote into the ribs' directory goes; anything else there is the user's and stays.
+void remove_rib_files(const fs::path& ribs) {
+  static const std::regex ours("S[0-9]{3,}\\.dxf|beziers\\.csv");
+  std::error_code error;
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(ribs, error)) {
+    if (std::regex_match(entry.path().filename().string(), ours)) old.push_back(entry.path());
+  }
+  for (const fs::path& file : old) {
+    if (!fs::remove(file, error) && error)
+      throw CommandError(Exit::kFile, file.string() + ": cannot be removed (" + error.message() + ")");
+  }
+  if (fs::is_directory(ribs, error) && fs::is_empty(ribs, error)) fs::remove(ribs, error);
+}
+
+void write_ribs(const Program& program, const fs::path& ribs, bool force) {
+  ensure_directory(ribs);
+  for (const ExportedFile& file : rib_files(program, "dxf", {}))
+    write_file_atomically(ribs / file.name, file.text, force);
+  const ExportedFile beziers = bezier_file(program);
+  write_file_atomically(ribs / beziers.name, beziers.text, force);
+}
+
+}  // namespace
+
 void prepare_output(const fs::path& directory, bool force) {
   ensure_directory(directory);
   if (::access(directory.c_str(), W_OK | X_OK) != 0) {
     throw CommandError(Exit::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
                                         "): choose another directory with -o");
   }
-  for (const char* name : kFiles) {
-    std::error_code error;
-    if (!force && fs::exists(fs::symlink_status(directory / name, error))) {
-      throw CommandError(Exit::kFile,
-                         (directory / name).string() + ": already there: use --force to overwrite");
-    }
+  for (const char* name : kFiles) expect_free(directory / name, force);
+  expect_free(directory / kRibs, force);
+  std::error_code error;
+  if (fs::exists(directory / kRibs, error) && !fs::is_directory(directory / kRibs, error)) {
+    throw CommandError(Exit::kFile, (directory / kRibs).string() +
+                                        ": is not a directory, and the rib curves go there: move it away");
   }
 }
 
@@ -176,6 +225,7 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
     throw CommandError(Exit::kFile, (directory / "program.json").string() +
                                         ": an older program cannot be removed (" + error.message() + ")");
   }
+  remove_rib_files(directory / kRibs);
   write_file_atomically(directory / "report.json", report_json(result), options.force);
   write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
                         options.force);
@@ -193,6 +243,7 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
     const std::string text = to_json(result.program);
     // What the reader would refuse must not be handed out.
     (void)parse_program(text, "program.json");
+    write_ribs(result.program, directory / kRibs, options.force);
     write_file_atomically(directory / "program.json", text, options.force);
   }
   return emitted;

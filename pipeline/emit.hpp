@@ -1,5 +1,5 @@
-// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf and run.json in one
-// directory, each whole or not there.
+// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf, run.json and ribs/ in one
+// directory, each file whole or not there.
 #pragma once
 
 #include <filesystem>
@@ -33,7 +33,8 @@ void prepare_output(const std::filesystem::path& directory, bool force);
 // Writes the files; preview.png (the first picture) and scene.gltf are absent where there are none. A refused
 // plan's program is written only with override_refusal, its refusals recorded in program.overrides; an older
 // program.json in the way is then removed, so that no directory holds a program beside a report that refuses
-// it. Throws CommandError (7).
+// it. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes them) come and go with the
+// program; files of other names in ribs/ are left alone. Throws CommandError (7).
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,
              const EmitOptions& options, const ReportPictures& pictures);
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "elastica/arcs.hpp"
+#include "pipeline/export/dxf.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -85,6 +86,11 @@ Shape shape_of(const Rib& rib, const RibFileOptions& options) {
   return shape;
 }
 
+// Below the shape, in its own axes.
+Vector2d label_place(const Shape& shape) {
+  return shape.low - Vector2d(0, kText_mm + 2);
+}
+
 std::vector<Shape> shapes_of(const Strip& strip, const RibFileOptions& options) {
   std::vector<Shape> shapes;
   for (const Rib& rib : strip.ribs) shapes.push_back(shape_of(rib, options));
@@ -109,25 +115,18 @@ std::vector<Vector2d> stacked(const std::vector<Shape>& shapes) {
 }
 
 std::string dxf(const std::vector<Shape>& shapes, const RibFileOptions& options) {
-  std::string text = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n";
   const std::vector<Vector2d> places = stacked(shapes);
-  const auto out = std::back_inserter(text);
+  std::vector<DxfCurve> curves;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     const Shape& shape = shapes[i];
-    const Vector2d at = places[i], label = shape.low + at - Vector2d(0, kText_mm + 2);
-    fmt::format_to(out, "999\n{}\n0\nPOLYLINE\n8\n{}\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n",
-                   facts(shape, options), shape.id);
-    const auto vertex = [&](const Vector2d& p, double bulge) {
-      fmt::format_to(out, "0\nVERTEX\n8\n{}\n10\n{:.9f}\n20\n{:.9f}\n30\n0.0\n42\n{:.12g}\n", shape.id,
-                     p.x() + at.x(), p.y() + at.y(), bulge);
-    };
-    for (const Arc& arc : shape.pieces) vertex({arc.x, arc.y}, std::tan(0.25 * arc.kappa * arc.length));
-    vertex(end_of(shape.pieces.back()), 0);
-    fmt::format_to(out, "0\nSEQEND\n8\n{}\n", shape.id);
-    fmt::format_to(out, "0\nTEXT\n8\n{}\n10\n{:.3f}\n20\n{:.3f}\n30\n0.0\n40\n{}\n1\n{}\n", shape.id,
-                   label.x(), label.y(), kText_mm, shape.id);
+    DxfCurve curve{shape.id, facts(shape, options), {}, label_place(shape) + places[i]};
+    for (const Arc& arc : shape.pieces) {
+      curve.vertices.push_back({Vector2d(arc.x, arc.y) + places[i], std::tan(0.25 * arc.kappa * arc.length)});
+    }
+    curve.vertices.push_back({end_of(shape.pieces.back()) + places[i], 0});
+    curves.push_back(std::move(curve));
   }
-  return text + "0\nENDSEC\n0\nEOF\n";
+  return dxf_document(curves, kText_mm);
 }
 
 std::string svg(const std::vector<Shape>& shapes, const RibFileOptions& options) {
@@ -162,7 +161,7 @@ std::string svg(const std::vector<Shape>& shapes, const RibFileOptions& options)
       }
     }
     fmt::format_to(out, "\"><title>{}</title></path>\n", facts(shape, options));
-    const Vector2d label = shape.low - Vector2d(0, kText_mm + 2);
+    const Vector2d label = label_place(shape);
     fmt::format_to(out, "<text x=\"{:.3f}\" y=\"{:.3f}\" font-size=\"{}\">{}</text>\n", x(label), y(label),
                    kText_mm, shape.id);
   }
@@ -211,6 +210,22 @@ std::string gcode(const Shape& shape, const RibFileOptions& options) {
 }
 
 }  // namespace
+
+ExportedFile bezier_file(const Program& program) {
+  std::string text = "rib,index,x_mm,y_mm,design_x_mm,design_y_mm,design_z_mm\n";
+  const auto out = std::back_inserter(text);
+  for (const Strip& strip : program.strips) {
+    for (const Rib& rib : strip.ribs) {
+      for (std::size_t k = 0; k < rib.bezier.size(); ++k) {
+        const Vector2d& p = rib.bezier[k];
+        const Eigen::Vector3d q = rib.frame.point(p.x(), p.y());
+        fmt::format_to(out, "{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", rib.id, k, p.x(), p.y(), q.x(),
+                       q.y(), q.z());
+      }
+    }
+  }
+  return {"beziers.csv", text};
+}
 
 std::vector<ExportedFile> rib_files(const Program& program, const std::string& format,
                                     const RibFileOptions& options) {

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <openssl/evp.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 
@@ -31,10 +33,17 @@ td.l,th.l{text-align:left}td.n{white-space:nowrap}td.bad{color:var(--bad);font-w
 .pictures{display:grid;grid-template-columns:1fr 1fr;gap:12px}.pictures figure{margin:0}
 .pictures figure:first-child{grid-column:1/-1}.pictures img{width:100%;border:1px solid var(--line)}
 figcaption{color:var(--soft);font-size:13px}.scroll{overflow-x:auto}svg{max-width:100%;height:auto}
-pre{font-size:12px;background:#f5f6f7;padding:10px;white-space:pre-wrap;overflow-wrap:anywhere}
-@media print{@page{size:A4;margin:14mm}body{padding:0;font-size:11px;max-width:none}h2{break-after:avoid}
-table{font-size:9px}th,td{padding:2px 4px}figure,.verdict,svg,tr{break-inside:avoid}details{display:none}}
+.settings{columns:3 220px;font-size:12px;line-height:1.35}.settings div{break-inside:avoid;overflow-wrap:anywhere}
+.settings b{display:block;margin-top:6px;font-weight:600}
+@media print{@page{size:A4;margin:14mm}body{padding:0;font-size:11px;max-width:none}h1{font-size:19px}h2{font-size:14px;margin:16px 0 6px;break-after:avoid}
+table{font-size:9px}th,td{padding:2px 4px}p.note,p.sub,figcaption,.figures span{font-size:9.5px}.figures{grid-template-columns:repeat(6,1fr);gap:6px}
+.figures b{font-size:14px}.figures div{padding:5px 8px}.verdict b{font-size:16px}.settings{font-size:8.5px;columns:3}
+.pictures{grid-template-columns:2fr 1fr;gap:8px}.pictures figure:first-child{grid-column:auto;grid-row:1/3}svg{max-width:125mm}
+figure,.verdict,svg,tr{break-inside:avoid}.scroll{overflow:visible}}
 )css";
+
+// The rest would fill a page with directions nobody takes.
+constexpr std::size_t kDirectionsShown = 12;
 
 std::string base64(const std::string& bytes) {
   std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
@@ -69,8 +78,16 @@ std::string verdict_section(const PlanResult& result) {
         "{:g} mm); worst at {}.",
         v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
   }
-  return html + fmt::format(" {:.2f} % of the design is left uncut.</div>\n",
-                            100 * result.verification.uncut_share());
+  html += fmt::format(" {:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
+  const double sum = budget_sum_mm(v.budget_mm);
+  if (passed && sum > v.tolerance_mm) {
+    html += fmt::format(
+        " Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
+        "error "
+        "budget comes to <strong>{:.3f} mm</strong>, more than the tolerance.",
+        sum);
+  }
+  return html + "</div>\n";
 }
 
 std::string refusals_section(const PlanResult& result) {
@@ -87,6 +104,38 @@ std::string refusals_section(const PlanResult& result) {
         escaped(r.unit), escaped(r.hint));
   }
   return html + "</table>\n";
+}
+
+std::string remedies_section(const PlanResult& result) {
+  if (result.refusals.empty()) return "";
+  const std::vector<Remedy> list = remedies(result);
+  std::size_t settled = 0;
+  std::string rows;
+  for (const Remedy& m : list) {
+    settled += m.refusals;
+    rows += fmt::format(
+        "<tr><td class=\"l\">{}</td><td class=\"n\">{}</td><td class=\"n\"><b>{}</b></td><td>{}</td><td "
+        "class=\"l\">{}</td></tr>\n",
+        escaped(m.setting), escaped(m.now), escaped(m.needed), m.refusals, escaped(m.why));
+  }
+  std::string html = "<h2>What would make it cuttable</h2>\n";
+  if (!list.empty()) {
+    html +=
+        "<table><tr><th class=\"l\">setting</th><th>now</th><th>needed</th><th>settles</th>"
+        "<th class=\"l\">because</th></tr>\n" +
+        rows + "</table>\n";
+  }
+  const std::size_t open = result.refusals.size() - settled;
+  if (open > 0) {
+    html += fmt::format(
+        "<p class=\"note\">{} of {} refusals cannot be settled by a number that this plan tells: what would "
+        "help stands beside each above.</p>\n",
+        open, result.refusals.size());
+  }
+  return html + (list.empty()
+                     ? ""
+                     : "<p class=\"note\">The numbers are those of this plan. Planned anew, other ribs "
+                       "are chosen and other limits may show.</p>\n");
 }
 
 std::string figure(const std::string& value, const std::string& name) {
@@ -143,7 +192,9 @@ std::string deviation_section(const PlanResult& result) {
 std::string budget_section(const PlanResult& result) {
   const Verification& v = result.program.verification;
   if (v.budget_mm.empty()) return "";
-  return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own.</p>\n" +
+  return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own; the sum is "
+         "the "
+         "worst case, in which all add up. The verdict rests on the measured deviation.</p>\n" +
          budget_svg(v.budget_mm, v.tolerance_mm);
 }
 
@@ -152,12 +203,19 @@ std::string ranking_section(const PlanResult& result) {
   std::string html =
       "<h2>Directions tried</h2><table><tr><th class=\"l\">plane normal</th><th>strips</th><th>served</th>"
       "<th>score</th></tr>\n";
-  for (const DirectionScore& d : result.ranking) {
+  const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
+  for (std::size_t i = 0; i < shown; ++i) {
+    const DirectionScore& d = result.ranking[i];
+    // Adding zero takes the sign off a zero.
+    const Eigen::Vector3d n = (1e4 * d.normal).array().round().matrix() / 1e4 + Eigen::Vector3d::Zero();
     html += fmt::format(
         "<tr><td class=\"l\">({:.4f}, {:.4f}, {:.4f})</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td></tr>\n",
-        d.normal.x(), d.normal.y(), d.normal.z(), d.strips, 100 * d.covered_share, d.score);
+        n.x(), n.y(), n.z(), d.strips, 100 * d.covered_share, d.score);
   }
-  return html + "</table><p class=\"sub\">The lowest score is taken; slice.direction fixes it.</p>\n";
+  html += "</table><p class=\"note\">The first one is taken; slice.direction fixes another.";
+  if (shown < result.ranking.size())
+    html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
+  return html + "</p>\n";
 }
 
 std::string list_section(const std::string& title, const std::vector<std::string>& lines) {
@@ -168,8 +226,16 @@ std::string list_section(const std::string& title, const std::vector<std::string
 }
 
 std::string settings_section(const PlanResult& result) {
-  return "<h2>Settings</h2><details><summary>all values this plan was made with</summary><pre>" +
-         escaped(nlohmann::ordered_json::parse(result.program.settings_json).dump(2)) + "</pre></details>\n";
+  std::string html = "<h2>Settings</h2><div class=\"settings\">\n";
+  const auto settings = nlohmann::ordered_json::parse(result.program.settings_json);
+  for (const auto& [section, values] : settings.items()) {
+    html += "<div><b>[" + escaped(section) + "]</b>";
+    for (const auto& [key, value] : values.items()) {
+      html += escaped(key) + " = " + (value.is_null() ? "searched" : escaped(value.dump())) + "<br>";
+    }
+    html += "</div>\n";
+  }
+  return html + "</div>\n";
 }
 
 std::string heading(const PlanResult& result) {
@@ -192,7 +258,8 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
       "content=\"width=device-width, initial-scale=1\"><title>" +
       escaped(result.program.design.file) + ": " + escaped(result.program.verification.status) +
       "</title><style>" + kStyle + "</style></head><body>\n";
-  html += heading(result) + verdict_section(result) + refusals_section(result) + figures_section(result);
+  html += heading(result) + verdict_section(result) + refusals_section(result) + remedies_section(result);
+  html += figures_section(result);
   html += pictures_section(pictures, picture_note) + strips_section(result) + deviation_section(result);
   html += budget_section(result) + list_section("Warnings", result.warnings);
   html += list_section("Refusals overridden", result.program.overrides);

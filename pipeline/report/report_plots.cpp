@@ -74,6 +74,7 @@ std::string escaped(const std::string& text) {
 
 std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm) {
   constexpr double kLeft = 52, kTop = 24, kPlotWidth = 560, kPlotHeight = 170, kWidth = 680, kHeight = 240;
+  constexpr std::size_t kGap = 4, kBeyond = 2;  // bins' widths before the bar of what lies beyond, and for it
   std::string svg = begin_svg(kWidth, kHeight, "Deviation of the samples");
   const auto bins = histogram.counts.size();
   std::size_t total = histogram.beyond, tallest = histogram.beyond;
@@ -83,7 +84,8 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
   }
   if (total == 0 || bins == 0)
     return svg + text(kWidth / 2, kHeight / 2, "middle", "no samples") + "</svg>\n";
-  const double bin_width = kPlotWidth / static_cast<double>(bins + 4), bottom = kTop + kPlotHeight;
+  const double bin_width = kPlotWidth / static_cast<double>(bins + kGap + kBeyond),
+               bottom = kTop + kPlotHeight;
   const auto bar = [&](double slot, std::size_t n, bool good) {
     const double height = kPlotHeight * static_cast<double>(n) / static_cast<double>(tallest);
     return rect(kLeft + slot * bin_width + 0.5, bottom - height, bin_width - 1, height, good ? kGood : kBad);
@@ -92,7 +94,7 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
     const bool good = (static_cast<double>(i) + 0.5) * histogram.bin_mm < tolerance_mm;
     svg += bar(static_cast<double>(i), histogram.counts[i], good);
   }
-  svg += bar(static_cast<double>(bins) + 2.5, histogram.beyond, false);
+  svg += bar(static_cast<double>(bins + kGap), histogram.beyond, false);
   const std::string axis = fmt::format("stroke=\"{}\"", kInk);
   svg += line(kLeft, bottom, kLeft + kPlotWidth, bottom, axis.c_str());
   const double end_mm = static_cast<double>(bins) * histogram.bin_mm;
@@ -101,7 +103,7 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
     svg += line(x, bottom, x, bottom + 4, axis.c_str()) +
            text(x, bottom + 18, "middle", fmt::format("{:.3g}", mm));
   }
-  svg += text(kLeft + kPlotWidth - bin_width / 2, bottom + 18, "middle", "beyond");
+  svg += text(kLeft + kPlotWidth - 1.5 * bin_width, bottom + 18, "start", "beyond");
   svg +=
       text(kLeft + kPlotWidth / 2, bottom + 36, "middle", "deviation, mm (cut to design and design to cut)");
   const double share = 100.0 * static_cast<double>(tallest) / static_cast<double>(total);
@@ -111,15 +113,23 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
   return svg + "</svg>\n";
 }
 
+double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm) {
+  double sum = 0;
+  for (const auto& entry : budget_mm) sum += entry.second;
+  return sum;
+}
+
 std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm, double tolerance_mm) {
   constexpr double kLeft = 190, kRow = 22, kBarWidth = 390, kWidth = 680, kTop = 26;
+  std::vector<std::pair<std::string, double>> lines = budget_mm;
+  lines.emplace_back("sum", budget_sum_mm(budget_mm));
   double most = tolerance_mm;
-  for (const auto& entry : budget_mm) most = std::max(most, std::isfinite(entry.second) ? entry.second : 0);
-  const double height = kTop + kRow * static_cast<double>(budget_mm.size()) + 12;
+  for (const auto& entry : lines) most = std::max(most, std::isfinite(entry.second) ? entry.second : 0);
+  const double height = kTop + kRow * static_cast<double>(lines.size()) + 12;
   std::string svg = begin_svg(kWidth, height, "Error budget");
   const double scale = most > 0 ? kBarWidth / most : 0;
   double y = kTop;
-  for (const auto& [name, mm] : budget_mm) {
+  for (const auto& [name, mm] : lines) {
     std::string words = name;
     std::replace(words.begin(), words.end(), '_', ' ');
     svg += rect(kLeft, y + 3, kBarWidth, kRow - 6, "#eef0f2");

@@ -16,7 +16,10 @@ namespace hotblade::pipeline {
 // of its own.
 [[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm);
 
-// One bar a line of the error budget, against the tolerance.
+// All lines of an error budget together: the worst case, in which none takes off from another.
+[[nodiscard]] double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm);
+
+// One bar a line of the error budget and one for their sum, against the tolerance.
 [[nodiscard]] std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm,
                                      double tolerance_mm);
 

@@ -106,7 +106,10 @@ std::string strips_section(const PlanResult& result) {
   if (result.strips.empty()) return "";
   const BladeData& b = result.program.blade;
   return "<h2>Strips</h2>\n" + table(result, kCut) +
-         "<p class=\"note\">Foam kept: the block's volume on the part's side of the blade; the rest is "
+         "<p class=\"note\">Deviation: of the cut from the design within the strip; the largest of the page "
+         "also "
+         "counts the design from the cut. Foam kept: the block's volume on the part's side of the blade; the "
+         "rest is "
          "waste. Kink: the angle between the surfaces of neighbouring strips where they meet.</p>\n"
          "<h2>Load on blade and clamps</h2>\n" +
          table(result, kBlade) +

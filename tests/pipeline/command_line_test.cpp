@@ -256,6 +256,45 @@ TEST_F(CommandLine, PlanLeavesWhatIsThereWithoutForce) {
   EXPECT_THAT(testing::read_bytes(directory / "program.json"), StartsWith("{"));
 }
 
+TEST_F(CommandLine, PlanWritesRibsThatComeAndGoWithTheProgram) {
+  const auto directory = files_ / "cut", ribs = directory / "ribs";
+  ASSERT_EQ(hotblade(plan_hypar(directory)).code, 0);
+  const auto drawing = ribs / "S001.dxf";
+  const std::string drawn = testing::read_bytes(drawing), beziers = testing::read_bytes(ribs / "beziers.csv");
+  EXPECT_THAT(drawn, HasSubstr("S001R001"));
+  EXPECT_THAT(beziers, HasSubstr("\nS001R001,3,"));
+
+  // The ribs alone stand in the way of a plan too.
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path() != ribs) std::filesystem::remove(entry.path());
+  }
+  const Ended refused = hotblade(plan_hypar(directory));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(ribs.string()), HasSubstr("--force")));
+
+  // Those of an older plan go, what is not ours stays; the same plan gives the same bytes.
+  write("cut/ribs/S077.dxf", "old");
+  write("cut/ribs/S077 with my notes.dxf", "mine");
+  ASSERT_EQ(hotblade(plan_hypar(directory, {"--force"})).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(ribs / "S077.dxf"));
+  EXPECT_EQ(testing::read_bytes(ribs / "S077 with my notes.dxf"), "mine");
+  EXPECT_EQ(testing::read_bytes(drawing), drawn);
+  EXPECT_EQ(testing::read_bytes(ribs / "beziers.csv"), beziers);
+
+  // A refused plan leaves no ribs to cut templates from.
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--set", "blade.min_margin=100", "--force"})).code, 4);
+  EXPECT_EQ(testing::files_in(ribs), 1u);
+}
+
+TEST_F(CommandLine, PlanSaysSoWhenAFileStandsWhereTheRibsGo) {
+  std::filesystem::create_directory(files_ / "cut");
+  write("cut/ribs", "a file");
+  const Ended refused = hotblade(plan_hypar(files_ / "cut", {"--force"}));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("cut/ribs"), HasSubstr("not a directory")));
+  EXPECT_EQ(testing::read_bytes(files_ / "cut/ribs"), "a file");
+}
+
 TEST_F(CommandLine, ARefusedPlanWritesItsReportAndAProgramOnlyWhenOverridden) {
   const auto directory = files_ / "cut";
   const std::vector<std::string> too_stable{"--set", "blade.min_margin=100"};

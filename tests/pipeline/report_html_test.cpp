@@ -99,6 +99,28 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
   EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().limit)));
   EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().hint)));
   EXPECT_THAT(html, HasSubstr("no EGL &lt;here&gt;"));
+  EXPECT_THAT(html, HasSubstr("What would make it cuttable"));
+  EXPECT_THAT(html, HasSubstr("cannot be settled by a number"));
+}
+
+TEST(ReportHtml, SaysTheNumberThatWouldMakeARefusedJobCuttable) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  result.program.verification.status = "refused";
+  result.refusals = {{"S001", "", "deviation", 1.234, 1, "mm", "a larger tolerance"}};
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html,
+              HasSubstr("design.tolerance_mm</td><td class=\"n\">1 mm</td><td class=\"n\"><b>1.3 mm</b>"));
+}
+
+TEST(ReportHtml, WarnsWhenTheBudgetIsOverTheTolerance) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  EXPECT_THAT(report_html(result, {}, "none"), Not(HasSubstr("more than the tolerance")));
+  result.program.verification.budget_mm.emplace_back("clamp_error", 1.0);
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_THAT(html, HasSubstr("more than the tolerance"));
+  EXPECT_THAT(html,
+              HasSubstr(fmt::format("{:.4f} mm", budget_sum_mm(result.program.verification.budget_mm))));
 }
 
 TEST(ReportHtml, NeedsNothingButItself) {

@@ -111,13 +111,13 @@ std::vector<std::vector<DxfVertex>> read_dxf(const std::string& text) {
   std::vector<std::vector<DxfVertex>> polylines;
   std::istringstream lines(text);
   std::string code, value, entity;
-  Vector2d at{0, 0};
   while (std::getline(lines, code) && std::getline(lines, value)) {
     if (code == "0") entity = value;
-    if (code == "0" && value == "POLYLINE") polylines.emplace_back();
-    if (code == "10") at.x() = std::stod(value);
-    if (code == "20") at.y() = std::stod(value);
-    if (code == "42" && entity == "VERTEX") polylines.back().push_back({at, std::stod(value)});
+    if (entity != "LWPOLYLINE") continue;
+    if (code == "0") polylines.emplace_back();
+    if (code == "10") polylines.back().push_back({{std::stod(value), 0}, 0});
+    if (code == "20") polylines.back().back().at.y() = std::stod(value);
+    if (code == "42") polylines.back().back().bulge = std::stod(value);
   }
   EXPECT_EQ(value, "EOF");
   return polylines;

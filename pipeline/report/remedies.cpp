@@ -1,0 +1,185 @@
+#include "pipeline/report/remedies.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Json = nlohmann::json;
+
+// A number that this setting would have to have for the refusal to hold, from the one it has.
+using Needed = double (*)(double now, const Refusal& refusal);
+
+enum class Demand { kLarger, kSmaller };  // which of two needed values is the more demanding
+
+struct Rule {
+  const char* limit;    // the refusal's limit starts with this
+  const char* section;  // of the settings
+  const char* key;
+  const char* unit;
+  Demand demand;
+  double step;   // needed values are rounded to it, to the safe side; 0: two digits
+  double reach;  // a change by more than this factor is another job, not a remedy
+  Needed needed;
+  const char* why;
+};
+
+double by_ratio(double now, const Refusal& r) {
+  return now * r.value / r.bound;
+}
+
+double by_inverse_ratio(double now, const Refusal& r) {
+  return now * r.bound / r.value;
+}
+
+double the_value(double, const Refusal& r) {
+  return r.value;
+}
+
+constexpr const char* kTolerance =
+    "the deviation that was measured, rounded up; with another tolerance other ribs are chosen";
+constexpr const char* kThickness =
+    "the smallest radius goes with the thickness of the blade; a thinner blade is held less firmly";
+constexpr const char* kFeed = "clamp speeds go with the feed";
+
+// The bound of every deviation is a share of the tolerance, so the ratio holds for all of them.
+const auto kRules = std::to_array<Rule>({
+    {"deviation", "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
+    {"sag of the blade", "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
+     "weight may use up a share of the tolerance; a shorter blade or more splits serve too"},
+    {"uncut share", "design", "max_uncut_share", "", Demand::kLarger, 0.001, 10,
+     [](double, const Refusal& r) { return 0.01 * r.value; },
+     "the share of the design that no strip reaches: only if it may stay uncut"},
+    {"radius of a rib", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
+    {"blade radius", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
+    {"bending stress", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_inverse_ratio,
+     kThickness},
+    {"feed of the slowest", "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
+     "the slowest point of the blade; slower foam melts wider, which is not modelled"},
+    {"clamp speed", "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
+    {"clamp angular speed", "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio,
+     kFeed},
+    {"duration", "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio, "the time of the cut"},
+    {"clamp height", "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,
+     [](double now, const Refusal& r) { return now + r.bound - r.value; },
+     "the block stands higher, and with it the clamps"},
+});
+
+// Two digits up: the smallest such number that is not below x.
+double two_digits_up(double x) {
+  const double step = std::pow(10.0, std::floor(std::log10(x)) - 1);
+  // A hair less, so that a number of two digits stays itself.
+  return step * std::ceil(x / step - 1e-9);
+}
+
+double rounded(double x, const Rule& rule) {
+  if (rule.step == 0) return two_digits_up(x);
+  const double steps = x / rule.step;
+  return rule.step * (rule.demand == Demand::kLarger ? std::ceil(steps) : std::floor(steps));
+}
+
+std::string with_unit(double x, const std::string& unit) {
+  return unit.empty() ? fmt::format("{:.6g}", x) : fmt::format("{:.6g} {}", x, unit);
+}
+
+// What a block's edge or a blade's length would have to be stands in a list, of which the largest counts.
+std::string largest(const Json& list, const char* unit) {
+  double most = 0;
+  for (const Json& x : list) most = std::max(most, x.get<double>());
+  return with_unit(most, unit);
+}
+
+class Collector {
+ public:
+  explicit Collector(const PlanResult& result) : settings_(Json::parse(result.program.settings_json)) {}
+
+  void add(const Refusal& r) {
+    if (!std::isfinite(r.value) || !std::isfinite(r.bound)) return;
+    if (add_list(r)) return;
+    for (const Rule& rule : kRules) {
+      if (r.limit.rfind(rule.limit, 0) != 0) continue;
+      const Json* now = setting(rule.section, rule.key);
+      if (now == nullptr || !now->is_number()) return;
+      const double is = now->get<double>(), needed = rounded(rule.needed(is, r), rule);
+      if (!std::isfinite(needed) || needed <= 0) return;
+      if (std::max(needed / is, is / needed) > rule.reach) return;
+      merge(fmt::format("{}.{}", rule.section, rule.key), with_unit(is, rule.unit), needed, rule.unit,
+            rule.demand, rule.why);
+      return;
+    }
+  }
+
+  [[nodiscard]] std::vector<Remedy> take() { return std::move(list_); }
+
+ private:
+  [[nodiscard]] const Json* setting(const char* section, const char* key) const {
+    const auto s = settings_.find(section);
+    if (s == settings_.end() || !s->is_object()) return nullptr;
+    const auto k = s->find(key);
+    return k == s->end() ? nullptr : &*k;
+  }
+
+  // Settings that hold lists; true where the refusal is about one.
+  bool add_list(const Refusal& r) {
+    if (r.limit == "block edge") {
+      if (setting("stock", "max_size_mm") != nullptr)
+        merge("stock.max_size_mm", with_unit(r.bound, "mm") + " for this edge", std::ceil(r.value), "mm",
+              Demand::kLarger, "the edge of the block this strip needs; or allow more splits");
+      return true;
+    }
+    const bool length = r.limit == "rib length", clearance = r.limit.rfind("clamp clearance", 0) == 0;
+    if (!length && !clearance) return false;
+    const Json* lengths = setting("blade", "free_lengths_mm");
+    if (lengths == nullptr || lengths->empty()) return true;
+    // Both clamps stand off the block by their clearance; a longer blade has half of its growth on each side.
+    const Json* clear = setting("stock", "clearance_mm");
+    const double keep = clear == nullptr ? 0 : clear->get<double>();
+    double longest = 0;
+    for (const Json& x : *lengths) longest = std::max(longest, x.get<double>());
+    const double least = length ? r.value + 2 * keep : longest + 2 * (r.bound - r.value);
+    constexpr double kStep_mm = 50;
+    merge("blade.free_lengths_mm", largest(*lengths, "mm") + " at the longest",
+          kStep_mm * std::ceil(std::max(least, longest + kStep_mm) / kStep_mm), "mm", Demand::kLarger,
+          "one more length, at least: clamps stay clear of the block; a blade that bends away needs more");
+    return true;
+  }
+
+  void merge(const std::string& name, const std::string& now, double needed, const std::string& unit,
+             Demand demand, const std::string& why) {
+    const auto same =
+        std::find_if(list_.begin(), list_.end(), [&](const Remedy& m) { return m.setting == name; });
+    const auto i = static_cast<std::size_t>(same - list_.begin());
+    if (same == list_.end()) {
+      list_.push_back({name, now, with_unit(needed, unit), why, 1});
+      needed_.push_back(needed);
+      return;
+    }
+    ++same->refusals;
+    if (demand == Demand::kLarger ? needed <= needed_[i] : needed >= needed_[i]) return;
+    needed_[i] = needed;
+    same->needed = with_unit(needed, unit);
+    same->why = why;
+  }
+
+  Json settings_;
+  std::vector<Remedy> list_;
+  std::vector<double> needed_;  // of each remedy, as a number
+};
+
+}  // namespace
+
+std::vector<Remedy> remedies(const PlanResult& result) {
+  if (result.refusals.empty()) return {};
+  Collector collector(result);
+  for (const Refusal& r : result.refusals) collector.add(r);
+  return collector.take();
+}
+
+}  // namespace hotblade::pipeline
