@@ -32,10 +32,10 @@ std::vector<bool> gaps_with_ends(std::span<const RibNode> nodes, std::size_t pla
 
 }  // namespace
 
-std::vector<double> critical_heights(const TriangleMesh& mesh, const Eigen::Vector3d& normal) {
+std::vector<double> critical_heights(const TriangleMesh& mesh, const PlaneFamily& planes) {
   std::vector<double> height;
   height.reserve(mesh.vertices.size());
-  for (const Eigen::Vector3d& p : mesh.vertices) height.push_back(normal.dot(p));
+  for (const Eigen::Vector3d& p : mesh.vertices) height.push_back(planes.offset(p));
   const auto below = [&](int a, int b) {
     const double ha = height[static_cast<std::size_t>(a)], hb = height[static_cast<std::size_t>(b)];
     return ha < hb || (ha == hb && a < b);
@@ -61,13 +61,13 @@ std::vector<double> critical_heights(const TriangleMesh& mesh, const Eigen::Vect
   return critical;
 }
 
-std::vector<double> with_event_planes(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+std::vector<double> with_event_planes(const TriangleMesh& mesh, const PlaneFamily& planes,
                                       std::span<const RibNode> nodes, const std::vector<double>& offsets,
                                       double inset_mm) {
   constexpr std::size_t kMostAGap = 4;
   const std::vector<bool> gaps = gaps_with_ends(nodes, offsets.size());
   if (std::find(gaps.begin(), gaps.end(), true) == gaps.end() || !(inset_mm > 0)) return offsets;
-  const std::vector<double> critical = critical_heights(mesh, normal);
+  const std::vector<double> critical = critical_heights(mesh, planes);
   std::vector<double> all;
   // Closer planes than this are one.
   const auto add = [&](double offset, double next) {

@@ -195,26 +195,31 @@ class Linker {
   std::vector<std::vector<SectionPoint>> stations_;
 };
 
-// The in-plane direction along which the points reach farthest, to a degree. Later directions must be clearly
-// better, so that a circle's cut does not depend on rounding.
-Eigen::Vector3d longest_direction(const std::vector<const SectionPiece*>& loops, const Eigen::Vector3d& u,
-                                  const Eigen::Vector3d& v) {
+// A loop with the directions that span its plane, and a point that all planes share.
+struct LoopInPlane {
+  const SectionPiece* loop;
+  Eigen::Vector3d u, v, centre;
+};
+
+// Angle from u to the in-plane direction along which the points reach farthest, to a degree. Later directions
+// must be clearly better, so that a circle's cut does not depend on rounding.
+double longest_direction(const std::vector<LoopInPlane>& loops) {
   constexpr int kDirections = 180;
   constexpr double kClearly = 1 + 1e-6;
-  Eigen::Vector3d best = u;
-  double best_extent = 0;
+  double best = 0, best_extent = 0;
   for (int i = 0; i < kDirections; ++i) {
     const double angle = i * std::numbers::pi / kDirections;
-    const Eigen::Vector3d d = std::cos(angle) * u + std::sin(angle) * v;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const SectionPiece* loop : loops) {
-      for (const SectionPoint& q : loop->points) {
-        low = std::min(low, d.dot(q.p));
-        high = std::max(high, d.dot(q.p));
+    for (const LoopInPlane& in : loops) {
+      const Eigen::Vector3d d = std::cos(angle) * in.u + std::sin(angle) * in.v;
+      for (const SectionPoint& q : in.loop->points) {
+        const double along = d.dot(q.p - in.centre);
+        low = std::min(low, along);
+        high = std::max(high, along);
       }
     }
     if (high - low > best_extent * kClearly) {
-      best = d;
+      best = angle;
       best_extent = high - low;
     }
   }
@@ -247,20 +252,26 @@ std::vector<RibNode> link_pieces(std::vector<std::vector<MarchedPiece>> sections
   return Linker(std::move(sections), spacing_mm).run();
 }
 
-void cut_loops_open(std::vector<RibNode>& nodes, const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+void cut_loops_open(std::vector<RibNode>& nodes, const PlaneFamily& planes, std::span<const double> offsets,
+                    const Eigen::Vector3d& u, const Eigen::Vector3d& v) {
+  const auto in_plane = [&](const RibNode& node) -> LoopInPlane {
+    const double offset = offsets[static_cast<std::size_t>(node.section)];
+    return {&node.piece, planes.turned(u, offset), planes.turned(v, offset), planes.centre()};
+  };
   const std::size_t count = nodes.size();
   for (std::size_t first = 0; first < count; ++first) {
     if (!nodes[first].piece.closed || nodes[first].previous != RibNode::kNone) continue;
     std::vector<int> stack;
-    std::vector<const SectionPiece*> loops;
+    std::vector<LoopInPlane> loops;
     for (int n = static_cast<int>(first); n != RibNode::kNone; n = nodes[static_cast<std::size_t>(n)].next) {
       stack.push_back(n);
-      loops.push_back(&nodes[static_cast<std::size_t>(n)].piece);
+      loops.push_back(in_plane(nodes[static_cast<std::size_t>(n)]));
     }
-    const Eigen::Vector3d d = longest_direction(loops, u, v);
+    const double angle = longest_direction(loops);
     int previous = RibNode::kNone;
     for (const int n : stack) {
-      auto [there, back] = halve(nodes[static_cast<std::size_t>(n)].piece, d);
+      const LoopInPlane in = in_plane(nodes[static_cast<std::size_t>(n)]);
+      auto [there, back] = halve(*in.loop, std::cos(angle) * in.u + std::sin(angle) * in.v);
       nodes[static_cast<std::size_t>(n)].piece = std::move(there);
       const int twin = static_cast<int>(nodes.size());
       nodes.push_back(

@@ -24,8 +24,9 @@ struct RibNode {
                                                double spacing_mm);
 
 // Replaces every loop by two open pieces. The loops of one chain are cut where they are extreme along one
-// direction, that of the largest extent of them all; both pieces hold both cut points. `u`, `v` span the
-// planes.
-void cut_loops_open(std::vector<RibNode>& nodes, const Eigen::Vector3d& u, const Eigen::Vector3d& v);
+// direction, that of the largest extent of them all, which the planes carry along; both pieces hold both cut
+// points. `u`, `v` span the plane at offset 0; offsets are the sections'.
+void cut_loops_open(std::vector<RibNode>& nodes, const PlaneFamily& planes, std::span<const double> offsets,
+                    const Eigen::Vector3d& u, const Eigen::Vector3d& v);
 
 }  // namespace hotblade::surface

@@ -57,9 +57,9 @@ class Sets {
 
 class March {
  public:
-  March(const TriangleMesh& mesh, const Eigen::Vector3d& normal, std::span<const double> offsets)
+  March(const TriangleMesh& mesh, const PlaneFamily& planes, std::span<const double> offsets)
       : mesh_(mesh),
-        normal_(normal),
+        planes_(planes),
         offsets_(offsets),
         normals_(vertex_normals(mesh)),
         sets_(mesh.vertices.size()) {
@@ -67,7 +67,7 @@ class March {
     height_.reserve(mesh.vertices.size());
     double largest = 0;
     for (const Eigen::Vector3d& p : mesh.vertices) {
-      height_.push_back(normal.dot(p));
+      height_.push_back(planes.offset(p));
       layer_.push_back(static_cast<int>(std::upper_bound(offsets.begin(), offsets.end(), height_.back()) -
                                         offsets.begin()));
       largest = std::max(largest, p.cwiseAbs().maxCoeff());
@@ -201,7 +201,7 @@ class March {
   [[nodiscard]] SectionPoint to_point(const Crossing& c, double offset) const {
     const double low = height_[static_cast<std::size_t>(c.below)],
                  high = height_[static_cast<std::size_t>(c.above)];
-    const double t = (offset - low) / (high - low);
+    const double t = planes_.crossing(at(c.below), low, at(c.above), high, offset);
     SectionPoint point;
     point.p = t < 1 ? Eigen::Vector3d(at(c.below) + t * (at(c.above) - at(c.below))) : at(c.above);
     point.normal = (1 - t) * normals_[static_cast<std::size_t>(c.below)] +
@@ -261,10 +261,10 @@ class March {
   }
 
   const TriangleMesh& mesh_;
-  Eigen::Vector3d normal_;
+  PlaneFamily planes_;
   std::span<const double> offsets_;
   std::vector<Eigen::Vector3d> normals_;
-  std::vector<double> height_;  // along the plane normal, per vertex
+  std::vector<double> height_;  // offset of the plane through each vertex
   std::vector<int> layer_;      // per vertex: how many planes are at or below it
   std::vector<std::size_t> first_;
   std::vector<int> faces_;
@@ -288,9 +288,9 @@ std::vector<Eigen::Vector3d> vertex_normals(const TriangleMesh& mesh) {
   return normals;
 }
 
-std::vector<std::vector<MarchedPiece>> march_sections(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+std::vector<std::vector<MarchedPiece>> march_sections(const TriangleMesh& mesh, const PlaneFamily& planes,
                                                       std::span<const double> offsets_mm) {
-  return March(mesh, normal, offsets_mm).run();
+  return March(mesh, planes, offsets_mm).run();
 }
 
 }  // namespace hotblade::surface

@@ -1,5 +1,5 @@
-// Curves in which parallel planes cut an oriented manifold mesh, and which of them the surface joins between
-// planes.
+// Curves in which the planes of a family cut an oriented manifold mesh, and which of them the surface joins
+// between planes.
 #pragma once
 
 #include <span>
@@ -18,12 +18,12 @@ struct MarchedPiece {
 };
 
 // One list a plane, by the curves' first points; offsets rise strictly. Every curve runs so that it, the
-// plane normal and the surface normal form a right-handed triple, which gives neighbouring curves the same
+// plane's normal and the surface normal form a right-handed triple, which gives neighbouring curves the same
 // sense. Loops start at their smallest point (x, then y, then z). A vertex on a plane counts as above it,
 // everywhere alike: that is a shift of the plane by less than any length, so curves never branch and touch no
 // vertex twice.
 [[nodiscard]] std::vector<std::vector<MarchedPiece>> march_sections(const TriangleMesh& mesh,
-                                                                    const Eigen::Vector3d& normal,
+                                                                    const PlaneFamily& planes,
                                                                     std::span<const double> offsets_mm);
 
 // Unit normals at the vertices, weighted so that they are exact on a sphere (Max 1999, "Weights for computing

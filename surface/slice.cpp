@@ -23,6 +23,10 @@ void check(const DesignSurface& design, const SliceOptions& options) {
     throw std::logic_error("slice: the design cannot be sliced: " + design.health.blockers.front());
   }
   if (design.mesh.triangles.empty()) throw std::logic_error("slice: the design has no faces");
+  if (options.fan && !(options.fan->point.allFinite() && options.fan->direction.allFinite() &&
+                       options.fan->direction.norm() > 0)) {
+    throw std::logic_error("slice: the fan's axis must be finite and its direction not zero");
+  }
   if (!options.normal.allFinite() || !(options.normal.norm() > 0)) {
     throw std::logic_error("slice: the plane normal must be finite and not zero");
   }
@@ -47,12 +51,12 @@ std::array<Eigen::Vector3d, 2> plane_axes(const Eigen::Vector3d& normal) {
   return {u, normal.cross(u)};
 }
 
-std::vector<double> spread_planes(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+std::vector<double> spread_planes(const TriangleMesh& mesh, const PlaneFamily& planes,
                                   const SliceOptions& options) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const auto& t : mesh.triangles) {
     for (const int v : t) {
-      const double h = normal.dot(mesh.vertices[static_cast<std::size_t>(v)]);
+      const double h = planes.offset(mesh.vertices[static_cast<std::size_t>(v)]);
       low = std::min(low, h);
       high = std::max(high, h);
     }
@@ -72,8 +76,9 @@ std::vector<double> spread_planes(const TriangleMesh& mesh, const Eigen::Vector3
 }
 
 // Loops become two pieces, so they must be twice as long.
-void drop_short_pieces(std::vector<std::vector<MarchedPiece>>& sections, const std::vector<double>& offsets,
-                       double min_piece_mm, std::vector<std::string>& warnings) {
+void drop_short_pieces(std::vector<std::vector<MarchedPiece>>& sections, const PlaneFamily& planes,
+                       const std::vector<double>& offsets, double min_piece_mm,
+                       std::vector<std::string>& warnings) {
   constexpr std::size_t kShown = 20;
   std::size_t dropped = 0;
   for (std::size_t k = 0; k < sections.size(); ++k) {
@@ -82,9 +87,8 @@ void drop_short_pieces(std::vector<std::vector<MarchedPiece>>& sections, const s
       if (m.piece.length_mm >= limit) return false;
       if (++dropped > kShown) return true;
       char text[200];
-      std::snprintf(text, sizeof text,
-                    "section %zu (normal . p = %.3f mm): piece too short (%.3f mm, limit %.3f mm)", k,
-                    offsets[k], m.piece.length_mm, limit);
+      std::snprintf(text, sizeof text, "section %zu (%s): piece too short (%.3f mm, limit %.3f mm)", k,
+                    planes.describe(offsets[k]).c_str(), m.piece.length_mm, limit);
       warnings.push_back(text + (" near " + place_text(m.piece.points.front().p)) + ": dropped");
       return true;
     });
@@ -103,14 +107,16 @@ bool runs_forward(const SectionPiece& piece, const Eigen::Vector3d& u, const Eig
 
 class Graph {
  public:
-  Graph(std::vector<RibNode> nodes, const Eigen::Vector3d& u, const Eigen::Vector3d& v)
-      : nodes_(std::move(nodes)), u_(u), v_(v) {}
+  // u, v span the plane at offset 0.
+  Graph(std::vector<RibNode> nodes, const PlaneFamily& planes, const std::vector<double>& offsets,
+        const Eigen::Vector3d& u, const Eigen::Vector3d& v)
+      : nodes_(std::move(nodes)), planes_(planes), offsets_(offsets), u_(u), v_(v) {}
 
-  RibGraph build(const Eigen::Vector3d& normal, const std::vector<double>& offsets) {
+  RibGraph build() {
     turn_chains();
     RibGraph graph;
-    graph.normal = normal;
-    for (const double offset : offsets) graph.sections.push_back({offset, {}});
+    graph.planes = planes_;
+    for (const double offset : offsets_) graph.sections.push_back({offset, {}});
     const std::vector<std::size_t> order = ordered();
     std::vector<RibRef> place(nodes_.size());
     for (const std::size_t n : order) {
@@ -132,13 +138,19 @@ class Graph {
   // The pieces of a chain have one sense already, that of the surface; the first one decides which.
   void turn_chains() {
     for (const RibNode& first : nodes_) {
-      if (first.previous != RibNode::kNone || runs_forward(first.piece, u_, v_)) continue;
+      if (first.previous != RibNode::kNone ||
+          runs_forward(first.piece, in_plane(u_, first), in_plane(v_, first)))
+        continue;
       int n = static_cast<int>(&first - nodes_.data());
       for (; n != RibNode::kNone; n = nodes_[static_cast<std::size_t>(n)].next) {
         auto& points = nodes_[static_cast<std::size_t>(n)].piece.points;
         std::reverse(points.begin(), points.end());
       }
     }
+  }
+
+  [[nodiscard]] Eigen::Vector3d in_plane(const Eigen::Vector3d& at_zero, const RibNode& node) const {
+    return planes_.turned(at_zero, offsets_[static_cast<std::size_t>(node.section)]);
   }
 
   // By section, then by the pieces' middles along u, then along v.
@@ -148,7 +160,8 @@ class Graph {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
       for (const SectionPoint& q : nodes_[n].piece.points) sum += q.p;
       sum /= static_cast<double>(nodes_[n].piece.points.size());
-      keys.emplace_back(nodes_[n].section, sum.dot(u_), sum.dot(v_), nodes_[n].piece.length_mm, n);
+      keys.emplace_back(nodes_[n].section, sum.dot(in_plane(u_, nodes_[n])), sum.dot(in_plane(v_, nodes_[n])),
+                        nodes_[n].piece.length_mm, n);
     }
     std::sort(keys.begin(), keys.end());
     std::vector<std::size_t> order;
@@ -157,14 +170,16 @@ class Graph {
   }
 
   std::vector<RibNode> nodes_;
+  PlaneFamily planes_;
+  std::vector<double> offsets_;
   Eigen::Vector3d u_, v_;
 };
 
-std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const Eigen::Vector3d& normal,
+std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& planes,
                                    const std::vector<double>& offsets, double spacing,
                                    const SliceOptions& options, std::vector<std::string>& warnings) {
-  auto sections = march_sections(mesh, normal, offsets);
-  drop_short_pieces(sections, offsets, options.min_piece_mm, warnings);
+  auto sections = march_sections(mesh, planes, offsets);
+  drop_short_pieces(sections, planes, offsets, options.min_piece_mm, warnings);
   return link_pieces(std::move(sections), spacing);
 }
 
@@ -172,26 +187,28 @@ std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const Eigen::Vector
 
 RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   check(design, options);
-  const Eigen::Vector3d normal = options.normal.normalized();
-  const auto [u, v] = plane_axes(normal);
-  std::vector<double> offsets = spread_planes(design.mesh, normal, options);
+  const PlaneFamily planes =
+      options.fan ? fan_about(design.mesh, *options.fan) : PlaneFamily::parallel(options.normal.normalized());
+  const auto [u, v] = plane_axes(planes.normal(0));
+  std::vector<double> offsets = spread_planes(design.mesh, planes, options);
   if (offsets.empty()) {
     RibGraph flat;
-    flat.normal = normal;
-    flat.warnings.push_back("the design has no extent along the plane normal: no sections");
+    flat.planes = planes;
+    flat.warnings.push_back(planes.turns() ? "the design has no extent about the fan's axis: no sections"
+                                           : "the design has no extent along the plane normal: no sections");
     return flat;
   }
   const double spacing = offsets[1] - offsets[0];
   std::vector<std::string> warnings;
-  std::vector<RibNode> nodes = linked_pieces(design.mesh, normal, offsets, spacing, options, warnings);
-  std::vector<double> all = with_event_planes(design.mesh, normal, nodes, offsets, options.end_inset_mm);
+  std::vector<RibNode> nodes = linked_pieces(design.mesh, planes, offsets, spacing, options, warnings);
+  std::vector<double> all = with_event_planes(design.mesh, planes, nodes, offsets, options.end_inset_mm);
   if (all.size() > offsets.size()) {
     offsets = std::move(all);
     std::vector<std::string> unsaid;  // short pieces at a border's tips: the even planes have told of others
-    nodes = linked_pieces(design.mesh, normal, offsets, spacing, options, unsaid);
+    nodes = linked_pieces(design.mesh, planes, offsets, spacing, options, unsaid);
   }
-  cut_loops_open(nodes, u, v);
-  RibGraph graph = Graph(std::move(nodes), u, v).build(normal, offsets);
+  cut_loops_open(nodes, planes, offsets, u, v);
+  RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v).build();
   graph.warnings = std::move(warnings);
   return graph;
 }

@@ -1,16 +1,20 @@
-// Sections of the design by parallel planes, and the pieces linked from plane to plane into strips of ribs.
+// Sections of the design by parallel planes or by a fan of half planes about an axis, and the pieces linked
+// from plane to plane into strips of ribs.
 //
-// Plane k is { p : normal . p = offsets_mm[k] }. A section piece is a polyline on the mesh. Pieces of
-// neighbouring planes that the surface between them joins one to one, or that lie beside each other across a
-// seam, form chains in one sense; where the surface branches, chains end. Curves are followed from face to
-// face with vertices on a plane taken as above it, so each point knows its mesh edge and no curve branches.
+// Planes are told apart by their offset (surface/plane_family.hpp). A section piece is a polyline on the
+// mesh. Pieces of neighbouring planes that the surface between them joins one to one, or that lie beside each
+// other across a seam, form chains in one sense; where the surface branches, chains end. Curves are followed
+// from face to face with vertices on a plane taken as above it, so each point knows its mesh edge and no
+// curve branches.
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "surface/design_surface.hpp"
+#include "surface/plane_family.hpp"
 
 namespace hotblade::surface {
 
@@ -42,14 +46,16 @@ struct Chain {
 };
 
 struct RibGraph {
-  Eigen::Vector3d normal;  // unit
+  PlaneFamily planes;
   std::vector<Section> sections;
   std::vector<Chain> chains;          // disjoint; ordered by first section, then position along the section
   std::vector<std::string> warnings;  // pieces dropped because they were too short, with place and length
 };
 
 struct SliceOptions {
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitX();  // of parallel planes
+  std::optional<FanAxis> fan;                         // half planes about this axis instead
+  // Distances between the planes of a fan are measured at the design's outermost point.
   double spacing_mm = 20;      // largest distance between planes
   double end_inset_mm = 0.05;  // the first and last plane lie this far inside the design's extent
   double min_piece_mm = 5;     // shorter pieces are dropped, with a warning
@@ -58,7 +64,8 @@ struct SliceOptions {
 // Section planes are spread evenly from the first to the last; where chains end or begin on the way, planes
 // are added as far below and above the place as the first and last plane lie inside the design. Closed loops
 // are cut open into two open pieces where the loop is extreme across its longest extent, at the same side in
-// every section. Throws std::logic_error when options are not finite or the design's health has blockers.
+// every section. Throws std::logic_error when options are not finite or the design's health has blockers, and
+// FanError when the fan's axis and the design do not go together.
 [[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
 
 }  // namespace hotblade::surface

@@ -64,17 +64,28 @@ double depth_behind(const Eigen::Vector2d& q, const std::vector<Eigen::Vector2d>
 // another split can always bring it down.
 constexpr double kSagShare = 0.25;
 
-// What weight moves the cut at this rib, in a level plane: droop where the design is steepest, and half the
-// section's width tilted by the twist.
-double sag_error_mm(const Elastica& blade, double s0, const RibFit& rib, const BladeSettings& settings) {
-  const robot::BladeSag sag = robot::blade_sag(blade, blade_section(settings), -Eigen::Vector3d::UnitZ(), s0,
-                                               s0 + rib.elastica.length);
+// A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
+struct PlacedRib {
+  const RibFit& rib;
+  StockRect rect;
+  Eigen::Vector3d down;
+};
+
+// What weight moves the cut at this rib: droop where the design is steepest, half the section's width tilted
+// by the twist, and the sag in the plane where that is not level.
+double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
+                    const BladeSettings& settings) {
+  const RibFit& rib = placed.rib;
+  const robot::BladeSag sag =
+      robot::blade_sag(blade, blade_section(settings), placed.down, s0, s0 + rib.elastica.length);
   if (!sag.stable) return std::numeric_limits<double>::infinity();
-  return sag.droop_mm * std::sin(rib.max_slope_rad) + 0.5 * settings.width_mm * sag.twist_rad;
+  return sag.droop_mm * std::sin(rib.max_slope_rad) + 0.5 * settings.width_mm * sag.twist_rad +
+         sag.in_plane_mm;
 }
 
-RibCheck check_rib(const RibFit& rib, double length, double share, const StockRect& rect,
-                   const Settings& settings) {
+RibCheck check_rib(const PlacedRib& placed, double length, double share, const Settings& settings) {
+  const RibFit& rib = placed.rib;
+  const StockRect& rect = placed.rect;
   RibCheck c;
   const double sharpest = max_curvature_per_mm(settings.blade);
   const double own = elastica::ElasticaCurve(rib.elastica).max_abs_curvature();
@@ -100,7 +111,7 @@ RibCheck check_rib(const RibFit& rib, double length, double share, const StockRe
   if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(blade);
   if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
-  const double sag = sag_error_mm(blade, s0, rib, settings.blade);
+  const double sag = sag_error_mm(blade, s0, placed, settings.blade);
   if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {kSag, sag};
   return c;
 }
@@ -206,15 +217,14 @@ struct LengthTrial {
   int rib = -1;
 };
 
-LengthTrial try_length(const std::vector<RibFit>& ribs, double length, const StockRect& rect,
-                       const Settings& settings) {
+LengthTrial try_length(const std::vector<PlacedRib>& ribs, double length, const Settings& settings) {
   // Of the extension, on clamp A's side; the more even ones first.
   constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
   LengthTrial trial;
   for (const double share : kShares) {
     std::vector<RibCheck> checks(ribs.size());
     tbb::parallel_for(std::size_t{0}, ribs.size(),
-                      [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, rect, settings); });
+                      [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, settings); });
     const auto worst = std::min_element(checks.begin(), checks.end(), worse);
     if (worst->stage == kPassed) {
       const BladeChoice choice = summarise(checks, length, share);
@@ -231,9 +241,23 @@ LengthTrial try_length(const std::vector<RibFit>& ribs, double length, const Sto
 
 }  // namespace
 
+StockRect::StockRect(const Eigen::Vector2d& low, const Eigen::Vector2d& high)
+    : low_(low.x(), low.y(), 0), high_(high.x(), high.y(), 0) {}
+
+StockRect::StockRect(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Frame& plane)
+    : low_(low), high_(high), plane_(plane) {}
+
 double StockRect::distance(const Eigen::Vector2d& q) const {
-  const Eigen::Vector2d out = (low - q).cwiseMax(q - high).cwiseMax(0);
-  return out.norm();
+  const Eigen::Vector3d p = plane_.origin + q.x() * plane_.x + q.y() * plane_.y;
+  return (low_ - p).cwiseMax(p - high_).cwiseMax(0).norm();
+}
+
+StockRect Block::seen_from(const Frame& plane) const {
+  if (!tilted) return {low.head<2>(), high.head<2>()};
+  const auto turned = [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+    return {d.dot(x), d.dot(y), d.dot(sweep)};
+  };
+  return {low, high, {turned(plane.origin - centre), turned(plane.x), turned(plane.y)}};
 }
 
 FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
@@ -253,26 +277,60 @@ FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const 
   return free;
 }
 
-StockRect stock_rect(const std::vector<RibFit>& ribs, const StockSettings& settings) {
+Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes, const StockSettings& settings) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  StockRect rect{Eigen::Vector2d(kInf, kInf), Eigen::Vector2d(-kInf, -kInf)};
-  for (const RibFit& rib : ribs) {
+  const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
+  Block block;
+  block.tilted = axes.planes.turns();
+  block.middle_mm = 0.5 * (first + last);
+  block.centre = axes.planes.centre();
+  const Frame middle = axes.plane(block.middle_mm);
+  block.x = middle.x;
+  block.y = middle.y;
+  block.sweep = axes.planes.normal(block.middle_mm);
+  block.low.setConstant(kInf);
+  block.high.setConstant(-kInf);
+  // Between two ribs of a fan the design bulges out: each rib's points are turned half-way to its neighbours.
+  const auto enclose = [&](const RibFit& rib, double offset) {
+    const Frame plane = axes.plane(offset);
     for (const Eigen::Vector2d& q : rib.target) {
-      rect.low = rect.low.cwiseMin(q);
-      rect.high = rect.high.cwiseMax(q);
+      const Eigen::Vector3d p = plane.point(q.x(), q.y()) - block.centre;
+      const Eigen::Vector3d in_block =
+          block.tilted ? Eigen::Vector3d(p.dot(block.x), p.dot(block.y), p.dot(block.sweep))
+                       : Eigen::Vector3d(q.x(), q.y(), offset);
+      block.low = block.low.cwiseMin(in_block);
+      block.high = block.high.cwiseMax(in_block);
     }
+  };
+  for (std::size_t i = 0; i < ribs.size(); ++i) {
+    const double offset = ribs[i].offset_mm;
+    enclose(ribs[i], offset);
+    if (!block.tilted) continue;
+    if (i > 0) enclose(ribs[i], 0.5 * (offset + ribs[i - 1].offset_mm));
+    if (i + 1 < ribs.size()) enclose(ribs[i], 0.5 * (offset + ribs[i + 1].offset_mm));
   }
-  rect.low -= Eigen::Vector2d(settings.border_mm, settings.base_mm);
-  rect.high += Eigen::Vector2d(settings.border_mm, settings.border_mm);
-  return rect;
+  block.low -= Eigen::Vector3d(settings.border_mm, settings.base_mm, settings.border_mm);
+  block.high += Eigen::Vector3d::Constant(settings.border_mm);
+  return block;
 }
 
-BladeReport choose_blade(const std::vector<RibFit>& ribs, const StockRect& rect, const Settings& settings) {
+BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
+                         const Settings& settings) {
+  std::vector<PlacedRib> placed;
+  for (const RibFit& rib : ribs) {
+    const Frame plane = axes.plane(rib.offset_mm);
+    // Level planes see gravity along their normals exactly.
+    const Eigen::Vector3d down = block.tilted
+                                     ? Eigen::Vector3d(block.sweep.dot(plane.x), block.sweep.dot(plane.y),
+                                                       block.sweep.dot(plane.normal()))
+                                     : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
+    placed.push_back({rib, block.seen_from(plane), down});
+  }
   BladeReport report;
   int furthest = -1;
   std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
-    const LengthTrial trial = try_length(ribs, length, rect, settings);
+    const LengthTrial trial = try_length(placed, length, settings);
     if (trial.choice) {
       report.choice = trial.choice;
       return report;

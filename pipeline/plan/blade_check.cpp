@@ -28,18 +28,18 @@ double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
   return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
 }
 
-PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const StockRect& rect,
-                     const robot::BladeSection& section, const Eigen::Vector3d& down) {
+PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const Block& block,
+                     const robot::BladeSection& section) {
   PoseCheck c;
   c.loads = robot::blade_loads(pose.blade, section);
   c.curvature = 1 / c.loads.smallest_radius_mm;
   c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
   c.cuts = pose.foam.has_value();
   const double s0 = c.cuts ? (*pose.foam)[0] : 0, s1 = c.cuts ? (*pose.foam)[1] : pose.blade.length;
-  const FreeParts free = examine_free_parts(pose.blade, s0, s1, rect);
+  const FreeParts free = examine_free_parts(pose.blade, s0, s1, block.seen_from(pose.frame));
   c.crosses = free.crosses_itself;
   if (c.cuts) c.depth = free.depth_mm;
-  c.sag = robot::blade_sag(pose.blade, section, down, s0, s1);
+  c.sag = robot::blade_sag(pose.blade, section, down_in_plane(strip.design_to_cell, pose.frame), s0, s1);
   return c;
 }
 
@@ -101,7 +101,7 @@ class Refuser {
 
  private:
   [[nodiscard]] std::string rib_name(const BladePose& pose) const {
-    const double offset = pose.frame.origin.dot(strip_.sweep);
+    const double offset = strip_.offset(pose.frame);
     const auto nearest =
         std::min_element(strip_.ribs.begin(), strip_.ribs.end(), [&](const RibFit& p, const RibFit& q) {
           return std::abs(p.offset_mm - offset) < std::abs(q.offset_mm - offset);
@@ -167,19 +167,17 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
 
 }  // namespace
 
-Eigen::Vector3d down_in_plane(const StripPlan& strip) {
-  const Eigen::Vector3d down = strip.design_to_cell.q.conjugate() * -Eigen::Vector3d::UnitZ();
-  return {down.dot(strip.x), down.dot(strip.y), down.dot(strip.x.cross(strip.y))};
+Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
+  const Eigen::Vector3d down = design_to_cell.q.conjugate() * -Eigen::Vector3d::UnitZ();
+  return {down.dot(frame.x), down.dot(frame.y), down.dot(frame.normal())};
 }
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
-  const StockRect rect = stock_rect(strip.ribs, settings.stock);
+  const Block block = block_around(strip.ribs, strip, settings.stock);
   const robot::BladeSection section = blade_section(settings.blade);
-  const Eigen::Vector3d down = down_in_plane(strip);
   std::vector<PoseCheck> checks(motion.poses.size());
-  tbb::parallel_for(std::size_t{0}, checks.size(), [&](std::size_t i) {
-    checks[i] = check_pose(motion.poses[i], strip, rect, section, down);
-  });
+  tbb::parallel_for(std::size_t{0}, checks.size(),
+                    [&](std::size_t i) { checks[i] = check_pose(motion.poses[i], strip, block, section); });
   collect(checks, motion);
   weigh_clamp_errors(settings.machine, motion);
   Refuser refuse(strip, motion);

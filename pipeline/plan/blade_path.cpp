@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -71,15 +72,54 @@ Forming form(const BladeShape& shape, double min_margin) {
   return smallest_margin(other) > margin ? other : forming;
 }
 
+// Of parallel planes: where the block ends on the waste side.
+double stock_top_mm(const StripPlan& strip) {
+  const Frame& block = strip.stock.frame;
+  return (block.origin + strip.stock.size_mm.y() * block.y).dot(strip.y);
+}
+
+// How far the block reaches beyond the plane at an offset: against and along the sweep and to the waste side.
+struct Reach {
+  double before_mm = 0, behind_mm = 0, top_mm = 0;
+};
+
+Reach fan_reach(const StripPlan& strip, double offset_mm) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const Frame plane = strip.swept_plane(offset_mm);
+  const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
+  const Eigen::Vector3d normal = (along ? 1.0 : -1.0) * plane.normal(), &size = strip.stock.size_mm;
+  Reach reach{-kInf, -kInf, -kInf};
+  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7}) {
+    const Eigen::Vector3d corner =
+        strip.stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0) -
+        plane.origin;
+    reach.before_mm = std::max(reach.before_mm, -corner.dot(normal));
+    reach.behind_mm = std::max(reach.behind_mm, corner.dot(normal));
+    reach.top_mm = std::max(reach.top_mm, corner.dot(plane.y));
+  }
+  return reach;
+}
+
+// How far before the first and behind the last rib the blade's plane is clear of the block.
+std::array<double, 2> ends_of_block(const StripPlan& strip, double border_mm) {
+  if (!strip.planes.turns()) return {border_mm, border_mm};
+  const double first = strip.ribs.front().offset_mm, last = strip.ribs.back().offset_mm;
+  // Far enough out for the planes to go straight; what is missing there is made up along their normals. The
+  // planes have turned a little on, so that the way along the last rib's normal is longer by less than this.
+  constexpr double kStraightMm = 20, kLonger = 1.01;
+  const double before = fan_reach(strip, first - kStraightMm).before_mm,
+               behind = fan_reach(strip, last + kStraightMm).behind_mm;
+  return {kStraightMm + kLonger * std::max(0.0, before), kStraightMm + kLonger * std::max(0.0, behind)};
+}
+
 // Sideways on the waste side until the whole blade, worked or flat, is clear of the block.
-double way_out_mm(const StripPlan& strip, const Forming& forming, const StockSettings& stock) {
+double way_out_mm(const StripPlan& strip, const Forming& forming, double end_mm, const StockSettings& stock) {
   double lowest = std::numeric_limits<double>::infinity();
   for (const double share : {0.0, 0.5, 1.0}) {
     for (const elastica::CurvePoint& p : elastica::sample(forming.at(share).blade, 65))
       lowest = std::min(lowest, p.y);
   }
-  const Frame& block = strip.stock.frame;
-  const double top = (block.origin + strip.stock.size_mm.y() * block.y).dot(strip.y);
+  const double top = strip.planes.turns() ? fan_reach(strip, end_mm).top_mm : stock_top_mm(strip);
   // A tenth more than the clearance: the three shapes stand for all between them.
   return std::max(0.0, top + 1.1 * stock.clearance_mm - lowest);
 }
@@ -113,14 +153,14 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   SweepMarks& marks = path.marks;
   marks.first_rib_mm = strip.ribs.front().offset_mm;
   marks.last_rib_mm = strip.ribs.back().offset_mm;
-  const double outside = settings.stock.border_mm + settings.motion.lead_mm;
-  marks.start_mm = marks.first_rib_mm - outside;
-  marks.end_mm = marks.last_rib_mm + outside;
-  const double above = marks.first_rib_mm - settings.stock.border_mm - settings.motion.approach_mm;
+  const auto [before, behind] = ends_of_block(strip, settings.stock.border_mm);
+  marks.start_mm = marks.first_rib_mm - (before + settings.motion.lead_mm);
+  marks.end_mm = marks.last_rib_mm + (behind + settings.motion.lead_mm);
+  const double above = marks.first_rib_mm - before - settings.motion.approach_mm;
   const double min_margin = settings.blade.min_margin;
   const Forming first = form(in_air(shape_at(strip, *spline, marks.first_rib_mm), above), min_margin);
   const Forming last = form(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.end_mm), min_margin);
-  const double aside = way_out_mm(strip, last, settings.stock);
+  const double aside = way_out_mm(strip, last, marks.end_mm, settings.stock);
   const auto moved = [](BladeShape shape, double by) {
     shape.blade.y += by;
     return shape;

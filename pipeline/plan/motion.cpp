@@ -21,7 +21,7 @@ namespace {
 constexpr int kFeedPoints = 17;
 
 PathSample path_sample(const BladeShape& shape, const StripPlan& strip) {
-  const Frame frame = strip.plane(shape.offset_mm);
+  const Frame frame = strip.swept_plane(shape.offset_mm);
   const ClampPair pair = clamps(shape.blade, frame);
   PathSample sample{pair.a, pair.b, {}};
   if (!shape.in_foam) return sample;
@@ -46,7 +46,7 @@ double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripP
   std::vector<ClampPair> pairs(law.sigma.size());
   tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
     const BladeShape shape = stretch.at(law.sigma[i]);
-    pairs[i] = clamps(shape.blade, strip.plane(shape.offset_mm));
+    pairs[i] = clamps(shape.blade, strip.swept_plane(shape.offset_mm));
   });
   double use = 0;
   for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
@@ -99,7 +99,7 @@ BladePose make_pose(const BladeShape& shape, const StripPlan& strip, double t, c
   pose.t = t;
   pose.phase = phase;
   pose.heat = heat;
-  pose.frame = strip.plane(shape.offset_mm);
+  pose.frame = strip.swept_plane(shape.offset_mm);
   pose.blade = shape.blade;
   if (phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
   const ClampPair pair = clamps(shape.blade, pose.frame);
@@ -151,7 +151,7 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
     BladePose* nearest = nullptr;
     for (BladePose& pose : poses) {
       if (pose.phase != "cut" || pose.rib) continue;
-      const double away = std::abs(pose.frame.origin.dot(strip.sweep) - strip.ribs[r].offset_mm);
+      const double away = std::abs(strip.offset(pose.frame) - strip.ribs[r].offset_mm);
       if (away < best) {
         best = away;
         nearest = &pose;

@@ -51,24 +51,24 @@ std::size_t worst_rib(const std::vector<RibFit>& ribs) {
 
 std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i) {
   const Eigen::Vector2d q = ribs[i].target[ribs[i].target.size() / 2];
-  const Eigen::Vector3d p = q.x() * chain.x + q.y() * chain.y + ribs[i].offset_mm * chain.sweep;
+  const Eigen::Vector3d p = chain.plane(ribs[i].offset_mm).point(q.x(), q.y());
   return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
-// The block on the table: sweep downwards, x kept, bottom on the plinth, centred.
-void place_stock(StripPlan& strip, const StockRect& rect, const Settings& settings) {
-  const double first = strip.ribs.front().offset_mm - settings.stock.border_mm;
-  const double last = strip.ribs.back().offset_mm + settings.stock.border_mm;
+// The block on the table: the middle plane level, sweep downwards, x kept, bottom on the plinth, centred.
+void place_stock(StripPlan& strip, const Block& block, const Settings& settings) {
+  const Eigen::Vector3d &low = block.low, &high = block.high;
   const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
-  strip.stock.frame = strip.plane(along ? first : last);
-  strip.stock.frame.origin = strip.stock.frame.point(rect.low.x(), rect.low.y());
-  strip.stock.size_mm = {rect.high.x() - rect.low.x(), rect.high.y() - rect.low.y(), last - first};
+  strip.stock.frame = block.layer(along ? low.z() : high.z());
+  strip.stock.frame.origin = strip.stock.frame.point(low.x(), low.y());
+  strip.stock.size_mm = high - low;
+  const Eigen::Vector3d &x = block.x, &sweep = block.sweep;
   Eigen::Matrix3d r;
-  r.row(0) = strip.x;
-  r.row(1) = -strip.sweep.cross(strip.x);
-  r.row(2) = -strip.sweep;
-  const Eigen::Vector2d middle = 0.5 * (rect.low + rect.high);
-  const Eigen::Vector3d foot = middle.x() * strip.x + middle.y() * strip.y + last * strip.sweep;
+  r.row(0) = x;
+  r.row(1) = -sweep.cross(x);
+  r.row(2) = -sweep;
+  const Eigen::Vector2d middle = 0.5 * (low.head<2>() + high.head<2>());
+  const Eigen::Vector3d foot = block.centre + middle.x() * x + middle.y() * block.y + high.z() * sweep;
   strip.design_to_cell.q = robot::canonical(Eigen::Quaterniond(r));
   strip.design_to_cell.p =
       Eigen::Vector3d(0, 0, settings.machine.plinth_mm) - strip.design_to_cell.q.toRotationMatrix() * foot;
@@ -80,18 +80,19 @@ struct Served {
   BladeReport blade;
 };
 
-Served serve(const std::vector<RibFit>& closest, double allowed, Purpose purpose, const Settings& settings) {
+Served serve(const RibAxes& axes, const std::vector<RibFit>& closest, double allowed, Purpose purpose,
+             const Settings& settings) {
   // From nearly circular arcs down to what the points alone say.
   constexpr std::array<double, 4> kTensionWeights{3e-3, 3e-4, 3e-5, kLeastTensionWeight};
   Served served;
   for (const double weight : kTensionWeights) {
     std::vector<RibFit> ribs = weight > kLeastTensionWeight ? calmed(closest, weight) : closest;
     if (ribs[worst_rib(ribs)].deviation_mm > allowed) continue;
-    const StockRect rect = stock_rect(ribs, settings.stock);
-    served.blade = choose_blade(ribs, rect, settings);
+    const Block block = block_around(ribs, axes, settings.stock);
+    served.blade = choose_blade(ribs, axes, block, settings);
     if (served.blade.choice && purpose == Purpose::kStrip) {
       smooth_ribs(ribs, weight, 0.1 * allowed, allowed);
-      served.blade = choose_blade(ribs, rect, settings);
+      served.blade = choose_blade(ribs, axes, block, settings);
     }
     served.ribs = std::move(ribs);
     if (served.blade.choice) break;
@@ -101,9 +102,7 @@ Served serve(const std::vector<RibFit>& closest, double allowed, Purpose purpose
 
 StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const Settings& settings) {
   StripPlan strip;
-  strip.sweep = chain.sweep;
-  strip.x = chain.x;
-  strip.y = chain.y;
+  static_cast<RibAxes&>(strip) = chain;
   strip.ribs = served.ribs;
   const BladeChoice& blade = *served.blade.choice;
   strip.blade_length_mm = blade.length_mm;
@@ -111,7 +110,7 @@ StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const 
   strip.smallest_margin = blade.smallest_margin;
   strip.largest_curvature_per_mm = blade.largest_curvature_per_mm;
   strip.smallest_clearance_mm = blade.smallest_clearance_mm;
-  place_stock(strip, stock_rect(strip.ribs, settings.stock), settings);
+  place_stock(strip, block_around(strip.ribs, strip, settings.stock), settings);
   return strip;
 }
 
@@ -138,7 +137,7 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
     return attempt;
   }
   attempt.fitted = true;
-  const Served served = serve(closest, allowed, purpose, settings);
+  const Served served = serve(chain, closest, allowed, purpose, settings);
   if (!served.blade.choice) {
     attempt.refusal = served.blade.refusal;
     // A shorter piece follows the design more closely, so its radius only shrinks; half leaves room for the
@@ -265,8 +264,8 @@ class RunLayout {
     const double allowed = allowed_mm(settings_);
     const JointFitReport joint = joint_fit(
         ribs, {strip.blade_length_mm, strip.share_a, settings_.motion.feed_mm_s, 0.1 * allowed, allowed});
-    const StockRect rect = stock_rect(ribs, settings_.stock);
-    const BladeReport blade = choose_blade(ribs, rect, settings_);
+    const BladeReport blade =
+        choose_blade(ribs, strip, block_around(ribs, strip, settings_.stock), settings_);
     strip.joint = {joint.acceleration_before_mm_s2, joint.acceleration_before_mm_s2, 0};
     if (joint.weight == 0 || !blade.choice || blade.choice->length_mm > strip.blade_length_mm) return;
     StripPlan next = make_strip_plan(chain_, {ribs, blade}, settings_);
@@ -329,6 +328,19 @@ class RunLayout {
 };
 
 }  // namespace
+
+Frame StripPlan::swept_plane(double offset_mm) const {
+  if (!planes.turns()) return plane(offset_mm);
+  const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
+  const double inside = std::clamp(offset_mm, first, last), outside = offset_mm - inside;
+  // Turning fades out over this way: half of it is turned, the rest goes straight on.
+  constexpr double kFadeMm = 10;
+  const double u = std::min(1.0, std::abs(outside) / kFadeMm);
+  const double turned = std::copysign(kFadeMm * (u - u * u * u + 0.5 * u * u * u * u), outside);
+  Frame frame = plane(inside + turned);
+  frame.origin += (outside - turned) * planes.normal(inside);
+  return frame;
+}
 
 elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm, double share_a) {
   const double before = share_a * (blade_length_mm - rib.length);

@@ -14,9 +14,8 @@
 namespace hotblade::pipeline {
 
 // One strip before motion: ribs in common axes, the block, and the blade that cuts it.
-struct StripPlan {
+struct StripPlan : RibAxes {
   std::string id;
-  Eigen::Vector3d sweep, x, y;
   std::vector<RibFit> ribs;
   double blade_length_mm = 0;
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
@@ -28,8 +27,9 @@ struct StripPlan {
   SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
-  // The plane at a sweep offset: origin on the sweep axis, axes x and y, normal x cross y.
-  [[nodiscard]] Frame plane(double offset_mm) const { return {offset_mm * sweep, x, y}; }
+  // Where the blade's plane is on its way through the block and out of it: planes of a fan go on straight,
+  // along their normals, soon before the first and behind the last rib.
+  [[nodiscard]] Frame swept_plane(double offset_mm) const;
 };
 
 struct StripLayout {

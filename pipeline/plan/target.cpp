@@ -40,15 +40,17 @@ WasteSide waste_side(const surface::RibGraph& graph, const surface::Chain& chain
 // The section's points in the chain's axes, moved towards the waste.
 RibTarget offset_rib(const surface::SectionPiece& piece, double offset_mm, const ChainTarget& axes,
                      double waste, const Settings& settings) {
+  const Frame plane = axes.plane(offset_mm);
+  const Eigen::Vector3d sweep = axes.planes.normal(offset_mm), &centre = axes.planes.centre();
   RibTarget rib;
   rib.offset_mm = offset_mm;
   for (const surface::SectionPoint& point : piece.points) {
     const Eigen::Vector3d n = waste * point.normal;
-    const double along = std::min(1.0, std::abs(n.dot(axes.sweep)));
+    const double along = std::min(1.0, std::abs(n.dot(sweep)));
     rib.max_slope_rad = std::max(rib.max_slope_rad, std::asin(along));
-    const Eigen::Vector2d in_plane(n.dot(axes.x), n.dot(axes.y));
+    const Eigen::Vector2d in_plane(n.dot(plane.x), n.dot(plane.y));
     const double cosine = in_plane.norm();
-    Eigen::Vector2d q(point.p.dot(axes.x), point.p.dot(axes.y));
+    Eigen::Vector2d q((point.p - centre).dot(plane.x), (point.p - centre).dot(plane.y));
     // half / cos(slope) along in_plane / cos(slope)
     constexpr double kSmallestCosine =
         0.05;  // such ribs are left out by kMaxSlopeRad; this only avoids a division
@@ -66,20 +68,21 @@ bool set_axes(const surface::RibGraph& graph, const surface::Chain& chain, doubl
   Eigen::Vector3d chord = Eigen::Vector3d::Zero();
   double left = 0, total = 0;
   for (const surface::RibRef& ref : chain.ribs) {
-    const auto& points = graph.sections[static_cast<std::size_t>(ref.section)]
-                             .pieces[static_cast<std::size_t>(ref.piece)]
-                             .points;
-    chord += points.back().p - points.front().p;
+    const surface::Section& section = graph.sections[static_cast<std::size_t>(ref.section)];
+    const auto& points = section.pieces[static_cast<std::size_t>(ref.piece)].points;
+    const Eigen::Vector3d sweep = graph.planes.normal(section.offset_mm);
+    chord += graph.planes.turned(points.back().p - points.front().p, -section.offset_mm);
     for (std::size_t i = 1; i < points.size(); ++i) {
       const Eigen::Vector3d d = points[i].p - points[i - 1].p;
       const Eigen::Vector3d n = waste * (points[i].normal + points[i - 1].normal).normalized();
-      left += graph.normal.cross(d).dot(n);
+      left += sweep.cross(d).dot(n);
       total += d.norm();
     }
   }
-  axes.sweep = graph.normal;
-  axes.x = (chord - chord.dot(graph.normal) * graph.normal).normalized();
-  axes.y = (left >= 0 ? 1.0 : -1.0) * graph.normal.cross(axes.x);
+  axes.planes = graph.planes;
+  axes.sweep = graph.planes.normal(0);
+  axes.x = (chord - chord.dot(axes.sweep) * axes.sweep).normalized();
+  axes.y = (left >= 0 ? 1.0 : -1.0) * axes.sweep.cross(axes.x);
   // On ribs that can be cut at all the waste lies within 60 degrees of the plane and across the rib: a mean
   // below a tenth says that it changes sides.
   constexpr double kLeast = 0.1;

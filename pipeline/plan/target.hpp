@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/plan/refusal.hpp"
+#include "pipeline/plan/rib_axes.hpp"
 #include "pipeline/settings.hpp"
 #include "surface/slice.hpp"
 
@@ -18,15 +19,14 @@ namespace hotblade::pipeline {
 
 // A rib's target in the axes of its chain.
 struct RibTarget {
-  double offset_mm = 0;                 // plane: sweep . p = offset
+  double offset_mm = 0;                 // of its plane
   std::vector<Eigen::Vector2d> points;  // (u, v) on the chain's axes, A to B
   std::vector<double> s;                // cumulative length, s.front() = 0
   double max_slope_rad = 0;
 };
 
-// Consecutive ribs in common axes: p = u x + v y + offset sweep (the axes' origin is the design's).
-struct ChainTarget {
-  Eigen::Vector3d sweep, x, y;  // y on the waste side; x cross y = +-sweep
+// Consecutive ribs in common axes, y on the waste side.
+struct ChainTarget : RibAxes {
   std::vector<RibTarget> ribs;
   std::string place;  // where in the design, for messages
 };

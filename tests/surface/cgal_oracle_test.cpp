@@ -42,7 +42,7 @@ void expect_same_sections(const TriangleMesh& mesh, const Eigen::Vector3d& norma
   options.end_inset_mm = inset;
   options.min_piece_mm = 0;
   const RibGraph graph = slice(from_mesh(mesh), options);
-  const Eigen::Vector3d n = graph.normal;
+  const Eigen::Vector3d n = graph.planes.normal(0);
   for (const Section& section : graph.sections) {
     std::vector<std::vector<Kernel::Point_3>> polylines;
     slicer(Kernel::Plane_3(n.x(), n.y(), n.z(), -section.offset_mm), std::back_inserter(polylines));

@@ -86,7 +86,7 @@ TEST(Slice, SpreadsThePlanesEvenlyFromInsetToInset) {
   const DesignSurface d = from_mesh(grid(7, 3, plate));
   const RibGraph g = slice(d, along(Vector3d::UnitX() * 3, 30, 0.5));
   ASSERT_THAT(g.sections, SizeIs(8));  // ceil(199 / 30) + 1
-  EXPECT_EQ(g.normal, Vector3d::UnitX());
+  EXPECT_EQ(g.planes.normal(0), Vector3d::UnitX());
   for (std::size_t k = 0; k < 8; ++k) {
     EXPECT_NEAR(g.sections[k].offset_mm, 0.5 + 199.0 * static_cast<double>(k) / 7, 1e-12);
   }
@@ -292,7 +292,7 @@ TEST(Slice, ReachesUpToTheEdgesOfAWindow) {
 TEST(CriticalHeights, OfAPlateWithAWindowAreItsEdges) {
   const auto flat = [](double s, double t) { return Vector3d(200 * s, 200 * t, 0); };
   const auto frame = [](int i, int j) { return i < 7 || i > 12 || j < 7 || j > 12; };
-  EXPECT_THAT(critical_heights(grid(20, 20, flat, frame), Vector3d::UnitX()),
+  EXPECT_THAT(critical_heights(grid(20, 20, flat, frame), PlaneFamily::parallel(Vector3d::UnitX())),
               ::testing::ElementsAre(0, 70, 130, 200));
 }
 
@@ -311,7 +311,7 @@ TEST(CriticalHeights, OfATorusAreFour) {
       torus.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   }
-  const std::vector<double> heights = critical_heights(torus, Vector3d::UnitZ());
+  const std::vector<double> heights = critical_heights(torus, PlaneFamily::parallel(Vector3d::UnitZ()));
   ASSERT_THAT(heights, SizeIs(4));
   const double expected[] = {-260, -140, 140, 260};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(heights[i], expected[i], 3);
