@@ -1,5 +1,7 @@
 #include "pipeline/strip_jobs.hpp"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -96,7 +98,10 @@ robot::MotionLimits planned_limits(const Program& program) {
 }
 
 bool HostPort::loopback() const {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+  in_addr v4{};
+  constexpr std::uint32_t kLoopbackNet = 127;  // 127.0.0.0/8, as an address: "127.example.org" is a name
+  const bool is_v4 = ::inet_pton(AF_INET, host.c_str(), &v4) == 1;
+  return host == "localhost" || host == "::1" || (is_v4 && ntohl(v4.s_addr) >> 24 == kLoopbackNet);
 }
 
 HostPort parse_host_port(const std::string& text, const std::string& option) {

@@ -1,6 +1,7 @@
 #include "robot/controller.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hotblade::robot {
 
@@ -66,6 +67,7 @@ protocol::Status Controller::status() const {
   s.watchdog_ms = static_cast<std::uint16_t>(std::min<std::uint64_t>(left_ms, 0xFFFF));
   s.time_us = now_us_;
   s.phase = phase_;
+  s.following_um = static_cast<std::uint32_t>(std::lround(following_mm() * 1000));
   return s;
 }
 
@@ -190,6 +192,7 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
   step_ = 0;
   phase_ = protocol::Phase::kProgram;
   held_.reset();
+  lag_s_ = 0;
   heat_off_ = false;
   stop_reason_ = StopReason::kNone;
 }
@@ -255,10 +258,16 @@ Result Controller::close() {
 
 void Controller::estop(std::uint64_t now_us) {
   move_to(now_us);
+  latch_estop();
+}
+
+void Controller::latch_estop() {
   if (state_ == State::kEstop) return;
   path_.stop_at_once();
   stop_reason_ = StopReason::kNone;
   state_ = State::kEstop;
+  phase_ = protocol::Phase::kProgram;
+  lag_s_ = 0;
   heat_off_ = true;
   if (loaded_) write_pose();
   report("estop");

@@ -15,6 +15,7 @@
 #include "robot/limits.hpp"
 #include "robot/motion.hpp"
 #include "robot/protocol.hpp"
+#include "robot/simulated_faults.hpp"
 
 namespace hotblade::robot {
 
@@ -31,7 +32,9 @@ struct ControllerOptions {
   std::uint32_t lease_ms = 5000;          // silence of the owner until somebody else may take over
   std::uint32_t heat_dwell_ms = 2000;     // HELD with a hot blade until the heat goes off
   std::uint32_t reheat_ms = 2000;         // of the motion clock: a cold blade until it cuts again
-  double time_scale = 1;                  // of the motion clock only; watchdog and lease stay in wall time
+  double following_mm = 2;                // clamps farther behind what is asked of them are a fault
+  SimulatedFaults faults;
+  double time_scale = 1;  // of the motion clock only; watchdog and lease stay in wall time
 };
 
 class Controller {
@@ -60,6 +63,9 @@ class Controller {
   void estop(std::uint64_t now_us);
   // Any frame of a connection: the owner's keep the lease and the watchdog fed.
   void heard(Connection from, std::uint64_t now_us);
+  // As told by options().faults: nothing is done any more, and a new controller should go on from the
+  // journal.
+  [[nodiscard]] bool reboot_due() const { return reboot_due_; }
   // Moves time on.
   void tick(std::uint64_t now_us);
   // Makes the log durable and publishes `executed`; to be called after a turn of work.
@@ -84,6 +90,7 @@ class Controller {
   [[nodiscard]] bool lease_alive() const;
   [[nodiscard]] bool owns(std::uint32_t token) const { return loaded_ && token == token_; }
   void feed(Connection from);
+  void latch_estop();
   void move_to(std::uint64_t now_us);
 
   protocol::Result dispatch(const protocol::Command& c, Connection from);
@@ -115,11 +122,20 @@ class Controller {
   void sample_due_poses();
   void write_pose();
   [[nodiscard]] double to_next_waypoint_s() const;
-  [[nodiscard]] HeldPose pose_on(const Waypoint& from, const Waypoint& to) const;
+  [[nodiscard]] static HeldPose pose_on(const Waypoint& from, const Waypoint& to, double path_s);
+  [[nodiscard]] double to_next_pose_s() const;
   void come_to_rest();
   void fail(protocol::Fault fault, std::uint16_t detail, std::uint32_t sequence);
   void stop(StopReason reason);
   void cool_when_due();
+
+  // What a simulated machine does wrong (simulated_faults.cpp).
+  void fail_as_told(std::uint32_t executed);
+  void estop_as_told();
+  [[nodiscard]] bool stalled() const;
+  void ask_in_vain(double& budget_s);
+  void fall_behind(double motion_s, double path_s);
+  [[nodiscard]] double following_mm() const;
 
   // Out of the kerf and back (controller_reentry.cpp).
   void go_on_from_held();
@@ -169,7 +185,8 @@ class Controller {
   std::uint32_t boundary_ = 0;    // where the heat came on: the end of a retraction
   double reheated_at_s_ = 0;      // of the motion clock
   std::optional<HeldPose> held_;  // after a restart, until the path is known to lead through it
-  bool heat_off_ = false;
+  double lag_s_ = 0;              // how far the place asked for is ahead of the clamps, of the path's time
+  bool heat_off_ = false, reboot_due_ = false;
   std::uint64_t held_since_us_ = 0;
 };
 

@@ -51,6 +51,7 @@ void Controller::move_to(std::uint64_t now_us) {
 
 // A fault stops along the path too: what is passed on the way is executed and on record.
 bool Controller::moving() const {
+  if (reboot_due_) return false;
   const bool at_work = !path_.at_rest() || phase_ == Phase::kReheat;
   return (state_ == State::kRunning || state_ == State::kFault) && at_work;
 }
@@ -72,6 +73,10 @@ void Controller::run_motion(double budget_s) {
       spend_reheating(budget_s);
       continue;
     }
+    if (stalled()) {
+      ask_in_vain(budget_s);
+      continue;
+    }
     if (path_.backwards()) {
       brake_for_boundary();
       if (!path_.backwards()) continue;
@@ -81,10 +86,12 @@ void Controller::run_motion(double budget_s) {
       stop(StopReason::kUnderrun);
       continue;
     }
-    const double step = step_length(budget_s);
+    const double drives = options_.faults.slow;
+    const double step = step_length(budget_s * drives);
     path_.advance(step);
-    motion_s_ += step;
-    budget_s -= step;
+    motion_s_ += step / drives;
+    budget_s -= step / drives;
+    if (drives < 1) fall_behind(step / drives, step);
     settle();
   }
 }
@@ -96,12 +103,18 @@ void Controller::run_dry() {
   come_to_rest();
 }
 
-// The time to the next thing that happens: waypoint, pose, end of a ramp, start of braking, end of the
-// budget.
+double Controller::to_next_pose_s() const {
+  return static_cast<double>(poses_written_) * kPoseStep_s - motion_s_;
+}
+
+// The path clock's time to the next thing that happens: waypoint, pose, end of a ramp, start of braking, end
+// of the budget.
 double Controller::step_length(double budget_s) const {
   const double to_waypoint = path_.time_to(to_next_waypoint_s());
-  const double to_pose = static_cast<double>(poses_written_) * kPoseStep_s - motion_s_;
-  double step = std::min({budget_s, to_waypoint, std::max(to_pose, 0.0), path_.ramp_left_s()});
+  double to_event = std::max(to_next_pose_s(), 0.0);
+  if (options_.faults.estop_at_s)
+    to_event = std::min(to_event, std::max(*options_.faults.estop_at_s - motion_s_, 0.0));
+  double step = std::min({budget_s, to_waypoint, to_event * options_.faults.slow, path_.ramp_left_s()});
   if (path_.backwards())
     return path_.stopping() ? step : std::min(step, path_.time_to_brake_for(to_boundary_s()));
   const bool complete = job_.accepted() == job_.count;
@@ -118,12 +131,14 @@ void Controller::settle() {
   constexpr double kRounding_s = 1e-9;  // far below the microsecond that times are given in
   if (to_next_waypoint_s() <= kRounding_s) path_.snap(time_s(path_.backwards() ? from_ : to_));
   sample_due_poses();
+  estop_as_told();
   if (path_.backwards()) {
     step_back();
   } else {
     execute_due();
   }
-  if (state_ == State::kDone || !path_.at_rest() || phase_ == Phase::kReheat) return;
+  if (state_ != State::kRunning && state_ != State::kFault) return;
+  if (!path_.at_rest() || phase_ == Phase::kReheat) return;
   if (path_.backwards() && stop_reason_ == StopReason::kNone) return begin_reheat();
   come_to_rest();
 }
@@ -166,6 +181,7 @@ void Controller::execute_next() {
   step_ = job_.executed++;
   phase_ = Phase::kProgram;
   uncommitted_ = true;
+  fail_as_told(job_.executed - 1);
   if (job_.executed < job_.count) return;
   path_.stop_at_once();
   if (state_ == State::kFault) return;
@@ -184,14 +200,14 @@ void Controller::sample_due_poses() {
 
 void Controller::write_pose() {
   if (sink_ == nullptr || job_.executed == 0) return;
-  const HeldPose now = held_ ? *held_ : pose_on(from_, to_);
-  sink_->pose(
-      {job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(), 0});
+  const HeldPose now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
+  sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
+               following_mm()});
 }
 
-HeldPose Controller::pose_on(const Waypoint& from, const Waypoint& to) const {
+HeldPose Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {
   const double length = time_s(to) - time_s(from);
-  const double share = length > 0 ? std::clamp((path_.path_s() - time_s(from)) / length, 0.0, 1.0) : 0;
+  const double share = length > 0 ? std::clamp((path_s - time_s(from)) / length, 0.0, 1.0) : 0;
   return {interpolate(from.a, to.a, share), interpolate(from.b, to.b, share)};
 }
 
@@ -206,6 +222,7 @@ void Controller::stop(StopReason reason) {
 void Controller::come_to_rest() {
   held_since_us_ = now_us_;
   phase_ = Phase::kProgram;
+  lag_s_ = 0;
   if (stop_reason_ == StopReason::kFault || state_ == State::kFault) {
     write_pose();
     return;

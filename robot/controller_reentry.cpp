@@ -73,9 +73,8 @@ void Controller::begin_reheat() {
 }
 
 void Controller::spend_reheating(double& budget_s) {
-  constexpr double kPoseStep_s = 0.01;
-  const double to_pose = static_cast<double>(poses_written_) * kPoseStep_s - motion_s_;
-  const double step = std::min({budget_s, std::max(reheated_at_s_ - motion_s_, 0.0), std::max(to_pose, 0.0)});
+  const double step =
+      std::min({budget_s, std::max(reheated_at_s_ - motion_s_, 0.0), std::max(to_next_pose_s(), 0.0)});
   motion_s_ += step;
   budget_s -= step;
   sample_due_poses();
@@ -151,7 +150,7 @@ void Controller::replay(const ControllerJournal& journal) {
 bool Controller::agrees_with_held_pose(const Waypoint& from, const Waypoint& to) const {
   // Far above the log's decimals and half a microsecond on the way, far below what a blade feels.
   constexpr double kSlack_mm = 0.01, kSlack_rad = 1e-4;
-  const HeldPose path = pose_on(from, to);
+  const HeldPose path = pose_on(from, to, path_.path_s());
   const auto near = [](const Pose& a, const Pose& b) {
     return (a.p - b.p).norm() <= kSlack_mm && a.q.angularDistance(b.q) <= kSlack_rad;
   };

@@ -241,6 +241,7 @@ void ControllerServer::Impl::make_room() {
 void ControllerServer::Impl::tick() {
   controller_.tick(now_us());
   controller_.commit();
+  if (controller_.reboot_due()) return io_.stop();
   evict();
   timer_.expires_after(kTick);
   timer_.async_wait([this](asio::error_code error) {

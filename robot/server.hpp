@@ -40,7 +40,7 @@ class ControllerServer {
   ControllerServer& operator=(const ControllerServer&) = delete;
 
   [[nodiscard]] std::uint16_t port() const;
-  // Serves until stop().
+  // Serves until stop(), or until the controller is to start again (Controller::reboot_due).
   void run();
   // From any thread.
   void stop();

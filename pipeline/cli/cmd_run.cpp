@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "pipeline/branch.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/run_journal.hpp"
 #include "pipeline/strip_jobs.hpp"
 #include "robot/client.hpp"
 
@@ -56,6 +59,21 @@ std::size_t index_of(const std::vector<Job>& jobs, const std::string& strip) {
     known += (i > 0 ? ", " : "") + jobs[i].strip;
   }
   throw CommandError(Exit::kUsage, "--strip: unknown strip (" + strip + "): the program has " + known);
+}
+
+// Whether the controller is still the one our own journal speaks of, and has the job as we left it.
+void check_journal(const std::vector<Job>& jobs, const RunJournal& ours,
+                   const robot::protocol::Status& status, const std::string& place) {
+  const auto job = std::find_if(jobs.begin(), jobs.end(), [&](const Job& j) { return j.id == ours.job; });
+  if (job == jobs.end()) return;  // of another version of the program
+  if (status.job_id == ours.job && status.run == ours.run && status.token >= ours.token) return;
+  throw CommandError(
+      Exit::kController,
+      fmt::format("{}: strip {} was under way (run {}, token {}), but the controller knows run {} of job {} "
+                  "with token {}: another controller, or one without its log; see to the block, then start "
+                  "anew with --strip {}",
+                  place, job->strip, ours.run, ours.token, status.run, robot::to_hex(status.job_id),
+                  status.token, job->strip));
 }
 
 // Where a run that was left goes on, from what the controller remembers of its last job.
@@ -127,10 +145,19 @@ std::string progress_text(const Job& job, const StreamProgress& p) {
   return text;
 }
 
+// " [S003 S003R012, cut, 12.350 s]": the strip's rib that a waypoint belongs to, its phase and time.
+std::string place_of(const Strip& strip, std::optional<std::uint32_t> waypoint) {
+  if (!waypoint || *waypoint >= strip.poses.size()) return "";
+  const BladePose& pose = strip.poses[*waypoint];
+  std::string rib = pose.rib ? strip.ribs[static_cast<std::size_t>(*pose.rib)].id : rib_at(strip, *waypoint);
+  if (rib.empty()) rib = "no rib";
+  return fmt::format(" [{}, {}, {}, {:.3f} s]", strip.id, rib, pose.phase, pose.t);
+}
+
 class Runner {
  public:
   Runner(const RunArguments& arguments, const HostPort& where, const Console& console)
-      : arguments_(arguments), console_(console) {
+      : arguments_(arguments), console_(console), journal_(arguments.program, where) {
     link_.host = where.host;
     link_.port = where.port;
     link_.interrupted = [] { return interrupted(); };
@@ -144,7 +171,10 @@ class Runner {
                  std::size_t done);
 
   const RunArguments& arguments_;
+  void tell_how_to_go_on() const;
+
   const Console& console_;
+  RunJournalFile journal_;
   robot::StreamOptions link_;
 };
 
@@ -153,6 +183,7 @@ robot::ControllerSnapshot Runner::meet() {
     const auto cleared = robot::reset(link_);
     if (cleared.outcome != StreamOutcome::kDone)
       throw CommandError(code_of(cleared.outcome), cleared.message);
+    journal_.remove();
   }
   auto now = robot::look(link_);
   if (!now.reached) throw CommandError(Exit::kController, now.message);
@@ -167,7 +198,11 @@ robot::ControllerSnapshot Runner::meet() {
 
 Exit Runner::run(const StripJobs& work) {
   if (!arguments_.strip.empty()) index_of(work.jobs, arguments_.strip);
-  const Plan plan = make_plan(arguments_, work.jobs, meet());
+  const auto now = meet();
+  if (const auto ours = journal_.read(); arguments_.resume && ours)
+    check_journal(work.jobs, *ours, now.status, arguments_.connect);
+  const Plan plan = make_plan(arguments_, work.jobs, now);
+  if (plan.first == plan.end) journal_.remove();
   std::size_t total = 0, done = 0;
   for (std::size_t i = plan.first; i < plan.end; ++i) total += work.jobs[i].size();
   if (total == 0) console_.note("nothing left to run");
@@ -190,19 +225,24 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
     console_.report_progress(progress_text(job, p),
                              static_cast<double>(done + p.executed) / static_cast<double>(total));
   };
+  options.opened = [&](std::uint32_t run, std::uint32_t token) { journal_.write({job.id, run, token}); };
   const robot::StreamReport report = robot::stream(job, options);
   console_.end_progress();
   const Exit code = code_of(report.outcome);
-  if (code != Exit::kOk) console_.warn(report.message);
-  if (code == Exit::kInterrupted) {
-    console_.warn(fmt::format("to go on: hotblade run {} --connect {} --resume", arguments_.program,
-                              arguments_.connect));
-    return code;
-  }
+  if (code == Exit::kOk) journal_.remove();
+  if (code != Exit::kOk) console_.warn(report.message + place_of(work.program.strips[index], report.at));
+  if (code == Exit::kInterrupted || report.outcome == StreamOutcome::kLinkLost) tell_how_to_go_on();
+  if (code == Exit::kInterrupted) return code;
   std::cout << fmt::format("{} {} of {} waypoints executed, run {}, job {}, {} reconnects\n", job.strip,
                            report.executed, job.size(), report.run, robot::to_hex(job.id), report.reconnects)
             << std::flush;
   return code;
+}
+
+void Runner::tell_how_to_go_on() const {
+  console_.warn(fmt::format("to go on: hotblade run {} --connect {} --resume{}{}", arguments_.program,
+                            arguments_.connect, arguments_.overridden ? " --override" : "",
+                            arguments_.allow_remote ? " --allow-remote" : ""));
 }
 
 Exit run(const RunArguments& arguments, const Console& console) {

@@ -22,7 +22,7 @@ namespace {
 
 struct SimArguments {
   std::string listen = "127.0.0.1:1502", log, machine, time_scale = "1";
-  std::vector<std::string> allow;
+  std::vector<std::string> allow, faults;
   bool no_equilibrium = false;
 };
 
@@ -96,27 +96,57 @@ class StopWatch {
   std::thread thread_;
 };
 
+robot::SimulatedFaults simulated_faults(const SimArguments& arguments) {
+  robot::SimulatedFaults faults;
+  for (const std::string& spec : arguments.faults) {
+    try {
+      faults.add(spec);
+    } catch (const robot::FaultSpecError& error) {
+      throw CommandError(Exit::kUsage, std::string("--fault: ") + error.what());
+    }
+  }
+  if (faults.reboot_at && arguments.log.empty())
+    throw CommandError(Exit::kUsage, "--fault: reboot@WAYPOINT: goes on from the journal: add --log FILE");
+  return faults;
+}
+
+// One life of the controller; true when it is to start again.
+bool serve(const SimArguments& arguments, robot::ControllerOptions& options,
+           robot::ServerOptions& server_options, const Console& console, bool first) {
+  std::unique_ptr<robot::ExecutionLog> log;
+  if (!arguments.log.empty())
+    log = std::make_unique<robot::ExecutionLog>(arguments.log, robot::ExecutionLog::Options{});
+  robot::Controller controller(options, log.get());
+  take_up_journal(arguments, controller, console);
+  robot::ControllerServer server(server_options, controller);
+  if (first)
+    std::cout << fmt::format("listening on {}:{}\n", server_options.address, server.port()) << std::flush;
+  {
+    const StopWatch watch(server);
+    server.run();
+  }
+  server_options.port = server.port();
+  options.faults = controller.options().faults;  // what has happened does not happen again
+  return controller.reboot_due() && !interrupted();
+}
+
 Exit sim(const SimArguments& arguments, const Console& console) {
-  const robot::ControllerOptions options = controller_options(arguments);
+  robot::ControllerOptions options = controller_options(arguments);
+  options.faults = simulated_faults(arguments);
   const HostPort listen = parse_host_port(arguments.listen, "--listen");
   robot::ServerOptions server_options;
   server_options.address = listen.host;
   server_options.port = listen.port;
   server_options.allow = arguments.allow;
+  console.note("simulator: nothing moves, and the blade's equilibrium is not checked");
+  if (!listen.loopback() && !arguments.allow.empty())
+    console.warn(fmt::format("--listen: open to the network ({}) for {}", arguments.listen,
+                             fmt::join(arguments.allow, ", ")));
   try {
-    std::unique_ptr<robot::ExecutionLog> log;
-    if (!arguments.log.empty())
-      log = std::make_unique<robot::ExecutionLog>(arguments.log, robot::ExecutionLog::Options{});
-    robot::Controller controller(options, log.get());
-    take_up_journal(arguments, controller, console);
-    robot::ControllerServer server(server_options, controller);
-    if (!listen.loopback())
-      console.warn("--listen: open to the network (" + arguments.listen + ") for " +
-                   fmt::format("{}", fmt::join(arguments.allow, ", ")));
-    console.note("simulator: nothing moves, and the blade's equilibrium is not checked");
-    std::cout << fmt::format("listening on {}:{}\n", listen.host, server.port()) << std::flush;
-    const StopWatch watch(server);
-    server.run();
+    for (bool first = true; serve(arguments, options, server_options, console, first); first = false) {
+      console.note("simulator: --fault reboot: starts again from " + arguments.log);
+      options.boot_id = std::random_device{}() | 1u;
+    }
   } catch (const robot::LogError& error) {
     throw CommandError(Exit::kFile, error.what());
   } catch (const robot::ServerError& error) {
@@ -146,6 +176,11 @@ void add_sim(CLI::App& app, const Console& console, Action& action) {
       ->capture_default_str();
   command->add_option("--allow", arguments->allow, "A peer that may connect, besides this host")
       ->type_name("ADDR");
+  command
+      ->add_option(
+          "--fault", arguments->faults,
+          "What goes wrong: slow=FACTOR, fault@WAYPOINT, estop@SECONDS, reboot@WAYPOINT, stall[@WAYPOINT]")
+      ->type_name("SPEC");
   command->add_flag("--no-equilibrium", arguments->no_equilibrium,
                     "Leave out the check of the blade's equilibrium (it is always left out in this version)");
   command->footer("Ends on Ctrl-C.\nExample: hotblade sim --listen 127.0.0.1:1502 --log execution.jsonl");

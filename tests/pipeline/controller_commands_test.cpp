@@ -42,10 +42,15 @@ class ControllerCommands : public ::testing::Test {
   void write(const Program& program) { std::ofstream(file_) << to_json(program); }
 
   // Starts `hotblade sim` and waits until it answers.
-  void simulate(const std::string& time_scale) {
+  void simulate(const std::string& time_scale, const std::vector<std::string>& more = {}) {
     port_ = free_port();
-    sim_ = std::make_unique<Process>(std::vector<std::string>{"sim", "--listen", place(), "--log",
-                                                              log_.string(), "--time-scale", time_scale});
+    start_sim(time_scale, more);
+  }
+  void start_sim(const std::string& time_scale, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"sim",         "--listen",     place(),   "--log",
+                                       log_.string(), "--time-scale", time_scale};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    sim_ = std::make_unique<Process>(arguments);
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
     while (!now().reached && std::chrono::steady_clock::now() < patience) {
     }
@@ -126,6 +131,7 @@ TEST_F(ControllerCommands, WrongUseExitsByTheTable) {
   EXPECT_EQ(hotblade({"dryrun", program, "--design", program}).code, 3) << "another design";
   EXPECT_EQ(hotblade({"run", program, "--connect", "127.0.0.1"}).code, 2);
   EXPECT_EQ(hotblade({"run", program, "--connect", "127.0.0.1:99999"}).code, 2);
+  EXPECT_EQ(hotblade({"run", program, "--connect", "127.example.invalid:502", "--yes"}).code, 2) << "a name";
   const Ended remote = hotblade({"run", program, "--connect", "192.0.2.1:502", "--yes"});
   EXPECT_EQ(remote.code, 2);
   EXPECT_THAT(remote.err, HasSubstr("--allow-remote"));
@@ -213,6 +219,93 @@ TEST_F(ControllerCommands, CtrlCHoldsAndSaysHowToGoOn) {
   EXPECT_EQ(hotblade(run_arguments({"--resume"})).code, 0);
   stop_sim();
   expect_log_holds();
+}
+
+TEST_F(ControllerCommands, KillsOfClientAndControllerAreResumedFromTheirJournals) {
+  write(testing::motion_program(2, 200));
+  simulate("8");
+  const auto journal =
+      std::filesystem::path(file_.string() + ".127.0.0.1-" + std::to_string(port_) + ".resume");
+  {
+    Process first(run_arguments());
+    wait_until([](const auto& status) { return status.executed > 60; });
+    EXPECT_TRUE(std::filesystem::exists(journal));
+    ::kill(first.pid(), SIGKILL);
+    first.wait();
+    ::kill(sim_->pid(), SIGKILL);
+    sim_->wait();
+  }
+  start_sim("8");
+  EXPECT_EQ(now().status.state, State::kHeld);
+  {
+    Process second(run_arguments({"--resume"}));
+    wait_until([](const auto& status) { return status.executed > 120; });
+    ::kill(sim_->pid(), SIGKILL);  // the client stays
+    sim_->wait();
+    start_sim("8");
+    const Ended ended = second.wait();
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_THAT(ended.out, HasSubstr("S001 200 of 200"));
+    EXPECT_THAT(ended.out, HasSubstr("S002 200 of 200"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(journal)) << "only while a strip is unfinished";
+  stop_sim();
+  expect_log_holds();
+}
+
+TEST_F(ControllerCommands, AnotherControllerThanTheOneLeftIsNotResumed) {
+  write(testing::motion_program(1, 200));
+  simulate("4");
+  {
+    Process first(run_arguments());
+    wait_until([](const auto& status) { return status.executed > 40; });
+    ::kill(first.pid(), SIGKILL);
+    first.wait();
+    ::kill(sim_->pid(), SIGKILL);
+    sim_->wait();
+  }
+  std::filesystem::remove(log_);
+  start_sim("max");
+  const Ended ended = hotblade(run_arguments({"--resume"}));
+  EXPECT_EQ(ended.code, 6);
+  EXPECT_THAT(ended.err, ::testing::AllOf(HasSubstr("S001"), HasSubstr("run 1"), HasSubstr("--strip S001")));
+  EXPECT_EQ(now().status.executed, 0u) << "nothing moved";
+  EXPECT_EQ(hotblade(run_arguments({"--strip", "S001"})).code, 0) << "anew";
+}
+
+TEST_F(ControllerCommands, ARebootOfTheControllerChangesNothing) {
+  write(testing::motion_program(2, 300));
+  simulate("max", {"--fault", "reboot@100"});
+  const Ended ended = hotblade(run_arguments());
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const Ended sim = stop_sim();
+  EXPECT_THAT(sim.err, HasSubstr("starts again from"));
+  expect_log_holds();
+}
+
+TEST_F(ControllerCommands, AFaultIsToldWithItsStripRibAndPhase) {
+  auto program = testing::motion_program(1, 200);
+  const auto& pose = program.strips[0].poses[60];
+  const std::string rib =
+      pose.rib ? program.strips[0].ribs.at(static_cast<std::size_t>(*pose.rib)).id : "no rib";
+  write(program);
+  simulate("max", {"--fault", "fault@60"});
+  const Ended ended = hotblade(run_arguments());
+  EXPECT_EQ(ended.code, 6);
+  EXPECT_THAT(ended.err, HasSubstr("FAULT DRIVE at waypoint 60"));
+  EXPECT_THAT(ended.err, HasSubstr("[S001, " + rib + ", " + pose.phase));
+  const Ended again = hotblade(run_arguments({"--reset"}));
+  EXPECT_EQ(again.code, 0) << "it happens once: " << again.err;
+}
+
+TEST_F(ControllerCommands, FaultsAreCheckedBeforeAnythingIsServed) {
+  const Ended unknown = hotblade({"sim", "--listen", "127.0.0.1:0", "--fault", "melt"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("slow=FACTOR"));
+  EXPECT_EQ(hotblade({"sim", "--listen", "127.0.0.1:0", "--fault", "slow=3"}).code, 2);
+  const Ended reboot = hotblade({"sim", "--listen", "127.0.0.1:0", "--fault", "reboot@3"});
+  EXPECT_EQ(reboot.code, 2);
+  EXPECT_THAT(reboot.err, HasSubstr("--log"));
 }
 
 // Every sample as planned, streamed by the program over links that fail.
