@@ -155,6 +155,7 @@ struct RangeCheck {
   void operator()(const double* v) const { check(*v); }
   void operator()(const int* v) const { check(*v); }
   void operator()(const std::string* v) const {
+    if (field.choices == kAnyText) return;
     const auto words = choices(field);
     if (std::find(words.begin(), words.end(), *v) != words.end()) return;
     fail_key(origins, full_key(field),
@@ -185,15 +186,14 @@ void check_together(const Settings& s, const Origins& origins) {
   if (std::adjacent_find(lengths.begin(), lengths.end(), std::greater_equal<>()) != lengths.end()) {
     fail_key(origins, "blade.free_lengths_mm", "(not ascending): list every length once, shortest first");
   }
-  if (s.slice.direction) {
-    const auto& d = *s.slice.direction;
-    const double size = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
-    if (size < kMinDirection) {
-      fail_key(origins, "slice.direction",
-               "(zero, must have a component of at least " + number_text(kMinDirection) +
-                   "): leave it out to have it searched");
-    }
-  }
+  const auto has_length = [&](const char* key, const std::optional<std::array<double, 3>>& d,
+                              const char* hint) {
+    if (!d || std::max({std::abs((*d)[0]), std::abs((*d)[1]), std::abs((*d)[2])}) >= kMinDirection) return;
+    fail_key(origins, key,
+             "(zero, must have a component of at least " + number_text(kMinDirection) + "): " + hint);
+  };
+  has_length("slice.direction", s.slice.direction, "leave it out to have it searched");
+  has_length("design.facing", s.design.facing, "leave it out to cut all faces");
   at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.width_mm", s.blade.width_mm);
   if (s.blade.kerf_mm < s.blade.thickness_mm) {
     fail_key(origins, "blade.kerf_mm",

@@ -18,7 +18,11 @@ struct DesignSettings {
   std::string units;           // mm, cm, m, in, ft; required, no default
   std::string up = "z";        // z or y
   std::string keep = "below";  // below, above, back, front: the foam that stays
-  std::string group;  // OBJ group to cut; empty: the whole file. Not cut selectively yet: must be empty
+  std::string group;           // OBJ group or object to cut; empty: the whole file
+  // Faces to cut: those that look in this direction of the design frame; absent: all.
+  std::optional<std::array<double, 3>> facing;
+  double facing_max_deg = 80;     // between a face's normal and `facing`
+  double stitch_mm = 0;           // borders of the design this close to each other are joined
   double tolerance_mm = 1.0;      // accepted deviation between cut and design
   double max_uncut_share = 0.01;  // of the design's area that no strip reaches
 };
@@ -32,8 +36,8 @@ struct FitSettings {
   double lambda_threshold =
       0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
   double deviation_share = 0.5;  // of the tolerance that one rib's elastica may deviate from its target
-  double between_share = 0.1;    // of the tolerance that the surface between ribs may be farther off than they
-  int max_splits = 12;           // along a rib
+  double between_share = 0.1;  // of the tolerance that the surface between ribs may be farther off than they
+  int max_splits = 12;         // along a rib
 };
 
 struct BladeSettings {

@@ -20,8 +20,16 @@ constexpr SettingField kFields[] = {
     {"design", "keep", "", 0, 0, "below|above|back|front",
      "Foam that stays: below or above the surface, or behind or before the face normals",
      [](S& s) -> Place { return &s.design.keep; }},
-    {"design", "group", "", 0, 0, "", "OBJ group to cut; must be empty: the whole file is cut",
+    {"design", "group", "", 0, 0, kAnyText, "OBJ group or object to cut; empty: the whole file",
      [](S& s) -> Place { return &s.design.group; }},
+    {"design", "facing", "", -1000, 1000, "",
+     "Cut the faces that look in this direction of the design frame, as of a solid; absent: all",
+     [](S& s) -> Place { return &s.design.facing; }},
+    {"design", "facing_max_deg", "deg", 0, 180, "", "Largest angle between a face's normal and design.facing",
+     [](S& s) -> Place { return &s.design.facing_max_deg; }},
+    {"design", "stitch_mm", "mm", 0, 10, "",
+     "Border vertices of the design this close to another border are joined; 0: none",
+     [](S& s) -> Place { return &s.design.stitch_mm; }},
     {"design", "tolerance_mm", "mm", 0.01, 100, "", "Accepted deviation between cut and design",
      [](S& s) -> Place { return &s.design.tolerance_mm; }},
     {"design", "max_uncut_share", "", 0, 1, "",
@@ -31,7 +39,8 @@ constexpr SettingField kFields[] = {
     {"slice", "direction", "", -1000, 1000, "",
      "Normal of the rib planes in the design frame, of any length; absent: searched",
      [](S& s) -> Place { return &s.slice.direction; }},
-    {"slice", "spacing_mm", "mm", 0.5, 500, "", "Largest distance between the sections that ribs are chosen from",
+    {"slice", "spacing_mm", "mm", 0.5, 500, "",
+     "Largest distance between the sections that ribs are chosen from",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
 
     {"fit", "lambda_threshold", "", 0, 10, "",
@@ -172,6 +181,7 @@ std::string range_text(const SettingField& field) {
   Settings defaults;
   const SettingPlace place = field.place(defaults);
   if (std::holds_alternative<std::string*>(place)) {
+    if (field.choices == kAnyText) return "any text";
     std::string text;
     for (const std::string& word : choices(field)) {
       if (word.empty()) continue;

@@ -18,10 +18,13 @@ namespace hotblade::pipeline {
 using SettingPlace = std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
                                   std::optional<std::array<double, 3>>*>;
 
+inline constexpr std::string_view kAnyText = "*";
+
 struct SettingField {
   std::string_view section, key, unit;
   double min = 0, max = 0;   // of a number, or of every number of a list; both included
-  std::string_view choices;  // of a string: the words allowed, separated by '|'; an empty word means unset
+  std::string_view choices;  // of a string: the words allowed, separated by '|'; an empty word means unset;
+                             // kAnyText: any
   std::string_view description;
   SettingPlace (*place)(Settings&);
 };

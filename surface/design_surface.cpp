@@ -92,6 +92,9 @@ DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& opt
   if (options.up != 'z' && options.up != 'y') {
     throw std::logic_error(std::string("unknown up axis ('") + options.up + "'): give z or y");
   }
+  if (!(options.stitch_mm >= 0) || (options.facing && !(options.facing->norm() > 0))) {
+    throw std::logic_error("read_obj: stitch_mm has to be 0 or more and facing has to have a length");
+  }
   DesignSurface design;
   design.file_name = file.filename().string();
   design.units = options.units;
@@ -104,12 +107,19 @@ DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& opt
   design.health.file_vertices = obj.positions.size();
   design.health.file_faces = obj.faces();
   design.health.warnings = std::move(obj.warnings);
+  if (!options.group.empty()) {
+    keep_group(obj, options.group, file.string());
+    design.health.repairs.push_back("took the " + std::to_string(obj.faces()) + " of " +
+                                    std::to_string(design.health.file_faces) + " faces in group " +
+                                    options.group);
+  }
   to_design_frame(obj.positions, design.scale_to_mm, options.up);
   std::vector<Eigen::Vector3d> positions = std::exchange(obj.positions, {});
-  RepairedMesh repaired = repair_mesh(obj, std::move(positions), file.string(), design.health);
+  RepairedMesh repaired = repair_mesh(obj, std::move(positions), options, file.string(), design.health);
   measure_mesh(repaired, design.health);
   warn_of_size(design.units, design.health);
   design.mesh = std::move(repaired.mesh);
+  design.face_line = std::move(repaired.line);
   return design;
 }
 

@@ -4,7 +4,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -47,6 +49,7 @@ struct Health {
 
 struct DesignSurface {
   TriangleMesh mesh;
+  std::vector<std::uint32_t> face_line;  // per triangle: the line of the OBJ where its face starts
   Health health;
   std::string file_name;  // base name
   std::string sha256;     // of the file's bytes, lower-case hex
@@ -58,6 +61,12 @@ struct DesignSurface {
 struct ReadOptions {
   std::string units;  // required: mm, cm, m, in or ft
   char up = 'z';      // 'z' or 'y'; y-up input is turned (x, y, z) -> (x, -z, y)
+  std::string group = {};  // take the faces of this group or object only; empty: all
+  // Take the faces whose normal, as the file winds them, is within facing_max_rad of this direction of the
+  // design frame, of any length; absent: all.
+  std::optional<Eigen::Vector3d> facing = std::nullopt;
+  double facing_max_rad = 1.4;
+  double stitch_mm = 0;  // join border vertices of the design that lie within this distance; 0: none
 };
 
 // Scale of a unit name to mm; throws std::logic_error for an unknown name.

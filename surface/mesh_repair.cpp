@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -11,6 +13,7 @@
 #include "surface/needles.hpp"
 #include "surface/place_text.hpp"
 #include "surface/polygon.hpp"
+#include "surface/stitches.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -50,22 +53,26 @@ std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangle
 
 class Repair {
  public:
-  Repair(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const std::string& name, Health& health)
-      : obj_(obj), name_(name), health_(health) {
+  Repair(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
+         const std::string& name, Health& health)
+      : obj_(obj), options_(options), name_(name), health_(health) {
     mesh_.vertices = std::move(positions);
   }
 
   RepairedMesh run() {
     const std::vector<int> first = merge_positions(mesh_.vertices);
     cut_into_triangles(first);
+    if (options_.facing) take_facing(*options_.facing, std::cos(options_.facing_max_rad));
+    if (options_.stitch_mm > 0) stitch();
     drop_duplicates();
     take_out_needles();
     drop_unused(first);
     FaceLinks links = link_faces(mesh_.triangles);
     report_crowded_edges(links);
     turn_to_agree(links);
+    if (!(options_.stitch_mm > 0)) mention_gaps(links);
     if (links.crowded_edges == 0) part_touching_sheets(links);
-    return {std::move(mesh_), links.edges};
+    return {std::move(mesh_), std::move(line_), links.edges};
   }
 
  private:
@@ -107,6 +114,67 @@ class Repair {
     while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
   }
 
+  // The faces that look towards `direction`, before any is turned over.
+  void take_facing(const Eigen::Vector3d& direction, double least_cosine) {
+    const std::size_t all = mesh_.triangles.size();
+    keep_triangles([&](const std::array<int, 3>& t) {
+      const Eigen::Vector3d normal = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
+      return normal.dot(direction) >= least_cosine * normal.norm() * direction.norm() && normal.norm() > 0;
+    });
+    if (mesh_.triangles.empty()) {
+      throw MeshError(name_ + ": no face looks in the direction of design.facing (" +
+                      counted(all, "triangle", "triangles") + "): turn it round or allow a larger angle");
+    }
+    health_.repairs.push_back("took the " + std::to_string(mesh_.triangles.size()) + " of " +
+                              std::to_string(all) + " triangles that look in the direction of design.facing");
+  }
+
+  template <class Wanted>
+  void keep_triangles(const Wanted& wanted) {
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < mesh_.triangles.size(); ++f) {
+      if (!wanted(mesh_.triangles[f])) continue;
+      mesh_.triangles[kept] = mesh_.triangles[f];
+      line_[kept++] = line_[f];
+    }
+    mesh_.triangles.resize(kept);
+    line_.resize(kept);
+  }
+
+  void mention_gaps(const FaceLinks& links) {
+    // Sheets are not drawn so close to each other on purpose.
+    constexpr double kGap_mm = 0.1;
+    const Stitches found = find_stitches(mesh_.vertices, mesh_.triangles, links, kGap_mm);
+    if (found.joined == 0) return;
+    health_.warnings.push_back(counted(found.joined, "border vertex", "border vertices") + " within " +
+                               decimal(kGap_mm) + " mm of another border, the first at " +
+                               place_text(at(found.first)) +
+                               ": if the sheets belong together, set design.stitch_mm");
+  }
+
+  // Joins borders that almost meet; a face whose corners become one has no area any more.
+  void stitch() {
+    const FaceLinks links = link_faces(mesh_.triangles);
+    const Stitches found = find_stitches(mesh_.vertices, mesh_.triangles, links, options_.stitch_mm);
+    if (found.joined == 0) return;
+    for (auto& t : mesh_.triangles) {
+      for (int& v : t) v = found.vertex[static_cast<std::size_t>(v)];
+    }
+    const std::size_t before = mesh_.triangles.size();
+    keep_triangles([](const auto& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; });
+    health_.degenerate_faces += before - mesh_.triangles.size();
+    stitched_ = found.joined;
+    health_.repairs.push_back("stitched " + counted(found.joined, "border vertex", "border vertices") +
+                              " to another border, moved by at most " + decimal(found.largest_move_mm) +
+                              " mm");
+  }
+
+  static std::string decimal(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+  }
+
   void take_out_needles() {
     WithoutNeedles clean = remove_needles(mesh_.vertices, std::move(mesh_.triangles), std::move(line_));
     mesh_.triangles = std::move(clean.triangles);
@@ -125,16 +193,13 @@ class Repair {
   // Of faces over the same three vertices the first stays, whichever way round the others are.
   void drop_duplicates() {
     const std::vector<int> first = match_triangles(mesh_.triangles);
-    std::size_t kept = 0;
-    for (std::size_t f = 0; f < first.size(); ++f) {
-      if (first[f] != static_cast<int>(f)) continue;
-      mesh_.triangles[kept] = mesh_.triangles[f];
-      line_[kept++] = line_[f];
-    }
-    health_.duplicate_faces = first.size() - kept;
+    std::size_t face = 0;
+    keep_triangles([&](const auto&) {
+      const std::size_t f = face++;
+      return first[f] == static_cast<int>(f);
+    });
+    health_.duplicate_faces = first.size() - mesh_.triangles.size();
     if (health_.duplicate_faces == 0) return;
-    mesh_.triangles.resize(kept);
-    line_.resize(kept);
     health_.repairs.push_back("dropped " + counted(health_.duplicate_faces, "face", "faces") +
                               " lying on another with the same corners");
   }
@@ -157,7 +222,7 @@ class Repair {
     for (auto& t : mesh_.triangles) {
       for (int& v : t) v = renamed[static_cast<std::size_t>(v)];
     }
-    health_.unused_vertices = first.size() - merged - static_cast<std::size_t>(kept);
+    health_.unused_vertices = first.size() - merged - stitched_ - static_cast<std::size_t>(kept);
     mesh_.vertices.resize(static_cast<std::size_t>(kept));
     mesh_.vertices.shrink_to_fit();
     if (merged > 0) {
@@ -304,18 +369,20 @@ class Repair {
   }
 
   const ObjText& obj_;
+  const ReadOptions& options_;
   const std::string& name_;
   Health& health_;
   TriangleMesh mesh_;
   std::vector<std::uint32_t> line_;  // per triangle
   std::vector<int> obj_number_;      // per vertex, before sheets are parted
+  std::size_t stitched_ = 0;         // vertices
 };
 
 }  // namespace
 
-RepairedMesh repair_mesh(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const std::string& name,
-                         Health& health) {
-  return Repair(obj, std::move(positions), name, health).run();
+RepairedMesh repair_mesh(const ObjText& obj, std::vector<Eigen::Vector3d> positions,
+                         const ReadOptions& options, const std::string& name, Health& health) {
+  return Repair(obj, std::move(positions), options, name, health).run();
 }
 
 }  // namespace hotblade::surface

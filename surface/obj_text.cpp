@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <set>
+#include <unordered_map>
 
 #include "surface/design_surface.hpp"
 
@@ -16,9 +18,9 @@ constexpr std::string_view kConvertHint =
     "save it as UTF-8, for example with: iconv -f UTF-16 -t UTF-8 in.obj > out.obj";
 
 // Statements that carry no polygons; what they say is not needed here.
-constexpr std::array<std::string_view, 20> kPassedOver = {
-    "vt", "vn",  "vp",     "l",      "p",     "g",        "o",        "s",          "usemtl",    "mtllib",
-    "mg", "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vw"};
+constexpr std::array<std::string_view, 18> kPassedOver = {
+    "vt",  "vn",     "vp",     "l",     "p",        "s",        "usemtl",     "mtllib",    "mg",
+    "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vw"};
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f';
@@ -35,6 +37,12 @@ std::string shown(std::string_view token) {
     if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
   }
   return token.size() > kLongest ? out + "..." : out;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
 }
 
 // Walks the text token by token. A `\` before a line end joins lines; a lone CR ends a line as LF and CR LF
@@ -95,6 +103,8 @@ class Parser {
   Parser(std::string_view text, const std::string& name, double limit)
       : name_(name), limit_(limit), scanner_(checked_encoding(text)) {
     obj_.first_corner.push_back(0);
+    obj_.groups.emplace_back();
+    group_of_names_.emplace("\n", 0);
   }
 
   ObjText parse() {
@@ -105,6 +115,8 @@ class Parser {
         read_vertex();
       } else if (keyword == "f" || keyword == "fo") {
         read_face();
+      } else if (keyword == "g" || keyword == "o") {
+        read_group(keyword == "o");
       } else if (!keyword.empty()) {
         pass_over(keyword);
       }
@@ -226,6 +238,25 @@ class Parser {
       fail(line_, "too many face corners (limit 2147483647): thin the mesh out");
     obj_.first_corner.push_back(static_cast<std::uint32_t>(obj_.corners.size()));
     obj_.face_line.push_back(static_cast<std::uint32_t>(line_));
+    obj_.face_group.push_back(group_);
+  }
+
+  void read_group(bool object) {
+    std::vector<std::string> names;
+    for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
+      names.emplace_back(token);
+    }
+    ObjText::Group next = obj_.groups[group_];
+    if (object) {
+      next.object = joined(names);
+    } else {
+      next.names = std::move(names);
+    }
+    std::string key = next.object + '\n' + joined(next.names);
+    const auto [found, fresh] =
+        group_of_names_.emplace(std::move(key), static_cast<std::uint32_t>(obj_.groups.size()));
+    if (fresh) obj_.groups.push_back(std::move(next));
+    group_ = found->second;
   }
 
   // Unknown lower-case words are extensions of one program or another; anything else is taken for a damaged
@@ -271,14 +302,63 @@ class Parser {
   Scanner scanner_;
   ObjText obj_;
   std::size_t line_ = 1;
+  std::uint32_t group_ = 0;  // in force
+  std::unordered_map<std::string, std::uint32_t> group_of_names_;
   std::size_t unknown_ = 0;
   std::string first_unknown_;
 };
+
+// What the user may have meant.
+std::string known_groups(const ObjText& obj) {
+  std::set<std::string> names;
+  for (const std::uint32_t g : std::set<std::uint32_t>(obj.face_group.begin(), obj.face_group.end())) {
+    const ObjText::Group& group = obj.groups[g];
+    if (!group.object.empty()) names.insert(group.object);
+    names.insert(group.names.begin(), group.names.end());
+  }
+  if (names.empty()) return "the file names none, leave design.group empty";
+  constexpr std::size_t kShown = 8;
+  std::string text = "choose one of";
+  std::size_t listed = 0;
+  for (const std::string& name : names) {
+    if (listed++ == kShown) return text + ", ... (" + std::to_string(names.size()) + " in all)";
+    text += (listed == 1 ? " " : ", ") + shown(name);
+  }
+  return text;
+}
 
 }  // namespace
 
 ObjText parse_obj(std::string_view text, const std::string& name, double limit) {
   return Parser(text, name, limit).parse();
+}
+
+bool ObjText::Group::has(std::string_view name) const {
+  return object == name || joined(names) == name ||
+         std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void keep_group(ObjText& obj, const std::string& group, const std::string& name) {
+  std::vector<bool> wanted(obj.groups.size());
+  for (std::size_t g = 0; g < wanted.size(); ++g) wanted[g] = obj.groups[g].has(group);
+  std::size_t faces = 0, corners = 0;
+  for (std::size_t f = 0; f < obj.faces(); ++f) {
+    if (!wanted[obj.face_group[f]]) continue;
+    const std::size_t from = obj.first_corner[f], to = obj.first_corner[f + 1];
+    std::copy(obj.corners.begin() + static_cast<std::ptrdiff_t>(from),
+              obj.corners.begin() + static_cast<std::ptrdiff_t>(to),
+              obj.corners.begin() + static_cast<std::ptrdiff_t>(corners));
+    obj.first_corner[faces] = static_cast<std::uint32_t>(corners);
+    obj.face_line[faces] = obj.face_line[f];
+    obj.face_group[faces++] = obj.face_group[f];
+    corners += to - from;
+  }
+  if (faces == 0) throw MeshError(name + ": no faces in group '" + shown(group) + "': " + known_groups(obj));
+  obj.first_corner[faces] = static_cast<std::uint32_t>(corners);
+  obj.first_corner.resize(faces + 1);
+  obj.corners.resize(corners);
+  obj.face_line.resize(faces);
+  obj.face_group.resize(faces);
 }
 
 }  // namespace hotblade::surface

@@ -17,6 +17,14 @@ struct ObjText {
   std::vector<int> corners;                 // indices into positions, from 0
   std::vector<std::uint32_t> first_corner;  // faces + 1 entries
   std::vector<std::uint32_t> face_line;     // where face f starts, from 1
+  std::vector<std::uint32_t> face_group;    // index into groups
+  // Names in force, as written: the words after `o` joined by blanks, and those after `g`.
+  struct Group {
+    std::string object;
+    std::vector<std::string> names;
+    [[nodiscard]] bool has(std::string_view name) const;
+  };
+  std::vector<Group> groups;
   std::vector<std::string> warnings;  // statements that were passed over although they may carry geometry
 
   [[nodiscard]] std::size_t faces() const { return face_line.size(); }
@@ -28,5 +36,9 @@ struct ObjText {
 // Reads OBJ text. `name` is the file's name in messages, `limit` the largest coordinate taken, in the file's
 // units. Throws MeshError for the first line that is not usable.
 [[nodiscard]] ObjText parse_obj(std::string_view text, const std::string& name, double limit);
+
+// Drops the faces outside the group or object `group`; vertices stay. Throws MeshError, with `name` and the
+// groups there are, when no face is left.
+void keep_group(ObjText& obj, const std::string& group, const std::string& name);
 
 }  // namespace hotblade::surface

@@ -9,7 +9,9 @@
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
+#include "pipeline/read_design.hpp"
 #include "surface/design_surface.hpp"
+#include "surface/self_crossings.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -95,8 +97,9 @@ std::string json_text(const DesignSurface& design) {
 
 Exit check(const DesignOptions& options, bool as_json) {
   const Settings settings = resolve_design(options);
-  const DesignSurface design =
-      surface::read_obj(options.file, {settings.design.units, settings.design.up.front()});
+  DesignSurface design = read_design(options.file, settings.design);
+  const std::string crossings = surface::self_crossings_text(design);
+  if (!crossings.empty()) design.health.warnings.push_back(crossings);
   std::cout << (as_json ? json_text(design) : table(design));
   return design.health.blockers.empty() ? Exit::kOk : Exit::kBadInput;
 }

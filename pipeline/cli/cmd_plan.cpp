@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <future>
 #include <iostream>
 #include <memory>
 
@@ -13,7 +14,9 @@
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/emit.hpp"
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/read_design.hpp"
 #include "surface/design_surface.hpp"
+#include "surface/self_crossings.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -103,8 +106,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
                                   static_cast<std::size_t>(threads));
 
   console.report_progress("read", 0);
-  const surface::DesignSurface design =
-      surface::read_obj(design_options.file, {settings.design.units, settings.design.up.front()});
+  surface::DesignSurface design = read_design(design_options.file, settings.design);
   const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
   console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
                            design.health.triangles, size.x(), size.y(), size.z(), settings.design.units,
@@ -121,7 +123,14 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   };
   hooks.stop = [] { return interrupted(); };
   hooks.backend = backend_named(arguments.backend);
+  // Sheets that cross do not stop a plan; they are looked for beside it.
+  std::future<std::string> crossings =
+      std::async(std::launch::async, [&] { return surface::self_crossings_text(design); });
   PlanResult result = plan(design, settings, hooks);
+  if (const std::string text = crossings.get(); !text.empty()) {
+    console.warn("warning: " + text);
+    design.health.warnings.push_back(text);
+  }
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
   console.report_progress("emit", 0.95);

@@ -15,6 +15,7 @@
 #include "pipeline/preview/exchange.hpp"
 #include "pipeline/preview/movie.hpp"
 #include "pipeline/program.hpp"
+#include "pipeline/read_design.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -63,7 +64,7 @@ std::optional<DesignSurface> design_of(const Program& program, const PreviewOpti
   const fs::path beside = fs::path(options.input.file).parent_path() / program.design.file;
   if (options.design.empty() && !fs::exists(beside)) return std::nullopt;
   const fs::path file = options.design.empty() ? beside : fs::path(options.design);
-  DesignSurface design = surface::read_obj(file, {program.design.source_units, program.design.up});
+  DesignSurface design = read_design(file, program);
   if (design.sha256 != program.design.sha256) {
     throw CommandError(
         Exit::kBadInput,
@@ -156,8 +157,7 @@ preview::Scene design_scene(const PreviewOptions& options) {
   if (options.scene.at_s) refuse("--at");
   if (!options.movie.empty()) refuse("--movie");
   const Settings settings = resolve_design(options.input);
-  return preview::scene_of(
-      surface::read_obj(options.input.file, {settings.design.units, settings.design.up.front()}));
+  return preview::scene_of(read_design(options.input.file, settings.design));
 }
 
 Exit run_preview(PreviewOptions options, const Console& console) {

@@ -9,6 +9,7 @@
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/program.hpp"
+#include "pipeline/read_design.hpp"
 #include "pipeline/verify.hpp"
 #include "surface/design_surface.hpp"
 
@@ -69,8 +70,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const Program program = read_program(arguments.program);
   const fs::path design_file = find_design(arguments, program);
   console.report_progress("read", 0.1);
-  const surface::DesignSurface design =
-      surface::read_obj(design_file, {program.design.source_units, program.design.up});
+  const surface::DesignSurface design = read_design(design_file, program);
   if (design.sha256 != program.design.sha256) {
     throw CommandError(
         Exit::kBadInput,

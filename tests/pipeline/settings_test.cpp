@@ -100,6 +100,7 @@ TEST(Settings, AssignmentsTakeTomlValuesAndBareWords) {
   EXPECT_EQ(with("fit.max_splits=3").fit.max_splits, 3);
   EXPECT_EQ(with("slice.direction=[0, 1, 0.5]").slice.direction, (std::array<double, 3>{0, 1, 0.5}));
   EXPECT_EQ(with("design.group=").design.group, "");
+  EXPECT_EQ(with("design.group=\"roof | \u00fc\"").design.group, "roof | \u00fc");
 }
 
 TEST(Settings, MalformedAssignmentsAreUsageErrors) {
@@ -180,7 +181,7 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_THAT(set_error("motion.min_feed_mm_s=8"), HasSubstr("at most motion.feed_mm_s, 7"));
   EXPECT_THAT(set_error("motion.feed_mm_s=101"), HasSubstr("at most motion.travel_mm_s, 100"));
   EXPECT_THAT(set_error("machine.envelope_mm=[4000, 4000, 100]"), HasSubstr("machine.plinth_mm (150"));
-  EXPECT_THAT(set_error("design.group=roof"), HasSubstr("must be empty"));
+  EXPECT_THAT(set_error("design.facing=[0, 0, 0]"), HasSubstr("leave it out to cut all faces"));
 }
 
 TEST(Settings, ValidateChecksSettingsMadeInCode) {
