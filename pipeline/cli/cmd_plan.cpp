@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -66,7 +67,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());
-  std::cout << fmt::format("status {}\n", v.status);
+  const Paint paint = v.status == "passed" ? Paint::kGood : Paint::kBad;
+  std::cout << "status " << painted(v.status, paint, STDOUT_FILENO) << "\n";
   if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
   std::cout << "report " << (directory / "report.html").string() << "\n";
 }

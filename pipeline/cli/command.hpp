@@ -41,6 +41,11 @@ struct Console {
   mutable bool bar_open_ = false;
 };
 
+enum class Paint { kGood, kBad, kWarning };
+
+// The text in colour where the descriptor is a terminal and NO_COLOR is not set; else as it is.
+[[nodiscard]] std::string painted(const std::string& text, Paint paint, int descriptor);
+
 // Registers a subcommand; when it was called, `action` holds what to run.
 using Action = std::function<Exit()>;
 void add_check(CLI::App& app, const Console& console, Action& action);

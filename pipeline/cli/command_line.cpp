@@ -6,6 +6,7 @@
 #include <new>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/help.hpp"
 #include "pipeline/version.hpp"
 #include "surface/design_surface.hpp"
 
@@ -14,19 +15,8 @@ namespace {
 
 using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
-    add_check,
-    add_plan,
-    add_verify,
-    add_config,
-    add_curve,
-    add_study,
-    add_preview,
-    add_sim,
-    add_run,
-    add_dryrun,
-    add_export,
-    add_completion,
-    add_ribs,
+    add_check, add_plan, add_verify, add_config, add_curve,      add_study, add_preview,
+    add_sim,   add_run,  add_dryrun, add_export, add_completion, add_ribs,
 };
 
 std::atomic<bool> g_interrupted{false};
@@ -91,14 +81,10 @@ Exit run_action(const Action& action, const Console& console) {
 
 // The parser has codes of its own (105 and up) for what is one thing to the caller: wrong usage.
 Exit report_usage(const CLI::App& app, const CLI::Error& error) {
-  const std::vector<std::string> unknown = app.remaining(true);
-  const bool no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
-  if (no_command && !unknown.empty()) {
-    std::cerr << "unknown command or option: " << unknown.front()
-              << "\nRun with --help for more information.\n";
-    return Exit::kUsage;
-  }
-  return app.exit(error, std::cout, std::cerr) == 0 ? Exit::kOk : Exit::kUsage;
+  if (error.get_exit_code() == 0)
+    return app.exit(error) == 0 ? Exit::kOk : Exit::kUsage;  // --help, --version
+  std::cerr << usage_message(app, error);
+  return Exit::kUsage;
 }
 
 }  // namespace
@@ -112,6 +98,7 @@ int run_command_line(int argc, char** argv) {
   Console console;
   Action action;
   CLI::App app("hotblade: from a design surface to a program for a hot-blade cutting cell", "hotblade");
+  set_help_format(app);
   app.fallthrough();
   app.require_subcommand(1);
   app.footer(

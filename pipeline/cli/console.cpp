@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
 
 #include "pipeline/cli/command.hpp"
 
@@ -30,7 +33,30 @@ void draw_bar(const std::string& stage, double fraction) {
   std::fflush(stderr);
 }
 
+// Colours only where a person looks, and none who does not want them (no-color.org).
+bool shows_colors(int descriptor) {
+  const char* none = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  if (none != nullptr && *none != '\0') return false;
+  return isatty(descriptor) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+// The first word of a line that says something is wrong, coloured.
+std::string marked(const std::string& line, int descriptor) {
+  for (const auto& [word, paint] : {std::pair{"refused:", Paint::kBad}, {"warning:", Paint::kWarning}}) {
+    if (line.rfind(word, 0) == 0)
+      return painted(word, paint, descriptor) + line.substr(std::string_view(word).size());
+  }
+  return line;
+}
+
 }  // namespace
+
+std::string painted(const std::string& text, Paint paint, int descriptor) {
+  if (!shows_colors(descriptor)) return text;
+  const char* code = paint == Paint::kGood ? "32" : paint == Paint::kBad ? "31" : "33";
+  return "\033[" + std::string(code) + "m" + text + "\033[0m";
+}
 
 void Console::report_progress(const std::string& stage, double fraction) const {
   const bool json = progress == "json";
@@ -62,7 +88,7 @@ void Console::end_progress() const {
 void Console::write(const std::string& line, bool show) const {
   if (show) {
     end_progress();
-    std::fprintf(stderr, "%s\n", line.c_str());
+    std::fprintf(stderr, "%s\n", marked(line, STDERR_FILENO).c_str());
   }
   if (!log_file.empty()) std::ofstream(log_file, std::ios::app | std::ios::binary) << line << '\n';
 }

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <sstream>
 
+#include "pipeline/cli/help.hpp"
 #include "pipeline/version.hpp"
 
 namespace hotblade::pipeline {
@@ -43,12 +44,6 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   return all;
 }
 
-// The type name as written for people; checks of the parser stand behind a colon.
-std::string type_of(const CLI::Option& option) {
-  const std::string name = option.get_type_name();
-  return name.substr(0, name.find(':'));
-}
-
 std::string option_head(const CLI::Option& option) {
   std::string head = option.nonpositional() ? option.get_name(false, true) : option.get_name(true);
   std::string::size_type comma = 0;
@@ -57,7 +52,7 @@ std::string option_head(const CLI::Option& option) {
     comma += 2;
   }
   if (option.get_items_expected_max() > 0 && option.nonpositional() && option.get_type_size_max() > 0) {
-    head += " " + type_of(option);
+    head += " " + value_words(option);
   }
   return head;
 }
@@ -82,7 +77,7 @@ void append_command(std::string& page, const CLI::App& command, const std::strin
 
 // Words a choice option's type name offers: "a|b|c"; nothing for MM, FILE and the like.
 std::string choices_of(const CLI::Option& option) {
-  std::string words = type_of(option);
+  std::string words = value_words(option);
   const bool choice = words.find('|') != std::string::npos &&
                       words.find_first_of(" []") == std::string::npos &&
                       std::none_of(words.begin(), words.end(), [](char c) { return c >= 'A' && c <= 'Z'; });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "elastica/elastica.hpp"
 
@@ -13,49 +15,45 @@ namespace {
 // A sag of a 200th of the chord between samples is a percent of a percent of the area.
 constexpr int kBladeSamples = 200;
 
-// The block's edges as the blade sees them: along the rib, towards the waste, along the sweep.
-class BlockSection {
+// The block's edges as the blade sees them: along the rib, from the kept side to the waste, along the sweep.
+class BlockAxes {
  public:
-  BlockSection(const Stock& stock, const Frame& rib) : origin_(stock.frame.origin) {
-    const std::array<Eigen::Vector3d, 3> edges{stock.frame.x, stock.frame.y, stock.frame.normal()};
-    const std::array<Eigen::Vector3d, 3> wanted{rib.x, rib.y, rib.normal()};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto nearest = std::max_element(edges.begin(), edges.end(), [&](const auto& p, const auto& q) {
-        return std::abs(p.dot(wanted[k])) < std::abs(q.dot(wanted[k]));
-      });
-      size_[static_cast<Eigen::Index>(k)] = stock.size_mm[nearest - edges.begin()];
-      axes_[k] = *nearest;
-      // Heights are counted from the kept side up.
-      if (nearest->dot(wanted[k]) < 0) {
-        origin_ += size_[static_cast<Eigen::Index>(k)] * *nearest;
-        axes_[k] = -*nearest;
+  BlockAxes(const Stock& stock, const Frame& rib) : origin_(stock.frame.origin) {
+    std::array<Eigen::Vector3d, 3> edges{stock.frame.x, stock.frame.y, stock.frame.normal()};
+    std::array<double, 3> sizes{stock.size_mm.x(), stock.size_mm.y(), stock.size_mm.z()};
+    const auto take = [&](std::size_t first, const Eigen::Vector3d& wanted) {
+      std::size_t best = first;
+      for (std::size_t k = first + 1; k < 3; ++k) {
+        if (std::abs(edges[k].dot(wanted)) > std::abs(edges[best].dot(wanted))) best = k;
       }
-    }
-  }
-
-  [[nodiscard]] const Eigen::Vector3d& size() const { return size_; }
-  [[nodiscard]] Eigen::Vector3d place(const Eigen::Vector3d& p) const {
-    const Eigen::Vector3d d = p - origin_;
-    return {d.dot(axes_[0]), d.dot(axes_[1]), d.dot(axes_[2])};
-  }
-
-  // Area between the blade and the block's kept edge, mm2. A curve held inside the rectangle adds nothing
-  // where it runs beside it and the full height where it runs above it.
-  [[nodiscard]] double kept_area_mm2(const BladePose& pose) const {
-    const elastica::ElasticaCurve curve(pose.blade);
-    const auto held = [&](int i) -> Eigen::Vector2d {
-      const Eigen::Vector2d q = curve.at(pose.blade.length * i / kBladeSamples).position();
-      const Eigen::Vector3d b = place(pose.frame.point(q.x(), q.y()));
-      return {std::clamp(b.x(), 0.0, size_.x()), std::clamp(b.y(), 0.0, size_.y())};
+      std::swap(edges[first], edges[best]);
+      std::swap(sizes[first], sizes[best]);
     };
-    double area = 0;
-    Eigen::Vector2d from = held(0);
-    for (int i = 1; i <= kBladeSamples; ++i) {
-      const Eigen::Vector2d to = held(i);
-      area += 0.5 * (from.y() + to.y()) * (to.x() - from.x());
-      from = to;
+    take(0, rib.y);
+    take(1, rib.normal());
+    axes_ = {edges[2], edges[0], edges[1]};
+    size_ = {sizes[2], sizes[0], sizes[1]};
+    // Heights count from the kept side up.
+    if (axes_[1].dot(rib.y) < 0) {
+      origin_ += size_.y() * axes_[1];
+      axes_[1] = -axes_[1];
     }
-    return std::abs(area);
+  }
+
+  [[nodiscard]] double height_mm() const { return size_.y(); }
+
+  // Points along a pose's blade in the block; those outside are held at its faces.
+  [[nodiscard]] std::vector<Eigen::Vector3d> blade_in_block(const BladePose& pose) const {
+    const elastica::ElasticaCurve curve(pose.blade);
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i <= kBladeSamples; ++i) {
+      const Eigen::Vector2d q = curve.at(pose.blade.length * i / kBladeSamples).position();
+      const Eigen::Vector3d d = pose.frame.point(q.x(), q.y()) - origin_;
+      points.emplace_back(std::clamp(d.dot(axes_[0]), 0.0, size_.x()),
+                          std::clamp(d.dot(axes_[1]), 0.0, size_.y()),
+                          std::clamp(d.dot(axes_[2]), 0.0, size_.z()));
+    }
+    return points;
   }
 
  private:
@@ -63,29 +61,31 @@ class BlockSection {
   std::array<Eigen::Vector3d, 3> axes_;
 };
 
+bool sweeps(const BladePose& pose) {
+  return pose.phase == "lead_in" || pose.phase == "cut" || pose.phase == "lead_out";
+}
+
 }  // namespace
 
 double foam_kept_share(const Strip& strip) {
-  if (strip.poses.empty()) return 0;
-  const BlockSection block(strip.stock, strip.poses.front().frame);
-  const double section = block.size().x() * block.size().y();
-  double kept = 0, whole = 0, depth_before = 0, area_before = 0;
-  bool inside_before = false;
+  const auto first = std::find_if(strip.poses.begin(), strip.poses.end(), sweeps);
+  if (first == strip.poses.end()) return 0;
+  const BlockAxes block(strip.stock, first->frame);
+  double kept = 0, base = 0;
+  std::vector<Eigen::Vector3d> before;
   for (const BladePose& pose : strip.poses) {
-    const double depth = block.place(pose.frame.origin).z();
-    const bool sweeps = pose.phase == "lead_in" || pose.phase == "cut" || pose.phase == "lead_out";
-    const bool inside = sweeps && depth >= 0 && depth <= block.size().z();
-    const double area = inside ? block.kept_area_mm2(pose) : 0;
-    if (inside && inside_before) {
-      const double step = std::abs(depth - depth_before);
-      kept += 0.5 * (area + area_before) * step;
-      whole += section * step;
+    if (!sweeps(pose)) continue;
+    const std::vector<Eigen::Vector3d> now = block.blade_in_block(pose);
+    for (std::size_t i = 0; !before.empty() && i + 1 < now.size(); ++i) {
+      const Eigen::Vector3d &a = before[i], &b = before[i + 1], &c = now[i + 1], &d = now[i];
+      // Of the patch seen from above, by its diagonals; nothing where all corners lie on one face.
+      const double area = 0.5 * ((c.x() - a.x()) * (d.z() - b.z()) - (c.z() - a.z()) * (d.x() - b.x()));
+      base += area;
+      kept += area * 0.25 * (a.y() + b.y() + c.y() + d.y());
     }
-    inside_before = inside;
-    depth_before = depth;
-    area_before = area;
+    before = now;
   }
-  return whole > 0 ? kept / whole : 0;
+  return base != 0 ? std::clamp(kept / (base * block.height_mm()), 0.0, 1.0) : 0;
 }
 
 }  // namespace hotblade::pipeline

@@ -35,11 +35,11 @@ td.l,th.l{text-align:left}td.n{white-space:nowrap}td.bad{color:var(--bad);font-w
 figcaption{color:var(--soft);font-size:13px}.scroll{overflow-x:auto}svg{max-width:100%;height:auto}
 .settings{columns:3 220px;font-size:12px;line-height:1.35}.settings div{break-inside:avoid;overflow-wrap:anywhere}
 .settings b{display:block;margin-top:6px;font-weight:600}
-@media print{@page{size:A4;margin:14mm}body{padding:0;font-size:11px;max-width:none}h1{font-size:19px}h2{font-size:14px;margin:16px 0 6px;break-after:avoid}
+@media print{@page{size:A4;margin:14mm}body{padding:0 1px;font-size:11px;max-width:none}h1{font-size:19px}h2{font-size:14px;margin:16px 0 6px;break-after:avoid}
 table{font-size:9px}th,td{padding:2px 4px}p.note,p.sub,figcaption,.figures span{font-size:9.5px}.figures{grid-template-columns:repeat(6,1fr);gap:6px}
 .figures b{font-size:14px}.figures div{padding:5px 8px}.verdict b{font-size:16px}.settings{font-size:8.5px;columns:3}
 .pictures{grid-template-columns:2fr 1fr;gap:8px}.pictures figure:first-child{grid-column:auto;grid-row:1/3}svg{max-width:125mm}
-figure,.verdict,svg,tr{break-inside:avoid}.scroll{overflow:visible}}
+figure,.verdict,svg,tr,.scroll{break-inside:avoid}.scroll{overflow:visible}}
 )css";
 
 // The rest would fill a page with directions nobody takes.
@@ -202,15 +202,17 @@ std::string ranking_section(const PlanResult& result) {
   if (result.ranking.empty()) return "";
   std::string html =
       "<h2>Directions tried</h2><table><tr><th class=\"l\">plane normal</th><th>strips</th><th>served</th>"
-      "<th>score</th></tr>\n";
+      "<th>score</th><th class=\"l\">found</th></tr>\n";
   const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const DirectionScore& d = result.ranking[i];
     // Adding zero takes the sign off a zero.
     const Eigen::Vector3d n = (1e4 * d.normal).array().round().matrix() / 1e4 + Eigen::Vector3d::Zero();
     html += fmt::format(
-        "<tr><td class=\"l\">({:.4f}, {:.4f}, {:.4f})</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td></tr>\n",
-        n.x(), n.y(), n.z(), d.strips, 100 * d.covered_share, d.score);
+        "<tr><td class=\"l\">({:.4f}, {:.4f}, {:.4f})</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td>"
+        "<td class=\"l\">{}</td></tr>\n",
+        n.x(), n.y(), n.z(), d.strips, 100 * d.covered_share, d.score,
+        d.estimated ? "estimated" : "planned coarsely");
   }
   html += "</table><p class=\"note\">The first one is taken; slice.direction fixes another.";
   if (shown < result.ranking.size())

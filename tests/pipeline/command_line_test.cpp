@@ -62,8 +62,11 @@ INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
         Usage{"no_command", {}, "A subcommand is required"},
-        Usage{"unknown_command", {"slice"}, "unknown command or option: slice"},
-        Usage{"unknown_config_command", {"config", "edit"}, "unknown command or option: edit"},
+        Usage{"unknown_command", {"slicing"}, "unknown command or option: slicing\n`hotblade --help`"},
+        Usage{"misspelt_command", {"pln"}, "unknown command or option: pln: did you mean plan?"},
+        Usage{"unknown_config_command",
+              {"config", "edit"},
+              "unknown command or option: edit\n`hotblade config --help`"},
         Usage{"unknown_option", {"check", kVault, "--units", "mm", "--fast"}, "--fast"},
         Usage{"unknown_global_option", {"--fast"}, "unknown command or option: --fast"},
         Usage{"extra_word", {"check", kVault, "more.obj", "--units", "mm"}, "more.obj"},
@@ -103,6 +106,15 @@ TEST_F(CommandLine, EveryCommandHasHelpWithAnExampleAndASectionInTheDocs) {
     ++commands;
   }
   EXPECT_GE(commands, 2u);
+}
+
+TEST_F(CommandLine, HelpSaysKindsOfValuesOnceAndForPeople) {
+  const std::string ribs = hotblade({"ribs", "--help"}).out;
+  EXPECT_THAT(ribs, HasSubstr("--format dxf|svg|csv|gcode REQUIRED"));
+  EXPECT_THAT(ribs, HasSubstr("--tolerance MM (1e-06 - 100)"));
+  EXPECT_THAT(hotblade({"sim", "--help"}).out, HasSubstr("--listen HOST:PORT=127.0.0.1:1502"));
+  EXPECT_THAT(hotblade({"plan", "--help"}).out, HasSubstr("--jobs INT (above 0)"));
+  EXPECT_THAT(hotblade({"completion", "man"}).out, HasSubstr("listen HOST:PORT"));
 }
 
 TEST_F(CommandLine, VersionIsOneLineOnStdout) {

@@ -1,13 +1,16 @@
 // Progress and notes, as they arrive on stderr.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "pipeline/cli/command.hpp"
+#include "tests/pipeline/run_program.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
@@ -88,6 +91,50 @@ TEST(Console, DetailsNeedVerbose) {
   CaptureStderr();
   console.detail("a detail");
   EXPECT_EQ(GetCapturedStderr(), "");
+}
+
+// What a command prints to a terminal of its own.
+std::string on_terminal(const std::string& arguments, const std::string& environment) {
+  int side = -1;
+  const pid_t child = forkpty(&side, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    const std::string command =
+        "TERM=xterm " + environment + " exec " + HOTBLADE_BINARY_DIR + "/hotblade " + arguments;
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  std::string text;
+  char part[4096];
+  // The last read fails when the program has closed its end.
+  for (ssize_t n; (n = ::read(side, part, sizeof part)) > 0;) text.append(part, static_cast<std::size_t>(n));
+  ::close(side);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_NE(WEXITSTATUS(status), 127) << text;
+  return text;
+}
+
+TEST(Console, ColoursAreForTerminalsAndForWhoWantsThem) {
+  const testing::TemporaryDirectory directory;
+  const std::string speck = (directory / "speck.obj").string(),
+                    plan = "plan " + speck + " --units mm --no-pictures --force -o " +
+                           (directory / "cut").string();
+  std::ofstream(speck) << "v 0 0 0\nv 15 0 0\nv 15 15 0\nv 0 15 0\nf 1 2 3 4\n";
+  EXPECT_THAT(on_terminal(plan + " --log-file " + (directory / "log").string(), ""),
+              ::testing::HasSubstr("\033[33mwarning:\033[0m "));
+  const std::string log = testing::read_bytes(directory / "log");
+  EXPECT_THAT(log, ::testing::HasSubstr("warning: "));
+  EXPECT_EQ(log.find('\033'), std::string::npos) << "a log is no terminal";
+  // The bar goes on with one of its own: it clears its line.
+  for (const char* plain : {"NO_COLOR=1", "TERM=dumb"}) {
+    EXPECT_THAT(on_terminal(plan, plain), ::testing::AllOf(::testing::HasSubstr("warning: "),
+                                                           ::testing::Not(::testing::HasSubstr("\033[3"))))
+        << plain;
+  }
+  const testing::Ended piped = testing::hotblade(
+      {"plan", speck, "--units", "mm", "--no-pictures", "--force", "-o", (directory / "cut").string()});
+  EXPECT_THAT(piped.err, ::testing::HasSubstr("warning: "));
+  EXPECT_EQ((piped.out + piped.err).find('\033'), std::string::npos);
 }
 
 }  // namespace

@@ -84,6 +84,21 @@ TEST(FoamKeptShare, OfAVaultIsTheClosedFormOfItsSection) {
   EXPECT_NEAR(foam_kept_share(strip), area / (2 * half * strip.stock.size_mm.z()), 1e-4);
 }
 
+TEST(FoamKeptShare, IsTheSameWhereThePlanesTurnAboutAnAxis) {
+  // Straight blades 100 mm above the bottom of a block 400 mm high, fanned about a vertical line beside it.
+  Strip strip = testing::vault_program({.poses = 60}).strips.front();
+  strip.stock.frame = {{-200, 0, -100}, {1, 0, 0}, {0, 0, 1}};
+  strip.stock.size_mm = {400, 400, 300};
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+    const double turn = 1.2 * (static_cast<double>(i) / 59 - 0.5);
+    BladePose& pose = strip.poses[i];
+    pose.phase = "cut";
+    pose.frame = {{-700, -150, 0}, {std::cos(turn), std::sin(turn), 0}, {0, 0, 1}};
+    pose.blade = {0, 0, 0, 0, 0, 0, 1200};
+  }
+  EXPECT_NEAR(foam_kept_share(strip), 0.25, 1e-9);
+}
+
 TEST(FoamKeptShare, IsNothingWhereNoPoseLiesInTheBlock) {
   Strip strip = testing::vault_program().strips.front();
   strip.stock.frame.origin.y() += 1e4;

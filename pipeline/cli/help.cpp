@@ -1,0 +1,77 @@
+#include "pipeline/cli/help.hpp"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <vector>
+
+#include "pipeline/edit_distance.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+class PlainFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_opts(const CLI::Option* option) const override {
+    if (option->get_type_size() == 0) return "";
+    std::string text = " " + value_words(*option);
+    if (!option->get_default_str().empty()) text += "=" + option->get_default_str();
+    if (option->get_expected_max() == CLI::detail::expected_max_vector_size) text += " ...";
+    if (option->get_required()) text += " REQUIRED";
+    return text;
+  }
+};
+
+// The innermost command that was named.
+const CLI::App& command_reached(const CLI::App& app) {
+  const std::vector<CLI::App*> named = app.get_subcommands();
+  return named.empty() ? app : command_reached(*named.front());
+}
+
+std::string path_of(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : path_of(*app.get_parent()) + " " + app.get_name();
+}
+
+// The command that a word is a few letters from; empty: none is.
+std::string nearest_command(const CLI::App& app, const std::string& word) {
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, word.size() / 3) + 1;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    const std::size_t distance = edit_distance(word, command->get_name());
+    if (distance >= best) continue;
+    best = distance;
+    nearest = command->get_name();
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::string value_words(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const auto choices = type.find(":{"), range = type.find(":"), in = type.find(" in [");
+  if (choices != std::string::npos) return type.substr(0, choices);
+  if (type.ends_with(":POSITIVE")) return type.substr(0, range) + " (above 0)";
+  if (range == std::string::npos || in == std::string::npos) return type;
+  const auto open = in + 5;
+  return type.substr(0, range) + " (" + type.substr(open, type.find(']', open) - open) + ")";
+}
+
+void set_help_format(CLI::App& app) {
+  app.formatter(std::make_shared<PlainFormatter>());
+}
+
+std::string usage_message(const CLI::App& app, const CLI::Error& error) {
+  const CLI::App& reached = command_reached(app);
+  const std::vector<std::string> unknown = app.remaining(true);
+  const bool no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  std::string message = error.what();
+  if (no_command && !unknown.empty()) {
+    message = "unknown command or option: " + unknown.front();
+    const std::string nearest = nearest_command(reached, unknown.front());
+    if (!nearest.empty()) message += ": did you mean " + nearest + "?";
+  }
+  return message + "\n`" + path_of(reached) + " --help` says more.\n";
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,25 @@
+// How --help, the manual page and wrong words on the command line are put for people.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+class Error;
+class Option;
+}  // namespace CLI
+
+namespace hotblade::pipeline {
+
+// An option's kind of value without the parser's own notes: "obj|ply" for "obj|ply:{obj,ply}", "MM (0.1 -
+// 100)" for "MM:FLOAT in [0.1 - 100]".
+[[nodiscard]] std::string value_words(const CLI::Option& option);
+
+// Has --help written with value_words(); commands added later inherit it.
+void set_help_format(CLI::App& app);
+
+// What is wrong with the command line, in one or two lines: the parser's words, the nearest command for a
+// word that is none, and whose --help says more.
+[[nodiscard]] std::string usage_message(const CLI::App& app, const CLI::Error& error);
+
+}  // namespace hotblade::pipeline
