@@ -1,14 +1,12 @@
 #include "elastica/sensitivity.hpp"
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <numbers>
 
 #include "elastica/end_map.hpp"
-#include "elastica/stability.hpp"
 
 namespace hotblade::elastica {
 
@@ -61,85 +59,19 @@ Sensitivity sensitivity(const Elastica& e, const SensitivityOptions& options) {
   return result;
 }
 
-namespace {
+double straight_bow(double length, double slack) {
+  // y = bow (1 - cos(2 pi s / length)) / 2 is longer than its chord by (pi bow)^2 / (4 length).
+  return 2 / std::numbers::pi * std::sqrt(std::max(0.0, slack) * length);
+}
 
-// Errors of clamp B in the axes of A, a turn in mm: the way to the fold of one shape.
-class FoldSearch {
- public:
-  FoldSearch(const Elastica& e, const ClampMarginOptions& options)
-      : e_(e),
-        held_(clamps_of(e)),
-        weight_(1, 1, options.mm_per_rad > 0 ? options.mm_per_rad : 0.5 * e.length) {
-    best_.margin_mm = options.largest_mm;
-  }
-
-  [[nodiscard]] const ClampMargin& best() const { return best_; }
-
-  // Walks up to the best margin so far. When the shape is lost before, that is the new best, and the nearest
-  // point of the fold's tangent plane shows the next direction.
-  void look(Vector3d direction) {
-    constexpr int kMostTurns = 6;
-    for (int turn = 0; turn < kMostTurns && direction.norm() > 0; ++turn) {
-      const Vector3d error = best_.margin_mm * direction.normalized();
-      FollowOptions walk;
-      walk.smallest_step = 1e-4;  // of the way: as exact as a margin needs to be
-      const FollowReport way = follow(e_, erring(error), walk);
-      if (way.status != FollowStatus::kSnapped) return;
-      best_.margin_mm *= way.fraction;
-      const Vector3d lost = way.fraction * error;
-      for (Eigen::Index i = 0; i < 3; ++i) best_.error[static_cast<std::size_t>(i)] = lost[i] / weight_[i];
-      direction = normal_at(way.shape.elastica);
-      if (direction.dot(lost) < 0) direction = -direction;
-    }
-  }
-
-  // Direction in which the smallest eigenvalue falls fastest, by central differences.
-  [[nodiscard]] Vector3d steepest() const {
-    const double step = 1e-4 * e_.length;
-    Vector3d slope = Vector3d::Zero();
-    for (Eigen::Index i = 0; i < 3; ++i) {
-      const auto high = solve_clamped(e_, erring(step * Vector3d::Unit(i)));
-      const auto low = solve_clamped(e_, erring(-step * Vector3d::Unit(i)));
-      if (high && low) slope[i] = stability_margin(high->elastica) - stability_margin(low->elastica);
-    }
-    return -slope;
-  }
-
-  // The direction that the end fields reach least: at a fold, its normal.
-  [[nodiscard]] Vector3d normal_at(const Elastica& e) const {
-    const Matrix3d fields = weight_.asDiagonal() * frame(e_.theta).transpose() * end_map(e).fields;
-    const double l3 = e.length * e.length * e.length;
-    const Vector3d per_unknown(1 / e.length, 1 / l3, 1 / l3);
-    const Eigen::JacobiSVD<Matrix3d> svd(fields * per_unknown.asDiagonal(), Eigen::ComputeFullU);
-    return svd.matrixU().col(2);
-  }
-
- private:
-  [[nodiscard]] ClampPair erring(const Vector3d& error) const {
-    const Vector3d move = frame(e_.theta) * error.cwiseQuotient(weight_);
-    return {held_.a, {held_.b.x + move[0], held_.b.y + move[1], held_.b.theta + move[2]}};
-  }
-
-  Elastica e_;
-  ClampPair held_;
-  Vector3d weight_;
-  ClampMargin best_;
-};
-
-}  // namespace
-
-ClampMargin clamp_margin(const Elastica& e, const ClampMarginOptions& options) {
-  if (!(options.largest_mm > 0) || !(options.mm_per_rad >= 0)) {
-    throw std::logic_error("a clamp's largest error must be positive, the weight of a turn not negative");
-  }
-  if (end_map(e).index != 0) return {};
-  FoldSearch search(e, options);
-  const Vector3d steepest = search.steepest(), weakest = search.normal_at(e);
-  for (const Vector3d& direction : {steepest, weakest, Vector3d(-weakest)}) search.look(direction);
-  for (Eigen::Index i = 0; i < 3; ++i) {
-    for (const double sign : {1.0, -1.0}) search.look(sign * Vector3d::Unit(i));
-  }
-  return search.best();
+double straight_response_mm(double length, double slack, bool keeps_side, const SensitivityOptions& options) {
+  const double along = 2 * options.position_error_mm, across = options.position_error_mm;
+  const double bow = straight_bow(length, slack), pushed = straight_bow(length, slack + along);
+  const double pulled = straight_bow(length, slack - along);
+  const double bowed = keeps_side ? std::max(pushed - bow, bow - pulled) : pushed + bow;
+  // A clamp's turn lifts a strip held at both ends by s (1 - s/length)^2 at most.
+  constexpr double kTurned = 4.0 / 27;
+  return bowed + across + 2 * kTurned * length * options.angle_error_rad;
 }
 
 }  // namespace hotblade::elastica

@@ -1,5 +1,4 @@
-// What a clamp's error does to the shape: how far the blade moves, and how large an error it takes to lose
-// it.
+// What a clamp's error does to the shape: how far the blade moves, to first order.
 //
 // Units: mm, rad.
 #pragma once
@@ -31,24 +30,14 @@ struct Sensitivity {
 // does.
 [[nodiscard]] Sensitivity sensitivity(const Elastica& elastica, const SensitivityOptions& options = {});
 
-struct ClampMarginOptions {
-  // Errors of this size and more are not looked into.
-  double largest_mm = 50;
-  // A turn of one rad counts as this many mm; 0 takes half the blade's length, the largest move that a turn
-  // about its middle gives.
-  double mm_per_rad = 0;
-};
+// A blade between aligned clamps whose chord is shorter than it by `slack` bows by so much.
+[[nodiscard]] double straight_bow(double length, double slack);
 
-struct ClampMargin {
-  // Smallest error found that loses the shape, largest_mm when none was found: a local minimum of the
-  // distance to the folds, so an upper bound of the true one. Exact to 1e-4 of largest_mm, on the safe side.
-  double margin_mm = 0;
-  // The error of clamp B against clamp A that loses it: along and across A's tangent in mm, turn in rad.
-  std::array<double, 3> error{};
-};
-
-// How far clamp B may err against clamp A before a stable shape snaps; 0 for a shape that is not stable.
-// Errors of A alone are the same seen from B, a turn apart.
-[[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, const ClampMarginOptions& options = {});
+// What the errors of both clamps at once move a nearly straight blade, where displacement grows with the
+// square root of an error along it and derivatives say nothing: pushed together or pulled apart by twice the
+// position error, turned at both ends, moved across. `keeps_side` false: it may also bow to the other side.
+// To leading order in slack over length.
+[[nodiscard]] double straight_response_mm(double length, double slack, bool keeps_side,
+                                          const SensitivityOptions& options = {});
 
 }  // namespace hotblade::elastica

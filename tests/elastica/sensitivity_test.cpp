@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "elastica/stability.hpp"
 
@@ -54,65 +53,22 @@ TEST(Sensitivity, GrowsWithTheErrorAndDoesNotDependOnThePlace) {
   }
 }
 
-// Smallest error that loses the shape, over many directions: an upper bound too, but from a dense search.
-double dense_margin_mm(const Elastica& e, double largest, int directions) {
-  std::mt19937_64 random(1);
-  std::normal_distribution<double> normal;
-  double least = largest;
-  for (int i = 0; i < directions; ++i) {
-    Eigen::Vector3d d(normal(random), normal(random), normal(random));
-    d *= least / d.norm();
-    ClampPair to = clamps_of(e);
-    to.b.x += d[0], to.b.y += d[1], to.b.theta += d[2] / (0.5 * e.length);
-    FollowOptions walk;
-    walk.smallest_step = 2e-3;
-    const FollowReport way = follow(e, to, walk);
-    if (way.status == FollowStatus::kSnapped) least *= way.fraction;
-  }
-  return least;
-}
-
-TEST(ClampMargin, IsCloseToTheSmallestOfManyRandomErrors) {
-  // Arches turned over towards their snap: at 0.6, 0.8 and 0.95 of the way.
-  const Elastica arc{0, 0, 0.6, -1.2 / 800, 0, 0, 800};
-  const FollowReport up = follow(arc, {{0, 0, 0.6}, {740, 0, -0.6}});
-  const ClampPair over{{0, 0, -0.6}, {740, 0, 0.6}};
-  const FollowReport lost = follow(up.shape.elastica, over);
-  ASSERT_EQ(lost.status, FollowStatus::kSnapped);
-  double last = 1e9;
-  for (const double share : {0.6, 0.8, 0.95}) {
-    const double t = share * lost.fraction;
-    const FollowReport at = follow(up.shape.elastica, {{0, 0, 0.6 - 1.2 * t}, {740, 0, -0.6 + 1.2 * t}});
-    ASSERT_EQ(at.status, FollowStatus::kFollowed);
-    const ClampMargin margin = clamp_margin(at.shape.elastica, {200, 0});
-    const double dense = dense_margin_mm(at.shape.elastica, 200, 150);
-    EXPECT_LT(margin.margin_mm, 1.1 * dense) << share;
-    EXPECT_GT(margin.margin_mm, 0.5 * dense) << share;
-    EXPECT_LT(margin.margin_mm, last);
-    last = margin.margin_mm;
-    if (share < 0.8) continue;  // beyond 200 mm
-    // The error that it names does lose the shape, and a little less does not.
-    ClampPair to = clamps_of(at.shape.elastica);
-    const double c = std::cos(to.a.theta), s = std::sin(to.a.theta);
-    const auto erring = [&](double scale) {
-      return ClampPair{to.a,
-                       {to.b.x + scale * (c * margin.error[0] - s * margin.error[1]),
-                        to.b.y + scale * (s * margin.error[0] + c * margin.error[1]),
-                        to.b.theta + scale * margin.error[2]}};
-    };
-    EXPECT_EQ(follow(at.shape.elastica, erring(1.02)).status, FollowStatus::kSnapped);
-    EXPECT_EQ(follow(at.shape.elastica, erring(0.98)).status, FollowStatus::kFollowed);
-  }
-}
-
-TEST(ClampMargin, IsNoneForAnUnstableShapeAndTheLimitForARelaxedOne) {
-  EXPECT_EQ(clamp_margin({0, 0, 0.3, -20, 400, 0, 1}).margin_mm, 0);
-  EXPECT_EQ(clamp_margin({0, 0, 0.3, -0.6 / 800, 0, 0, 800}, {2, 0}).margin_mm, 2);
-}
-
-TEST(ClampMargin, RefusesNonsense) {
-  EXPECT_THROW((void)clamp_margin(kBlade, {0, 0}), std::logic_error);
-  EXPECT_THROW((void)clamp_margin(kBlade, {1, NAN}), std::logic_error);
+TEST(Sensitivity, OfANearlyStraightBladeGrowsWithTheRootOfTheErrorAlongIt) {
+  // Between aligned clamps, pushed together by 0.1 mm each: solved, against the closed form.
+  const double length = 800, slack = 0.5, more = 0.2;
+  const auto bow = [&](double s) {
+    const double turn = 2 * std::sqrt(s / length);
+    const Elastica near{0, 0, 0, turn * 2 * M_PI / length, 4 * M_PI * M_PI / length / length, 0, length};
+    const auto shape = solve_clamped(near, {{0, 0, 0}, {length - s, 0, 0}});
+    EXPECT_TRUE(shape && shape->stable());
+    return std::abs(point_at(shape->elastica, 0.5 * length).y);
+  };
+  EXPECT_NEAR(straight_bow(length, slack), bow(slack), 1e-3 * bow(slack));
+  const SensitivityOptions along{0.5 * more, 0};
+  // The clamps' own 0.1 mm across is added; pulling moves it more than pushing.
+  EXPECT_NEAR(straight_response_mm(length, slack, true, along) - 0.1, bow(slack) - bow(slack - more), 0.02);
+  EXPECT_NEAR(straight_response_mm(length, slack, false, along) - 0.1, bow(slack + more) + bow(slack), 0.02);
+  EXPECT_EQ(straight_bow(length, -1), 0);
 }
 
 }  // namespace
