@@ -84,6 +84,12 @@ class Streamer {
   bool known_kind();
   template <std::size_t N>
   bool read_block(std::uint16_t address, std::array<std::uint16_t, N>& block, const char* name);
+  [[nodiscard]] bool intact(std::span<const std::uint16_t, protocol::kIdentSize> ident) const {
+    return protocol::ident_intact(ident);
+  }
+  [[nodiscard]] bool intact(std::span<const std::uint16_t, protocol::kStatusSize> status) const {
+    return (ident_.capabilities & protocol::kCapBlockCrc) == 0 || protocol::block_intact(status);
+  }
   bool refused_again(const char* what);
   bool interrupted_without_link();
   bool refresh();
@@ -153,7 +159,7 @@ bool Streamer::read_block(std::uint16_t address, std::array<std::uint16_t, N>& b
   const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
   for (;;) {
     const LinkOutcome outcome = link_.read(address, block);
-    if (outcome == LinkOutcome::kOk && protocol::block_intact(block)) break;
+    if (outcome == LinkOutcome::kOk && intact(block)) break;
     if (outcome == LinkOutcome::kException) {
       if (!refused_again((std::string(name) + " cannot be read").c_str())) return false;
       continue;
@@ -210,7 +216,7 @@ bool Streamer::transact(std::uint16_t address, std::span<const std::uint16_t> re
   std::array<std::uint16_t, protocol::kStatusSize> block{};
   const LinkOutcome outcome = link_.write_read(address, registers, protocol::kStatusBase, block);
   lost_ = false;
-  if (outcome == LinkOutcome::kOk && protocol::block_intact(block)) {
+  if (outcome == LinkOutcome::kOk && intact(block)) {
     exceptions_ = 0;
     status_ = protocol::decode_status(block);
     return true;

@@ -70,6 +70,10 @@ class Controller {
   void tick(std::uint64_t now_us);
   // Makes the log durable and publishes `executed`; to be called after a turn of work.
   void commit();
+  // With this little room left a commit is worth its time at once: `free` counts what is published.
+  [[nodiscard]] bool commit_due() const {
+    return job_.executed - published_executed_ > options_.fifo_size / 2u;
+  }
 
  private:
   enum class StopReason { kNone, kHold, kWatchdog, kUnderrun, kFault };

@@ -152,7 +152,7 @@ void Controller::execute_due() {
   // A step begins as soon as its end has been accepted. On the way back into a kerf it ends at a waypoint
   // that has been executed before.
   while (job_.executed > 0 && step_ + 1 < job_.accepted() && moving()) {
-    to_ = protocol::decode_waypoint(job_.raw[step_ + 1]).waypoint;
+    if (to_.t_us == from_.t_us) to_ = protocol::decode_waypoint(job_.raw[step_ + 1]).waypoint;
     if (path_.path_s() < time_s(to_)) return;
     if (step_ + 1 < job_.executed) {
       load_step(step_ + 1);

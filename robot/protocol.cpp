@@ -24,6 +24,18 @@ constexpr std::array<std::uint32_t, 256> make_crc_table() {
 }
 constexpr auto kCrcTable = make_crc_table();
 
+// kCrcTables[k][b]: what byte b does with k bytes of zero after it, so that eight bytes are taken in at once.
+constexpr std::array<std::array<std::uint32_t, 256>, 8> make_crc_tables() {
+  std::array<std::array<std::uint32_t, 256>, 8> tables{};
+  tables[0] = kCrcTable;
+  for (std::size_t k = 1; k < 8; ++k) {
+    for (std::size_t i = 0; i < 256; ++i)
+      tables[k][i] = (tables[k - 1][i] >> 8) ^ kCrcTable[tables[k - 1][i] & 0xFF];
+  }
+  return tables;
+}
+constexpr auto kCrcTables = make_crc_tables();
+
 // Writes values one after the other, most significant word first.
 class Writer {
  public:
@@ -136,7 +148,7 @@ DecodedQuaternion decode_quaternion(const std::uint8_t* in) {
     if (field == 1) result.heat = top == 1;
     // Sign extension of 30 bits.
     const auto fixed = static_cast<std::int32_t>((word & kLow30) << 2) >> 2;
-    c[i] = fixed / kQuaternionScale;
+    c[i] = fixed * (1 / kQuaternionScale);  // a power of two: exact
     sum += c[i] * c[i];
     widest = std::max(widest, std::abs(c[i]));
     ++field;
@@ -187,15 +199,31 @@ const char* name(Phase phase) {
 
 std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t crc) {
   crc = ~crc;
+  while (bytes.size() >= 8) {
+    const std::uint32_t low =
+        crc ^ (static_cast<std::uint32_t>(bytes[3]) << 24 | static_cast<std::uint32_t>(bytes[2]) << 16 |
+               static_cast<std::uint32_t>(bytes[1]) << 8 | bytes[0]);
+    crc = kCrcTables[7][low & 0xFF] ^ kCrcTables[6][low >> 8 & 0xFF] ^ kCrcTables[5][low >> 16 & 0xFF] ^
+          kCrcTables[4][low >> 24] ^ kCrcTables[3][bytes[4]] ^ kCrcTables[2][bytes[5]] ^
+          kCrcTables[1][bytes[6]] ^ kCrcTables[0][bytes[7]];
+    bytes = bytes.subspan(8);
+  }
   for (const std::uint8_t byte : bytes) crc = kCrcTable[(crc ^ byte) & 0xFF] ^ (crc >> 8);
   return ~crc;
 }
 
 std::uint32_t crc32_registers(std::span<const std::uint16_t> registers) {
+  constexpr std::size_t kAtOnce = 128;  // a block is no longer
+  std::array<std::uint8_t, 2 * kAtOnce> bytes{};
   std::uint32_t crc = 0;
-  for (const std::uint16_t word : registers) {
-    const std::array bytes{static_cast<std::uint8_t>(word >> 8), static_cast<std::uint8_t>(word & 0xFF)};
-    crc = crc32(bytes, crc);
+  while (!registers.empty()) {
+    const std::size_t n = std::min(registers.size(), kAtOnce);
+    for (std::size_t i = 0; i < n; ++i) {
+      bytes[2 * i] = static_cast<std::uint8_t>(registers[i] >> 8);
+      bytes[2 * i + 1] = static_cast<std::uint8_t>(registers[i]);
+    }
+    crc = crc32(std::span<const std::uint8_t>(bytes).first(2 * n), crc);
+    registers = registers.subspan(n);
   }
   return crc;
 }
@@ -337,7 +365,13 @@ void seal_block(std::span<std::uint16_t> block) {
 bool block_intact(std::span<const std::uint16_t> block) {
   const std::size_t body = block.size() - 2;
   const std::uint32_t crc = Reader(block.subspan(body)).u32();
-  return crc == 0 || crc == crc32_registers(block.first(body));
+  return crc == crc32_registers(block.first(body));
+}
+
+bool ident_intact(std::span<const std::uint16_t, kIdentSize> block) {
+  const bool without = (decode_ident(block).capabilities & kCapBlockCrc) == 0;
+  const bool blank = block[kIdentSize - 2] == 0 && block[kIdentSize - 1] == 0;
+  return block_intact(block) || (without && blank);
 }
 
 std::array<std::uint16_t, kCommandSize> encode_command(const Command& c) {

@@ -147,8 +147,9 @@ struct Status {
 // On the wire IDENT and STATUS end with a CRC-32 of the registers before it: TCP's own sum of 16 bits lets
 // some errors through.
 void seal_block(std::span<std::uint16_t> block);
-// True for a block without a CRC too (both registers 0): other controllers may leave it out.
 [[nodiscard]] bool block_intact(std::span<const std::uint16_t> block);
+// Whether an IDENT may be believed: its CRC holds, or it says that it has none, and both registers are 0.
+[[nodiscard]] bool ident_intact(std::span<const std::uint16_t, kIdentSize> block);
 
 // What OPEN says about the blade.
 struct BladeData {

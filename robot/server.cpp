@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <list>
+#include <utility>
 
 #include "robot/modbus_frame.hpp"
 
@@ -79,12 +80,15 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
       : server_(server), socket_(std::move(socket)), number_(number), last_request_us_(server.now_us()) {
     out_.reserve(kOutBytes);
     sending_.reserve(kOutBytes);
+    asio::error_code ignored;
+    socket_.non_blocking(true, ignored);
   }
 
   void start() { read(); }
   [[nodiscard]] bool closed() const { return !socket_.is_open(); }
   [[nodiscard]] Controller::Connection number() const { return number_; }
-  [[nodiscard]] std::uint64_t last_request_us() const { return last_request_us_; }
+  // What goes first when there is no room: who never asked anything, then who has been silent longest.
+  [[nodiscard]] std::pair<bool, std::uint64_t> standing() const { return {asked_, last_request_us_}; }
   [[nodiscard]] bool overdue(std::uint64_t now_us, const ServerOptions& o) const {
     const bool stalled = !sending_.empty() && now_us - sending_since_us_ > std::uint64_t{o.stalled_ms} * 1000;
     return stalled || now_us - last_request_us_ > std::uint64_t{o.idle_ms} * 1000;
@@ -98,13 +102,17 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
   void read() {
     if (reading_ || hung_up_ || closed() || in_size_ == in_.size()) return;
     reading_ = true;
-    socket_.async_read_some(asio::buffer(in_.data() + in_size_, in_.size() - in_size_),
-                            [self = this->shared_from_this()](asio::error_code error, std::size_t n) {
-                              self->reading_ = false;
-                              if (error) return self->hang_up();
-                              self->in_size_ += n;
-                              self->work();
-                            });
+    // Waits first: reading at once would nearly always find nothing yet.
+    socket_.async_wait(Tcp::socket::wait_read, [self = this->shared_from_this()](asio::error_code error) {
+      self->reading_ = false;
+      if (error || self->closed()) return;
+      const std::size_t n = self->socket_.read_some(
+          asio::buffer(self->in_.data() + self->in_size_, self->in_.size() - self->in_size_), error);
+      if (error == asio::error::would_block) return self->read();
+      if (error) return self->hang_up();
+      self->in_size_ += n;
+      self->work();
+    });
   }
 
   // The client sends no more; what it asked before is still answered.
@@ -132,6 +140,7 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
     std::copy(in_.begin() + static_cast<std::ptrdiff_t>(used),
               in_.begin() + static_cast<std::ptrdiff_t>(in_size_), in_.begin());
     in_size_ -= used;
+    if (server_.controller_.commit_due()) server_.controller_.commit();
     send();
     if (!more) return read();
     // With no room for answers the end of the sending goes on; otherwise another turn, after the others'.
@@ -142,17 +151,24 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
 
   void answer(std::span<const std::uint8_t> request) {
     last_request_us_ = server_.now_us();
+    asked_ = true;
     const Reply reply = server_.map_.handle(request, number_, last_request_us_);
     out_.insert(out_.end(), reply.span().begin(), reply.span().end());
   }
 
   void send() {
     if (!sending_.empty() || out_.empty() || closed()) return;
+    // Mostly there is room for everything at once.
+    asio::error_code error;
+    const std::size_t n = socket_.write_some(asio::buffer(out_), error);
+    if (error && error != asio::error::would_block) return close();
+    if (n == out_.size()) return out_.clear();
+    out_.erase(out_.begin(), out_.begin() + static_cast<std::ptrdiff_t>(n));
     sending_.swap(out_);
     sending_since_us_ = server_.now_us();
     asio::async_write(socket_, asio::buffer(sending_),
-                      [self = this->shared_from_this()](asio::error_code error, std::size_t) {
-                        if (error) return self->close();
+                      [self = this->shared_from_this()](asio::error_code failed, std::size_t) {
+                        if (failed) return self->close();
                         self->sending_.clear();
                         const bool was_full = self->out_.size() + kMaxAduSize > kOutBytes;
                         self->send();
@@ -167,7 +183,7 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
   std::uint64_t last_request_us_, sending_since_us_ = 0;
   std::array<std::uint8_t, kInBytes> in_{};
   std::size_t in_size_ = 0;
-  bool reading_ = false, hung_up_ = false;
+  bool reading_ = false, hung_up_ = false, asked_ = false;
   std::vector<std::uint8_t> out_, sending_;
 };
 
@@ -230,7 +246,7 @@ void ControllerServer::Impl::make_room() {
     auto oldest = sessions_.end();
     for (auto it = sessions_.begin(); it != sessions_.end(); ++it) {
       if ((*it)->number() == controller_.owner()) continue;
-      if (oldest == sessions_.end() || (*it)->last_request_us() < (*oldest)->last_request_us()) oldest = it;
+      if (oldest == sessions_.end() || (*it)->standing() < (*oldest)->standing()) oldest = it;
     }
     if (oldest == sessions_.end()) return;
     (*oldest)->close();

@@ -25,7 +25,7 @@ struct ServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 1502;         // 0: any free one
   std::vector<std::string> allow;    // peers that may connect besides this host's own
-  std::size_t max_connections = 32;  // above it the longest silent one goes, never the owner's
+  std::size_t max_connections = 32;  // above it who never asked, or was silent longest, goes; never the owner
   std::uint32_t idle_ms = 60000;     // without a whole request
   std::uint32_t stalled_ms = 5000;   // with answers that are not fetched
 };

@@ -291,6 +291,26 @@ TEST(Ident, MatchesGoldenRegistersBothWays) {
   EXPECT_EQ(as_vector(encode_ident(ident)), block);
 }
 
+TEST(BlockCrc, NoticesEveryBitAndABlockThatIsAnother) {
+  auto status = encode_status(decode_status(std::span<const std::uint16_t, kStatusSize>(golden("status"))));
+  EXPECT_FALSE(block_intact(status)) << "not sealed";
+  seal_block(status);
+  EXPECT_TRUE(block_intact(status));
+  for (std::size_t i = 0; i < 16 * status.size(); ++i) {
+    auto spoilt = status;
+    spoilt[i / 16] = static_cast<std::uint16_t>(spoilt[i / 16] ^ (1u << (i % 16)));
+    EXPECT_FALSE(block_intact(spoilt)) << i;
+  }
+  auto ident = encode_ident(decode_ident(std::span<const std::uint16_t, kIdentSize>(golden("ident"))));
+  EXPECT_TRUE(ident_intact(ident)) << "without a CRC, as its capabilities say";
+  ident[2] |= kCapBlockCrc;
+  EXPECT_FALSE(ident_intact(ident));
+  seal_block(ident);
+  EXPECT_TRUE(ident_intact(ident));
+  // A request whose address was spoilt is answered with other registers.
+  EXPECT_FALSE(block_intact(std::span<const std::uint16_t>(ident).subspan(16, kStatusSize)));
+}
+
 TEST(Names, NumbersOutsideTheTablesAreUnknown) {
   EXPECT_STREQ(name(Op::kClose), "CLOSE");
   EXPECT_STREQ(name(State::kEstop), "ESTOP");
