@@ -3,6 +3,6 @@
 
 namespace hotblade::gpu {
 
-const CurveLanes kCurveAvx2 = {on_whole, on_pieces};
+const CurveLanes kCurveAvx2 = {on_whole, on_pieces, residuals_of_curves};
 
 }  // namespace hotblade::gpu

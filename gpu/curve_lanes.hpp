@@ -1,7 +1,8 @@
-// The proven half of the nearest point on a curve, for the instruction set at hand.
+// What is computed curve by curve in lanes, for the instruction set at hand.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "gpu/kernels/curve_pieces.h"
 
@@ -17,10 +18,12 @@ struct CurveQueries {
   unsigned* unsure;
 };
 
-// Both return how many are unsure (kernels/curve_nearest.h).
+// The first two return how many are unsure (kernels/curve_nearest.h). The last takes eight numbers a curve
+// and gives the residual and its status code.
 struct CurveLanes {
   std::size_t (*whole)(const hb_curve_whole& curve, const CurveQueries& queries);
   std::size_t (*pieces)(const hb_curve_piece* pieces, int count, double sag, const CurveQueries& queries);
+  void (*residuals)(const double* curves, std::size_t n, double* e, std::uint8_t* status);
 };
 
 extern const CurveLanes kCurveBaseline, kCurveAvx2, kCurveAvx512;

@@ -89,8 +89,8 @@ HB_INLINE HB_REAL hb_edge_gradient(const hb_edge_rate* a, HB_REAL e, HB_REAL tot
 /* Both sums over one node's u of either sign. */
 HB_INLINE HB_REAL hb_gradient_node(const hb_cubic* c, const hb_nodes* n, const hb_affine* f, HB_REAL u,
                                    HB_REAL weight, int i, hb_edge_rate* first, hb_edge_rate* second) {
-  const HB_REAL half = HB_BROADCAST(0.5), three = HB_BROADCAST(3.0), one = HB_BROADCAST(1.0);
-  const HB_REAL two_u = u + u, three_uu = three * (u * u), t = half + u, o = half - u;
+  const HB_REAL one_half = HB_BROADCAST(0.5), three = HB_BROADCAST(3.0), one = HB_BROADCAST(1.0);
+  const HB_REAL two_u = u + u, three_uu = three * (u * u), t = one_half + u, o = one_half - u;
   const HB_REAL inverse = n->inverse[i], kappa = n->kappa[i];
   const HB_REAL tx = HB_FMA(three_uu, c->x3, HB_FMA(two_u, c->x2, c->x1)) * inverse;
   const HB_REAL ty = HB_FMA(three_uu, c->y3, HB_FMA(two_u, c->y2, c->y1)) * inverse;

@@ -115,13 +115,13 @@ HB_INLINE HB_REAL hb_speed_squared(const hb_cubic* c, HB_REAL u) {
 /* Straight, cusp or neither. The speed is three edges' lengths at the ends; at a cusp the numerator has a
  * double root. */
 HB_INLINE HB_REAL hb_residual_status(const hb_legs* p, const hb_cubic* c) {
-  const HB_REAL half = HB_BROADCAST(0.5), flat = HB_BROADCAST(HB_FLAT_SHARE);
+  const HB_REAL one_half = HB_BROADCAST(0.5), flat = HB_BROADCAST(HB_FLAT_SHARE);
   const HB_REAL limit = HB_BROADCAST(HB_CUSP_SHARE * HB_CUSP_SHARE),
                 edge_limit = HB_BROADCAST(1.0 / 9) * limit;
   const HB_REAL lx = p->x3 - p->x2, ly = p->y3 - p->y2;
   HB_REAL root = -c->q1 / (c->q2 + c->q2);
-  root = HB_SELECT(root > half, half, root);
-  root = HB_SELECT(root > -half, root, -half); /* 0/0 too */
+  root = HB_SELECT(root > one_half, one_half, root);
+  root = HB_SELECT(root > -one_half, root, -one_half); /* 0/0 too */
   const HB_MASK cusp = (p->x1 * p->x1 + p->y1 * p->y1 < edge_limit) | (lx * lx + ly * ly < edge_limit) |
                        (hb_speed_squared(c, root) < limit);
   const HB_MASK straight = HB_MAX(HB_MAX(HB_ABS(p->y1), HB_ABS(p->y2)), HB_ABS(p->y3)) < flat;

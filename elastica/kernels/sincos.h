@@ -46,11 +46,11 @@ HB_INLINE hb_sincos hb_sincos_of(HB_REAL a) {
   /* Quarter m in {-2, -1, 0, 1, 2}: odd ones swap, and the signs follow. */
   const HB_REAL m = HB_FMA(HB_BROADCAST(-4.0), hb_round(n * HB_BROADCAST(0.25)), n);
   const HB_REAL absolute = HB_ABS(m);
-  const HB_REAL one = HB_BROADCAST(1.0), half = HB_BROADCAST(0.5);
-  const HB_MASK odd = HB_ABS(absolute - one) < half;
+  const HB_REAL one = HB_BROADCAST(1.0), one_half = HB_BROADCAST(0.5);
+  const HB_MASK odd = HB_ABS(absolute - one) < one_half;
   const HB_REAL s = HB_SELECT(odd, r.cos, r.sin), c = HB_SELECT(odd, r.sin, r.cos);
-  const HB_MASK sin_negative = (absolute > one + half) | ((m < -half) & odd);
-  const HB_MASK cos_negative = (absolute > one + half) | ((m > half) & odd);
+  const HB_MASK sin_negative = (absolute > one + one_half) | ((m < -one_half) & odd);
+  const HB_MASK cos_negative = (absolute > one + one_half) | ((m > one_half) & odd);
   hb_sincos out;
   out.sin = HB_SELECT(sin_negative, -s, s);
   out.cos = HB_SELECT(cos_negative, -c, c);

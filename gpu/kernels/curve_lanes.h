@@ -1,9 +1,10 @@
-// The lanes of curve_nearest.h over many points, compiled once for each instruction set; see
-// elastica/kernels/simd_lanes.h for what the including file may use.
+// The lanes of curve_nearest.h over many points and of lambda_residual.h over many curves, compiled once for
+// each instruction set; see elastica/kernels/simd_lanes.h for what the including file may use.
 #pragma once
 
 #include "elastica/kernels/simd_lanes.h"
 // Lanes first.
+#include "elastica/kernels/lambda_residual.h"
 #include "gpu/curve_lanes.hpp"
 #include "gpu/kernels/curve_nearest.h"
 
@@ -41,6 +42,24 @@ std::size_t on_pieces(const hb_curve_piece* pieces, int count, double sag, const
       queries, [&](HB_REAL x, HB_REAL y) __attribute__((always_inline)) {
         return hb_curve_foot_on_pieces(pieces, count, sag, x, y);
       });
+}
+
+// Missing lanes repeat the last curve.
+void residuals_of_curves(const double* curves, std::size_t n, double* e, std::uint8_t* status) {
+  for (std::size_t first = 0; first < n; first += HB_LANES) {
+    const std::size_t lanes = n - first < HB_LANES ? n - first : HB_LANES;
+    double numbers[8][HB_LANES];
+    for (std::size_t i = 0; i < HB_LANES; ++i) {
+      const double* from = curves + 8 * (first + (i < lanes ? i : lanes - 1));
+      for (int k = 0; k < 8; ++k) numbers[k][i] = from[k];
+    }
+    HB_REAL c[8];
+    for (int k = 0; k < 8; ++k) c[k] = hb_load(numbers[k], HB_LANES);
+    const hb_legs legs = {c[2] - c[0], c[3] - c[1], c[4] - c[0], c[5] - c[1], c[6] - c[0], c[7] - c[1]};
+    const hb_residual r = hb_lambda_residual(&legs);
+    hb_store(e + first, r.e, lanes);
+    for (std::size_t i = 0; i < lanes; ++i) status[first + i] = static_cast<std::uint8_t>(r.status[i]);
+  }
 }
 
 }  // namespace

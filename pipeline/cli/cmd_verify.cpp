@@ -1,5 +1,7 @@
 // hotblade verify: measures a program against its design again.
 #include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/info.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -21,6 +23,7 @@ namespace fs = std::filesystem;
 struct VerifyArguments {
   std::string program, design, backend = "auto";
   double sample_mm = 2.5;
+  int jobs = 0;  // all cores
 };
 
 // The design: as given, or the file of the program's name beside the program.
@@ -67,6 +70,9 @@ Exit expect_passed(const Program& program, const Console& console) {
 }
 
 Exit verify_program(const VerifyArguments& arguments, const Console& console) {
+  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
   const Program program = read_program(arguments.program);
   const fs::path design_file = find_design(arguments, program);
   console.report_progress("read", 0.1);
@@ -126,6 +132,7 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
+  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
   command->footer(
       "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the blade would "
       "snap, yield or leave the planned shapes, or the plan was "

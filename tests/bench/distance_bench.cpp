@@ -6,7 +6,6 @@
 #include <map>
 #include <random>
 
-#include "gpu/curve_distance.hpp"
 #include "gpu/mesh_distance.hpp"
 #include "tests/bench/distance_peers.hpp"
 
@@ -93,6 +92,8 @@ void peer(benchmark::State& state) {
 }
 
 void build(benchmark::State& state) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(state.range(1)));
   const PeerMesh s = shell(state.range(0));
   const auto vertices = vectors(s.vertices);
   for (auto _ : state) benchmark::DoNotOptimize(MeshDistance(vertices, s.triangles));
@@ -100,34 +101,11 @@ void build(benchmark::State& state) {
 
 template <std::unique_ptr<Peer> (*kMake)(const PeerMesh&)>
 void build_peer(benchmark::State& state) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(state.range(1)));
   const PeerMesh s = shell(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(kMake(s));
 }
-
-// A gentle rib, and a cusp as the degenerate case; points over the curve's box, one thread.
-void points_to_cubic(benchmark::State& state) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  const bool cusp = state.range(0) != 0;
-  const hotblade::gpu::CurveDistance curve = hotblade::gpu::CurveDistance::to_cubic(
-      cusp ? std::array<Eigen::Vector2d, 4>{{{0, 0}, {1000, 300}, {0, 300}, {1000, 0}}}
-           : std::array<Eigen::Vector2d, 4>{{{0, 0}, {300, 120}, {700, 140}, {1000, 0}}});
-  std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> u(0, 1000), v(0, 300);
-  const std::size_t count = cusp ? 20000 : 1000000;
-  std::vector<double> x(count), y(count), distance(count), t(count);
-  for (double& a : x) a = u(random);
-  for (double& a : y) a = v(random);
-  std::size_t careful = 0;
-  for (auto _ : state) careful = curve.query(x, y, distance, t);
-  state.counters["careful_share"] = static_cast<double>(careful) / static_cast<double>(count);
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
-}
-BENCHMARK(points_to_cubic)
-    ->Name("PointsToCubic")
-    ->ArgName("cusp")
-    ->Arg(0)
-    ->Arg(1)
-    ->Unit(benchmark::kMillisecond);
 
 // Ours and the peers one after the other for every case, so that a ratio is of neighbours in time.
 int register_all() {
@@ -139,27 +117,30 @@ int register_all() {
           benchmark::RegisterBenchmark(name, run)
               ->ArgNames({"triangles", "order", "threads"})
               ->Args({triangles, order, threads})
+              ->MeasureProcessCPUTime()
               ->UseRealTime()
               ->Unit(benchmark::kMillisecond);
         };
         add("PointsToMesh/Ours", ours);
         add("PointsToMesh/Embree", peer<embree_from_last>);
-        if (triangles <= 1000000 && threads == 1) {
-          add("PointsToMesh/Cgal", peer<cgal_tree>);
-          add("PointsToMesh/Vtk", peer<vtk_locator>);
-        }
+        add("PointsToMesh/Cgal", peer<cgal_tree>);
+        add("PointsToMesh/Vtk", peer<vtk_locator>);
       }
     }
   }
-  for (const std::int64_t triangles : {100000, 1000000}) {
-    benchmark::RegisterBenchmark("BuildMesh/Ours", build)
-        ->Arg(triangles)
-        ->UseRealTime()
-        ->Unit(benchmark::kMillisecond);
-    benchmark::RegisterBenchmark("BuildMesh/Embree", build_peer<embree_from_last>)
-        ->Arg(triangles)
-        ->UseRealTime()
-        ->Unit(benchmark::kMillisecond);
+  for (const std::int64_t triangles : {100000, 1000000, 10000000}) {
+    for (const std::int64_t threads : {1, 2}) {
+      const auto add = [&](const char* name, void (*run)(benchmark::State&)) {
+        benchmark::RegisterBenchmark(name, run)
+            ->ArgNames({"triangles", "threads"})
+            ->Args({triangles, threads})
+            ->MeasureProcessCPUTime()
+            ->UseRealTime()
+            ->Unit(benchmark::kMillisecond);
+      };
+      add("BuildMesh/Ours", build);
+      add("BuildMesh/Embree", build_peer<embree_from_last>);
+    }
   }
   return 0;
 }

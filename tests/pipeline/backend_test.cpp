@@ -45,6 +45,24 @@ TEST(Backend, PlansAreTheSameBytesOnEveryBackendAndThreadCount) {
   }
 }
 
+TEST(Backend, VerifyGivesTheSameVerdictOnEveryBackendAndThreadCount) {
+  const TemporaryDirectory files;
+  ASSERT_EQ(plan(files / "cut", "cpu", "2").code, 0);
+  const auto verified = [&](const std::string& backend, const std::string& jobs) {
+    return hotblade({"verify", (files / "cut" / "program.json").string(), "--design", kSamples + "hypar.obj",
+                     "--backend", backend, "--jobs", jobs, "--sample", "1"});
+  };
+  const Ended expected = verified("cpu", "1");
+  EXPECT_EQ(expected.code, 0) << expected.err;
+  EXPECT_NE(expected.out.find("deviation max"), std::string::npos) << expected.out;
+  for (const auto& [backend, jobs] :
+       {std::pair{"cpu", "2"}, {"opencl", "1"}, {"opencl", "2"}, {"auto", "2"}}) {
+    const Ended other = verified(backend, jobs);
+    EXPECT_EQ(other.code, expected.code) << other.err;
+    EXPECT_EQ(other.out, expected.out) << backend << ", " << jobs;
+  }
+}
+
 TEST(Backend, VerifySaysWhyOpenClDidNotAnswer) {
   const TemporaryDirectory files;
   ASSERT_EQ(plan(files / "cut", "cpu", "2").code, 0);
