@@ -121,26 +121,30 @@ double scale_of(double size) {
 class CarefulSearch {
  public:
   CarefulSearch(const CurvePieces& curve, const Vector2d& q, double rounding) : curve_(curve), q_(q) {
-    rounding_ = rounding * std::max(curve.pieces[0].size, q.cwiseAbs().maxCoeff());
+    const double largest = std::max(curve.pieces[0].size, q.cwiseAbs().maxCoeff());
+    rounding_ = rounding * largest;
+    far_ = largest > 1e100;
   }
 
   CurveNearest run() {
-    struct Waiting {
-      double at_least;
-      const hb_curve_piece* piece;
-    };
-    std::vector<Waiting> waiting;
-    waiting.reserve(curve_.pieces.size());
+    // Starts of all pieces and the last one's end give a first best; the piece that can be nearest is
+    // searched next, and leaves few of the others in question.
+    thread_local std::vector<double> at_least_of;
+    at_least_of.clear();
     for (const hb_curve_piece& p : curve_.pieces) {
       take(p);
-      consider(0);
-      consider(1);
-      waiting.push_back({at_least(0, 1), &p});
+      consider(0, -r_);
+      const Vector2d leg(p.leg_x, p.leg_y);
+      const double s = std::clamp(r_.dot(leg) * p.inv, 0.0, 1.0);
+      at_least_of.push_back(length(r_ - s * leg) - p.sag);
     }
-    std::stable_sort(waiting.begin(), waiting.end(),
-                     [](const Waiting& a, const Waiting& b) { return a.at_least < b.at_least; });
-    for (const Waiting& next : waiting) {
-      take(*next.piece);
+    consider(1, offset(1));
+    const auto nearest = static_cast<std::size_t>(std::min_element(at_least_of.begin(), at_least_of.end()) -
+                                                  at_least_of.begin());
+    for (std::size_t k = 0; k <= curve_.pieces.size(); ++k) {
+      const std::size_t i = k == 0 ? nearest : k - 1;
+      if ((k > 0 && i == nearest) || out_of_reach(at_least_of[i])) continue;
+      take(curve_.pieces[i]);
       look(0, 1);
     }
     return best_;
@@ -156,17 +160,22 @@ class CarefulSearch {
   // Offset from the query, without the detour by the frame's origin.
   [[nodiscard]] Vector2d offset(double u) const { return ((b_.c[3] * u + b_.c[2]) * u + b_.c[1]) * u - r_; }
 
-  void consider(double u) {
-    const Vector2d x = offset(u);
-    const double d = std::hypot(x.x(), x.y());
+  // Without the detour of std::hypot where squares neither overflow nor lose the curve.
+  [[nodiscard]] double length(const Vector2d& v) const { return far_ ? std::hypot(v.x(), v.y()) : v.norm(); }
+
+  void consider(double u, const Vector2d& off) {
+    const double d = length(off);
     if (d < best_.distance) best_ = {d, piece_->t + u * piece_->dt};
   }
+
+  // A part that can gain no more than rounding is done with.
+  [[nodiscard]] bool out_of_reach(double least) const { return least >= best_.distance - rounding_; }
 
   [[nodiscard]] double at_least(double from, double to) const {
     const Vector2d a = offset(from), leg = offset(to) - a;
     const double s = std::clamp(-a.dot(leg) * inverse(leg.squaredNorm()), 0.0, 1.0), width = to - from;
     const Vector2d foot = a + s * leg;
-    return std::hypot(foot.x(), foot.y()) - b_.largest_acceleration(from, to) * width * width / 8;
+    return length(foot) - b_.largest_acceleration(from, to) * width * width / 8;
   }
 
   [[nodiscard]] bool convex(double from, double to) const {
@@ -191,14 +200,13 @@ class CarefulSearch {
       if (next == u) break;
       u = next;
     }
-    consider(u);
+    consider(u, offset(u));
   }
 
   void look(double from, double to) {
-    // A part that can gain no more than rounding is done with.
-    if (at_least(from, to) >= best_.distance - rounding_) return;
+    if (out_of_reach(at_least(from, to))) return;
     const double middle = 0.5 * (from + to);
-    consider(middle);
+    consider(middle, offset(middle));
     // At this width the sag is below 2^-60 of the curve's size.
     if (to - from < 0x1p-30) return;
     if (convex(from, to)) {
@@ -212,6 +220,7 @@ class CarefulSearch {
   const CurvePieces& curve_;
   const Vector2d q_;
   double rounding_ = 0;  // of a distance
+  bool far_ = false;
   const hb_curve_piece* piece_ = nullptr;
   Cubic b_;
   Vector2d r_{0, 0};

@@ -100,8 +100,9 @@ Nearest MeshDistance::Impl::settle(const Vector3d& q, std::span<const Candidate>
       nearest.triangle = candidate.triangle;
     }
   }
-  nearest.distance = std::sqrt(best.distance_sq) / frame.scale;
-  nearest.point = frame.centre + best.nearest / frame.scale;
+  const double back = 1 / frame.scale;  // exact, of a power of two
+  nearest.distance = std::sqrt(best.distance_sq) * back;
+  nearest.point = frame.centre + best.nearest * back;
   return nearest;
 }
 

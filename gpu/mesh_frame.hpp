@@ -21,8 +21,8 @@ struct MeshFrame {
   [[nodiscard]] TriangleDistance distance(int triangle, const Eigen::Vector3d& local_point) const {
     const auto& t = triangles[static_cast<std::size_t>(triangle)];
     return triangle_distance(
-        {vertices[static_cast<std::size_t>(t[0])], vertices[static_cast<std::size_t>(t[1])],
-         vertices[static_cast<std::size_t>(t[2])]},
+        {&vertices[static_cast<std::size_t>(t[0])], &vertices[static_cast<std::size_t>(t[1])],
+         &vertices[static_cast<std::size_t>(t[2])]},
         local_point);
   }
 };
