@@ -45,6 +45,7 @@ std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
 struct Grid {
   std::size_t rows = 0, columns = 0;
   std::vector<Eigen::Vector3d> centre, left;  // blade points, and the direction left of the blade there
+  std::vector<double> curvature;              // 1/mm, without sign
 };
 
 Grid blade_grid(const std::vector<const BladePose*>& rows, double sample_mm) {
@@ -60,6 +61,7 @@ Grid blade_grid(const std::vector<const BladePose*>& rows, double sample_mm) {
       const auto q =
           curve.at(s0 + (s1 - s0) * static_cast<double>(j) / static_cast<double>(grid.columns - 1));
       grid.centre.push_back(pose->frame.point(q.x, q.y));
+      grid.curvature.push_back(std::abs(q.kappa));
       grid.left.push_back(-std::sin(q.theta) * pose->frame.x + std::cos(q.theta) * pose->frame.y);
     }
   }
@@ -90,6 +92,8 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
       out.vertices.push_back(grid.centre[i * grid.columns + j] - half_band * n);
       out.normals.push_back(n);
       out.strip_of_vertex.push_back(static_cast<int>(index));
+      out.pose_of_vertex.push_back(static_cast<int>(rows[i] - program.strips[index].poses.data()));
+      out.curvature_per_mm.push_back(grid.curvature[i * grid.columns + j]);
     }
   }
   const auto columns = static_cast<int>(grid.columns);

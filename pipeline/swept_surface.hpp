@@ -15,6 +15,8 @@ struct SweptSurface {
   std::vector<Eigen::Vector3d> normals;       // unit, towards the waste
   std::vector<std::array<int, 3>> triangles;  // front on the waste side
   std::vector<int> strip_of_vertex;           // index into program.strips
+  std::vector<int> pose_of_vertex;            // index into its strip's poses
+  std::vector<double> curvature_per_mm;       // of the blade there, without sign
 };
 
 // Grid over poses that form the design (those with a foam interval), about `sample_mm` apart along and across

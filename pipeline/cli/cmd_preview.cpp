@@ -14,6 +14,8 @@
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/exchange.hpp"
 #include "pipeline/preview/movie.hpp"
+#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/window.hpp"
 #include "pipeline/program.hpp"
 #include "pipeline/read_design.hpp"
 
@@ -31,6 +33,7 @@ struct PreviewOptions {
   int frames = 60;
   std::string size = "1280x720";
   std::string view = "best";
+  std::vector<std::string> keys;
   preview::SceneOptions scene;
   bool force = false;
 };
@@ -92,29 +95,35 @@ const Strip& filmed_strip(const Program& program, const std::string& id) {
                                               program.strips.front().id, program.strips.back().id));
 }
 
-void film(const PreviewOptions& options, preview::PictureSize size, preview::View view,
-          const Console& console) {
-  const Program program = read_program(options.input.file);
+// What the window shows of the program or design, and the state that the keys of --keys lead to.
+struct Viewed {
+  preview::ViewModel model;
+  preview::ViewState state;
+};
+
+preview::ViewState with_keys(const preview::ViewModel& model, preview::ViewState state,
+                             const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) state = preview::after_key(state, model.facts, key);
+  return state;
+}
+
+void film(const Program& program, const PreviewOptions& options, preview::PictureSize size,
+          preview::View view, const Console& console) {
   const auto design = design_of(program, options);
-  const DesignSurface* surface = design ? &*design : nullptr;
-  const Strip& strip = filmed_strip(program, options.scene.strip);
   preview::SceneOptions scene = options.scene;
-  scene.strip = strip.id;
-  const preview::Scene framed = preview::scene_of(program, surface, scene);
-  const double start = strip.poses.front().t, end = strip.poses.back().t;
-  const auto scene_at = [&](double t) {
-    if (interrupted()) throw CommandError(Exit::kInterrupted, "interrupted: no film was written");
-    console.report_progress("film", end > start ? (t - start) / (end - start) : 1);
-    scene.at_s = t;
-    preview::Scene now = preview::scene_of(program, surface, scene);
-    now.scale = framed.scale;  // one meaning of colours through the film
-    return now;
-  };
+  scene.strip = filmed_strip(program, options.scene.strip).id;
+  const preview::ViewModel model = preview::view_model(program, design ? &*design : nullptr, scene);
+  preview::ViewState state = preview::first_state(model, scene, view);
+  state.hidden.set(static_cast<std::size_t>(preview::Layer::kGhosts));
   preview::MovieOptions movie;
   movie.size = size;
-  movie.view = view;
   movie.frames = options.frames;
-  preview::write_movie(scene_at, framed, start, end, movie, options.movie, options.force);
+  const auto report = [&](double share) {
+    if (interrupted()) throw CommandError(Exit::kInterrupted, "interrupted: no film was written");
+    console.report_progress("film", share);
+  };
+  preview::write_movie(model, with_keys(model, state, options.keys), movie, options.movie, options.force,
+                       report);
   std::cout << options.movie << '\n';
 }
 
@@ -147,7 +156,8 @@ void check_outputs(const PreviewOptions& options) {
   }
 }
 
-preview::Scene design_scene(const PreviewOptions& options) {
+// The design where the file is one; options that go with a program are refused.
+DesignSurface design_alone(const PreviewOptions& options) {
   const auto refuse = [](const char* option) {
     throw CommandError(Exit::kUsage, fmt::format("{}: goes with a program, not with a design", option));
   };
@@ -155,9 +165,38 @@ preview::Scene design_scene(const PreviewOptions& options) {
   if (!options.color.empty()) refuse("--color");
   if (!options.scene.strip.empty()) refuse("--strip");
   if (options.scene.at_s) refuse("--at");
+  if (options.scene.ghost_step_mm) refuse("--ghosts");
   if (!options.movie.empty()) refuse("--movie");
   const Settings settings = resolve_design(options.input);
-  return preview::scene_of(read_design(options.input.file, settings.design));
+  return read_design(options.input.file, settings.design);
+}
+
+bool is_program(const PreviewOptions& options) {
+  return fs::path(options.input.file).extension() == ".json";
+}
+
+Viewed viewed(const PreviewOptions& options, preview::View view) {
+  Viewed out;
+  if (is_program(options)) {
+    const Program program = read_program(options.input.file);
+    const auto design = design_of(program, options);
+    out.model = preview::view_model(program, design ? &*design : nullptr, options.scene);
+  } else {
+    out.model = preview::view_model(design_alone(options));
+  }
+  out.state = with_keys(out.model, preview::first_state(out.model, options.scene, view), options.keys);
+  return out;
+}
+
+void shoot(const PreviewOptions& options, const preview::Scene& scene, preview::PictureSize size,
+           preview::View view) {
+  if (options.keys.empty()) {
+    write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
+  } else {
+    const Viewed window = viewed(options, view);
+    write_file_atomically(options.shot, preview::png_of(window.model, window.state, size), options.force);
+  }
+  std::cout << options.shot << '\n';
 }
 
 Exit run_preview(PreviewOptions options, const Console& console) {
@@ -165,25 +204,24 @@ Exit run_preview(PreviewOptions options, const Console& console) {
   const preview::View view = preview::view_named(options.view).value_or(preview::View::kBest);
   options.scene.color = color_of(options.color);
   check_outputs(options);
-  const bool in_window = options.shot.empty() && options.movie.empty() && options.exported.empty();
-  if (in_window) preview::expect_display();
-  const bool is_program = fs::path(options.input.file).extension() == ".json";
-  if (in_window || !options.shot.empty() || !options.exported.empty()) {
-    const preview::Scene scene = is_program ? program_scene(options) : design_scene(options);
-    if (in_window) {
-      preview::show(scene, size, view);
-      return Exit::kOk;
-    }
-    if (!options.shot.empty()) {
-      write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
-      std::cout << options.shot << '\n';
-    }
+  if (options.shot.empty() && options.movie.empty() && options.exported.empty()) {
+    preview::expect_display();
+    const Viewed window = viewed(options, view);
+    if (!window.state.closed) preview::show(window.model, window.state, size);
+    return Exit::kOk;
+  }
+  if (!is_program(options)) {
+    const preview::Scene scene = preview::scene_of(design_alone(options));
+    if (!options.shot.empty()) shoot(options, scene, size, view);
+    if (!options.exported.empty()) export_scene(scene, options);
+    return Exit::kOk;
+  }
+  if (!options.shot.empty() || !options.exported.empty()) {
+    const preview::Scene scene = program_scene(options);
+    if (!options.shot.empty()) shoot(options, scene, size, view);
     if (!options.exported.empty()) export_scene(scene, options);
   }
-  if (!options.movie.empty()) {
-    if (!is_program) (void)design_scene(options);
-    film(options, size, view, console);
-  }
+  if (!options.movie.empty()) film(read_program(options.input.file), options, size, view, console);
   return Exit::kOk;
 }
 
@@ -213,9 +251,17 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--view", options->view, "Where to look from; else obliquely on the cut side")
       ->check(CLI::IsMember({"best", "top", "front", "right"}))
       ->type_name("best|top|front|right");
+  command
+      ->add_option("--ghosts", options->scene.ghost_step_mm,
+                   "Way between ghosts of the blade; else eight a strip")
+      ->check(CLI::Range(1.0, 1e6))
+      ->type_name("MM");
+  command->add_option("--keys", options->keys, "Keys pressed in the window first, as in c,t,Tab")
+      ->delimiter(',')
+      ->type_name("KEY,...");
   command->add_flag("--force", options->force, "Overwrite an existing picture");
   command->footer(
-      "In the window: drag turns, middle button moves, wheel zooms, q closes.\n"
+      "In the window: space plays, h shows all keys, drag turns, a click picks, q closes.\n"
       "Example: hotblade preview job/program.json --design vault.obj --shot vault.png");
   command->callback([options, &console, &action] {
     action = [options, &console] { return run_preview(*options, console); };

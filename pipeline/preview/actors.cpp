@@ -54,15 +54,19 @@ void set_depth(vtkMapper& mapper, double units) {
   mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0, units);
 }
 
-vtkNew<vtkActor> surface_actor(vtkPolyData& data, double depth) {
+// Normals are made once: the cut's triangles come and go, its vertices stay.
+vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, double depth) {
   vtkNew<vtkPolyDataNormals> normals;
   normals->SetInputData(&data);
   normals->SplittingOff();
   normals->ConsistencyOff();
+  normals->Update();
+  vtkNew<vtkPolyData> smooth;
+  smooth->ShallowCopy(normals->GetOutput());
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputConnection(normals->GetOutputPort());
+  mapper->SetInputData(smooth);
   set_depth(*mapper, depth);
-  vtkNew<vtkActor> actor;
+  const auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   // Colours carry numbers, so light only shades them.
   actor->GetProperty()->SetAmbient(0.66);
@@ -71,40 +75,38 @@ vtkNew<vtkActor> surface_actor(vtkPolyData& data, double depth) {
   return actor;
 }
 
-void add_line_data(vtkRenderer& renderer, vtkPolyData& data, const Rgb& color, double width, double depth) {
+vtkSmartPointer<vtkActor> line_data_actor(vtkPolyData& data, const Rgb& color, double width, double depth) {
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(&data);
   mapper->ScalarVisibilityOff();
   set_depth(*mapper, depth);
-  vtkNew<vtkActor> actor;
+  const auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
   actor->GetProperty()->SetLineWidth(static_cast<float>(width));
   actor->GetProperty()->LightingOff();
-  renderer.AddActor(actor);
+  return actor;
 }
 
-void add_lines(vtkRenderer& renderer, const std::vector<Polyline>& lines, const Rgb& color, double width,
-               double depth) {
-  if (lines.empty()) return;
-  vtkNew<vtkPolyData> data;
-  set_lines(*data, lines);
-  add_line_data(renderer, *data, color, width, depth);
+vtkPolyData& data_of(vtkActor& actor) {
+  return *vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->GetInput();
 }
 
-void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth) {
+void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth,
+                SceneActors& actors) {
   if (scene.design.triangles.empty()) return;
   vtkNew<vtkPolyData> mesh;
   set_mesh(*mesh, scene.design.vertices, scene.design.triangles);
-  const auto actor = surface_actor(*mesh, depth.behind());
-  actor->GetProperty()->SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
+  actors.design = surface_actor(*mesh, depth.behind());
+  vtkProperty& property = *actors.design->GetProperty();
+  property.SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
   const bool alone = scene.cut.triangles.empty();
   if (alone) {
-    actor->GetProperty()->EdgeVisibilityOn();
-    actor->GetProperty()->SetEdgeColor(0.62, 0.63, 0.66);
-    actor->GetProperty()->SetLineWidth(static_cast<float>(0.6 * zoom));
+    property.EdgeVisibilityOn();
+    property.SetEdgeColor(0.62, 0.63, 0.66);
+    property.SetLineWidth(static_cast<float>(0.6 * zoom));
   }
-  renderer.AddActor(actor);
+  renderer.AddActor(actors.design);
   vtkNew<vtkFeatureEdges> edges;
   edges->SetInputData(mesh);
   edges->BoundaryEdgesOn();
@@ -113,7 +115,8 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
   edges->ManifoldEdgesOff();
   edges->ColoringOff();
   edges->Update();
-  add_line_data(renderer, *edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+  actors.borders = line_data_actor(*edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+  renderer.AddActor(actors.borders);
 }
 
 // Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs.
@@ -126,6 +129,12 @@ vtkNew<vtkLookupTable> table_of(const ColorScale& scale) {
     const Rgb color = color_at(scale, scale.low + (i + 0.5) / kEntries * (scale.high - scale.low));
     table->SetTableValue(i, color[0], color[1], color[2]);
   }
+  const double beyond = scale.high - scale.low;
+  const Rgb above = color_at(scale, scale.high + beyond), below = color_at(scale, scale.low - beyond);
+  table->UseAboveRangeColorOn();
+  table->UseBelowRangeColorOn();
+  table->SetAboveRangeColor(above[0], above[1], above[2], 1);
+  table->SetBelowRangeColor(below[0], below[1], below[2], 1);
   return table;
 }
 
@@ -138,26 +147,6 @@ vtkNew<vtkLookupTable> strip_table(int strips) {
     table->SetTableValue(i, color[0], color[1], color[2]);
   }
   return table;
-}
-
-void add_cut(const Scene& scene, vtkRenderer& renderer) {
-  if (scene.cut.triangles.empty()) return;
-  vtkNew<vtkPolyData> mesh;
-  set_mesh(*mesh, scene.cut.vertices, scene.cut.triangles);
-  vtkNew<vtkDoubleArray> values;
-  values->SetNumberOfValues(static_cast<vtkIdType>(scene.cut.vertices.size()));
-  for (std::size_t i = 0; i < scene.cut.vertices.size(); ++i) {
-    values->SetValue(static_cast<vtkIdType>(i),
-                     scene.scale ? scene.cut.values[i] : scene.cut.strip_of_vertex[i]);
-  }
-  mesh->GetPointData()->SetScalars(values);
-  const auto actor = surface_actor(*mesh, 0);
-  vtkMapper& mapper = *actor->GetMapper();
-  mapper.InterpolateScalarsBeforeMappingOn();
-  mapper.SetLookupTable(scene.scale ? table_of(*scene.scale)
-                                    : strip_table(static_cast<int>(scene.strip_names.size())));
-  mapper.UseLookupTableScalarRangeOn();
-  renderer.AddActor(actor);
 }
 
 // A clamp as a block along the blade, drawn where it grips.
@@ -177,42 +166,86 @@ void append_block(const Pose& pose, double size, std::vector<Eigen::Vector3d>& c
   }
 }
 
-void add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double size, const Rgb& color) {
-  if (clamps.empty()) return;
-  std::vector<Eigen::Vector3d> corners;
-  Triangles triangles;
-  for (const Pose& clamp : clamps) append_block(clamp, size, corners, triangles);
+}  // namespace
+
+void color_cut(vtkActor& cut, const Scene& scene, const std::vector<double>& values,
+               const std::optional<ColorScale>& scale) {
+  vtkNew<vtkDoubleArray> scalars;
+  scalars->SetNumberOfValues(static_cast<vtkIdType>(scene.cut.vertices.size()));
+  for (std::size_t i = 0; i < scene.cut.vertices.size(); ++i)
+    scalars->SetValue(static_cast<vtkIdType>(i), scale ? values[i] : scene.cut.strip_of_vertex[i]);
+  data_of(cut).GetPointData()->SetScalars(scalars);
+  vtkMapper& mapper = *cut.GetMapper();
+  mapper.InterpolateScalarsBeforeMappingOn();
+  mapper.SetLookupTable(scale ? table_of(*scale) : strip_table(static_cast<int>(scene.strip_names.size())));
+  mapper.UseLookupTableScalarRangeOn();
+}
+
+vtkSmartPointer<vtkActor> line_actor(const std::vector<Polyline>& lines, const Rgb& color, double width,
+                                     double depth) {
+  vtkNew<vtkPolyData> data;
+  set_lines(*data, lines);
+  return line_data_actor(*data, color, width, depth);
+}
+
+void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines) {
+  vtkNew<vtkPolyData> data;
+  set_lines(*data, lines);
+  vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->SetInputData(data);
+}
+
+vtkSmartPointer<vtkActor> clamp_actor(const std::vector<Pose>& clamps, double size_mm, const Rgb& color) {
   vtkNew<vtkPolyDataMapper> mapper;
-  vtkNew<vtkPolyData> blocks;
-  set_mesh(*blocks, corners, triangles);
-  mapper->SetInputData(blocks);
-  vtkNew<vtkActor> actor;
+  const auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
+  set_actor_clamps(*actor, clamps, size_mm);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
   actor->GetProperty()->SetAmbient(0.3);
   actor->GetProperty()->SetInterpolationToFlat();
-  renderer.AddActor(actor);
+  return actor;
 }
 
-void add_stocks(const Scene& scene, vtkRenderer& renderer, double zoom) {
-  add_lines(renderer, stock_edges(scene.stocks), kStockColor, 1.2 * zoom, 0);
+void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm) {
+  std::vector<Eigen::Vector3d> corners;
+  Triangles triangles;
+  for (const Pose& clamp : clamps) append_block(clamp, size_mm, corners, triangles);
+  vtkNew<vtkPolyData> blocks;
+  set_mesh(*blocks, corners, triangles);
+  vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->SetInputData(blocks);
 }
 
-}  // namespace
-
-void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
+SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const Depth depth(scene);
-  add_design(scene, renderer, zoom, depth);
-  add_cut(scene, renderer);
-  add_stocks(scene, renderer, zoom);
-  const auto add = [&](const std::vector<Polyline>& lines, const Rgb& color, double width) {
-    add_lines(renderer, lines, color, width * zoom, depth.before());
+  SceneActors actors;
+  actors.line_depth = depth.before();
+  add_design(scene, renderer, zoom, depth, actors);
+  if (!scene.cut.triangles.empty()) {
+    vtkNew<vtkPolyData> mesh;
+    set_mesh(*mesh, scene.cut.vertices, scene.cut.triangles);
+    actors.cut = surface_actor(*mesh, 0);
+    color_cut(*actors.cut, scene, scene.cut.values, scene.scale);
+    renderer.AddActor(actors.cut);
+  }
+  const auto lines = [&](const std::vector<Polyline>& places, const Rgb& color, double width,
+                         double before) -> vtkSmartPointer<vtkActor> {
+    if (places.empty()) return nullptr;
+    auto actor = line_actor(places, color, width * zoom, before);
+    renderer.AddActor(actor);
+    return actor;
   };
-  add(scene.ribs, kRibColor, 0.9);
-  add(scene.blades, kBladeColor, 1.4);
-  if (scene.blade_now) add({*scene.blade_now}, kBladeNowColor, 3);
-  add_clamps(renderer, scene.clamps_a, scene.clamp_size_mm, kClampAColor);
-  add_clamps(renderer, scene.clamps_b, scene.clamp_size_mm, kClampBColor);
+  actors.blocks = lines(stock_edges(scene.stocks), kStockColor, 1.2, 0);
+  actors.ribs = lines(scene.ribs, kRibColor, 0.9, depth.before());
+  actors.blades = lines(scene.blades, kBladeColor, 1.4, depth.before());
+  if (scene.blade_now) actors.blade_now = lines({*scene.blade_now}, kBladeNowColor, 3, depth.before());
+  const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) -> vtkSmartPointer<vtkActor> {
+    if (places.empty()) return nullptr;
+    auto actor = clamp_actor(places, scene.clamp_size_mm, color);
+    renderer.AddActor(actor);
+    return actor;
+  };
+  actors.clamps_a = clamps(scene.clamps_a, kClampAColor);
+  actors.clamps_b = clamps(scene.clamps_b, kClampBColor);
+  return actors;
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "pipeline/preview/draw_parts.hpp"
+#include "pipeline/preview/overlay.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -94,14 +94,14 @@ std::optional<View> view_named(const std::string& name) {
   return std::nullopt;
 }
 
-void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view) {
+void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar) {
   const Stance stance = stance_of(view, scene.waste_direction);
   const Eigen::Vector3d& eye = stance.eye;
   const Eigen::Vector3d right = stance.up.cross(eye).normalized();
   const Eigen::Vector3d up = eye.cross(right);
   Extent extent(right, up);
   extent.add_scene(scene);
-  const Margins margins = overlay_margins(size);
+  const Margins margins = overlay_margins(size, with_time_bar);
   const double width = size.width - margins.left - margins.right;
   const double height = size.height - margins.top - margins.bottom;
   const Eigen::Vector2d span = extent.box().sizes().cwiseMax(1e-3);

@@ -33,14 +33,24 @@ Rgb diverging(double value, double tolerance, double range) {
   return high ? mix(kHighBeyond, kHighEnd, share) : mix(kLowBeyond, kLowEnd, share);
 }
 
+// No colours of the maps: what is outside is seen to be so.
+constexpr Rgb kAboveAll{0.80, 0.10, 0.62}, kBelowAll{0.00, 0.52, 0.42};
+constexpr Rgb kOverLimit{0.86, 0.12, 0.10};
+
 }  // namespace
 
 Rgb color_at(const ColorScale& scale, double value) {
-  if (scale.tolerance) return diverging(value, *scale.tolerance, scale.high);
+  if (scale.tolerance) {
+    if (value > scale.high) return kAboveAll;
+    if (value < scale.low) return kBelowAll;
+    return diverging(value, *scale.tolerance, scale.high);
+  }
+  if (scale.limit && value > *scale.limit) return kOverLimit;
   // Even steps in lightness, dark blue to yellow.
   constexpr std::array<Rgb, 5> kStops{
       {{0.19, 0.13, 0.42}, {0.20, 0.36, 0.60}, {0.16, 0.58, 0.56}, {0.50, 0.78, 0.40}, {0.97, 0.90, 0.32}}};
-  return along(kStops, (value - scale.low) / (scale.high - scale.low));
+  const double high = scale.limit ? std::min(*scale.limit, scale.high) : scale.high;
+  return along(kStops, (value - scale.low) / (high - scale.low));
 }
 
 Rgb strip_color(int strip) {

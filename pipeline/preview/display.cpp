@@ -11,7 +11,7 @@
 
 namespace hotblade::pipeline::preview {
 
-// VTK crashes on a display it cannot reach, so it is tried first.
+// VTK ends the program on a display that it cannot reach or that has no GLX, so both are tried first.
 void expect_display() {
   const char* name = std::getenv("DISPLAY");
   if (!name || !*name) throw CommandError(Exit::kUsage, "no display: use --shot FILE.png");
@@ -20,7 +20,14 @@ void expect_display() {
     throw CommandError(Exit::kUsage,
                        fmt::format("no display (DISPLAY {} cannot be reached): use --shot FILE.png", name));
   }
+  int opcode = 0, event = 0, error = 0;
+  const bool draws = XQueryExtension(display, "GLX", &opcode, &event, &error);
   XCloseDisplay(display);
+  if (!draws) {
+    throw CommandError(
+        Exit::kUsage,
+        fmt::format("no OpenGL on the display (DISPLAY {} lacks GLX): use --shot FILE.png", name));
+  }
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -3,32 +3,19 @@
 #include <vtkCallbackCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
-#include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
 #include <vtkPNGWriter.h>
-#include <vtkRenderWindow.h>
-#include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
 
 #include "pipeline/command_error.hpp"
-#include "pipeline/preview/draw_parts.hpp"
 #include "pipeline/preview/offscreen.hpp"
+#include "pipeline/preview/overlay.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
 
-// Drawn twice as large and averaged: smooth edges and letters without multisampling, which is eight times
-// slower on the software rasterisers that machines without a display have.
-constexpr int kZoom = 2;
-
-void compose(const Scene& scene, const Scene& framed, vtkRenderer& renderer, PictureSize size, double zoom,
-             View view) {
-  renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
-  add_actors(scene, renderer, zoom);
-  add_overlay(scene, renderer, size, zoom);
-  aim_camera(framed, renderer, size, view);
-}
+constexpr int kZoom = Painter::kZoom;
 
 // RGB rows from the bottom, averaged over kZoom x kZoom pixels.
 void reduce(vtkUnsignedCharArray& pixels, PictureSize size, vtkImageData& image) {
@@ -47,16 +34,6 @@ void reduce(vtkUnsignedCharArray& pixels, PictureSize size, vtkImageData& image)
       *out++ = static_cast<unsigned char>(sum / (kZoom * kZoom));
     }
   }
-}
-
-std::string encoded(vtkImageData& image) {
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetInputData(&image);
-  writer->WriteToMemoryOn();
-  writer->Write();
-  vtkUnsignedCharArray* bytes = writer->GetResult();
-  return {reinterpret_cast<const char*>(bytes->GetPointer(0)),
-          static_cast<std::size_t>(bytes->GetNumberOfValues())};
 }
 
 // A window object on a context of our own: VTK's own off-screen window asks for an X display. GLEW as Debian
@@ -81,14 +58,16 @@ class OffscreenWindow {
     window_->SetMultiSamples(0);
     window_->SetSize(size.width * kZoom, size.height * kZoom);
     window_->OpenGLInit();
+    window_->AddRenderer(renderer_);
   }
   ~OffscreenWindow() { window_->Finalize(); }
   OffscreenWindow(const OffscreenWindow&) = delete;
   OffscreenWindow& operator=(const OffscreenWindow&) = delete;
 
+  [[nodiscard]] vtkRenderer& renderer() { return *renderer_; }
+
   // Pixels as RGB rows from the bottom, kZoom times the picture's size.
-  [[nodiscard]] vtkNew<vtkUnsignedCharArray> render(vtkRenderer& renderer) {
-    window_->AddRenderer(&renderer);
+  [[nodiscard]] vtkNew<vtkUnsignedCharArray> render() {
     window_->Render();
     vtkNew<vtkUnsignedCharArray> pixels;
     window_->GetPixelData(0, 0, size_.width * kZoom - 1, size_.height * kZoom - 1, 0, pixels, 0);
@@ -102,41 +81,55 @@ class OffscreenWindow {
  private:
   PictureSize size_;
   std::string errors_;
+  vtkNew<vtkRenderer> renderer_;
   vtkNew<vtkGenericOpenGLRenderWindow> window_;
 };
 
 }  // namespace
 
-void draw_image(const Scene& scene, const Scene& framed, PictureSize size, View view, vtkImageData& image) {
-  const OffscreenContext context;
-  vtkNew<vtkRenderer> renderer;
-  OffscreenWindow window(size);
-  compose(scene, framed, *renderer, size, kZoom, view);
-  const auto pixels = window.render(*renderer);
-  reduce(*pixels, size, image);
+std::string encoded(vtkImageData& image) {
+  vtkNew<vtkPNGWriter> writer;
+  writer->SetInputData(&image);
+  writer->WriteToMemoryOn();
+  writer->Write();
+  vtkUnsignedCharArray* bytes = writer->GetResult();
+  return {reinterpret_cast<const char*>(bytes->GetPointer(0)),
+          static_cast<std::size_t>(bytes->GetNumberOfValues())};
+}
+
+struct Painter::Window {
+  explicit Window(PictureSize s) : size(s), window(s) {}
+  PictureSize size;
+  OffscreenContext context;
+  OffscreenWindow window;
+};
+
+Painter::Painter(PictureSize size) : window_(std::make_unique<Window>(size)) {}
+
+Painter::~Painter() = default;
+
+vtkRenderer& Painter::renderer() {
+  return window_->window.renderer();
+}
+
+void Painter::paint(vtkImageData& image) {
+  const auto pixels = window_->window.render();
+  reduce(*pixels, window_->size, image);
 }
 
 std::string png_of(const Scene& scene, PictureSize size, View view) {
+  Painter painter(size);
+  vtkRenderer& renderer = painter.renderer();
+  renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
+  add_actors(scene, renderer, Painter::kZoom);
+  Sheets sheets(renderer);
+  Canvas canvas(sheets, overlay_scale(size) * Painter::kZoom);
+  draw_overlay(canvas, overlay_of(scene), size);
+  canvas.finish();
+  aim_camera(scene, renderer, size, view, false);
   vtkNew<vtkImageData> image;
-  draw_image(scene, scene, size, view, *image);
+  painter.paint(*image);
   return encoded(*image);
-}
-
-void show(const Scene& scene, PictureSize size, View view) {
-  expect_display();
-  vtkNew<vtkRenderWindow> window;
-  window->SetSize(size.width, size.height);
-  window->SetWindowName(("hotblade: " + scene.title).c_str());
-  window->SetMultiSamples(4);
-  vtkNew<vtkRenderer> renderer;
-  window->AddRenderer(renderer);
-  compose(scene, scene, *renderer, size, 1, view);
-  vtkNew<vtkRenderWindowInteractor> interactor;
-  vtkNew<vtkInteractorStyleTrackballCamera> style;
-  interactor->SetInteractorStyle(style);
-  interactor->SetRenderWindow(window);
-  window->Render();
-  interactor->Start();
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -1,4 +1,4 @@
-// Drawing a scene with VTK: into memory without a display, or in a window.
+// Drawing a scene with VTK without a display.
 #pragma once
 
 #include <optional>
@@ -24,9 +24,5 @@ enum class View { kBest, kTop, kFront, kRight };
 
 // Throws CommandError with exit code 2 when there is no display for a window.
 void expect_display();
-
-// Opens a window and returns when it is closed: drag turns, middle button moves, wheel or right button zooms,
-// q ends. Throws CommandError with exit code 2 when there is no display.
-void show(const Scene& scene, PictureSize size, View view = View::kBest);
 
 }  // namespace hotblade::pipeline::preview

@@ -1,11 +1,14 @@
-// The parts of a picture: actors for the scene's geometry, camera, and the flat overlay with caption and
-// keys.
+// The parts of a picture: colours, actors for the scene's geometry, camera.
 #pragma once
 
+#include <vtkSmartPointer.h>
+
 #include <array>
+#include <memory>
 
 #include "pipeline/preview/draw.hpp"
 
+class vtkActor;
 class vtkImageData;
 class vtkRenderer;
 
@@ -25,24 +28,63 @@ constexpr Rgb kBladeNowColor{0.85, 0.10, 0.10};
 constexpr Rgb kClampAColor{0.10, 0.55, 0.30};
 constexpr Rgb kClampBColor{0.85, 0.50, 0.05};
 constexpr Rgb kStockColor{0.55, 0.57, 0.60};
+constexpr Rgb kPathColor{0.55, 0.30, 0.65};
+constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 
 // Colour of a value on a scale; values outside take the colour of its end.
 [[nodiscard]] Rgb color_at(const ColorScale& scale, double value);
 // Colour of the strip with this index; repeats after eight.
 [[nodiscard]] Rgb strip_color(int strip);
 
-// `zoom` is how many pixels are drawn for one of the picture.
-void add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
-void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view);
-void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom);
-
-// The scene drawn into `image` without a display, from where `framed` fills the picture; RGB.
-void draw_image(const Scene& scene, const Scene& framed, PictureSize size, View view, vtkImageData& image);
-
-// Pixels of the picture kept free of geometry, for the overlay.
-struct Margins {
-  double left, right, top, bottom;
+// What stands for a scene in VTK; those without anything to show are empty.
+struct SceneActors {
+  vtkSmartPointer<vtkActor> design, borders, cut, blocks, ribs, blades, blade_now, clamps_a, clamps_b;
+  double line_depth = 0;  // that puts lines before the surfaces they lie on, for line_actor
 };
-[[nodiscard]] Margins overlay_margins(PictureSize size);
+
+// `zoom` is how many pixels are drawn for one of the picture.
+SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
+
+// Colours the cut's actor anew; without a scale by strip.
+void color_cut(vtkActor& cut, const Scene& scene, const std::vector<double>& values,
+               const std::optional<ColorScale>& scale);
+
+// `width` in pixels drawn; `depth` as in SceneActors.
+[[nodiscard]] vtkSmartPointer<vtkActor> line_actor(const std::vector<Polyline>& lines, const Rgb& color,
+                                                   double width, double depth);
+void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines);
+
+// Blocks along the blade where clamps grip, each as large as `size_mm`.
+[[nodiscard]] vtkSmartPointer<vtkActor> clamp_actor(const std::vector<Pose>& clamps, double size_mm,
+                                                    const Rgb& color);
+void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm);
+
+void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar);
+
+// Draws what is in its renderer without a display. Throws CommandError with exit code 1 when the machine has
+// no EGL that can draw off screen.
+class Painter {
+ public:
+  // Pixels drawn for one of the picture each way. Averaged, they give smooth edges and letters without
+  // multisampling, which is eight times slower on the software rasterisers that machines without a display
+  // have.
+  static constexpr int kZoom = 2;
+
+  explicit Painter(PictureSize size);
+  ~Painter();
+  Painter(const Painter&) = delete;
+  Painter& operator=(const Painter&) = delete;
+
+  [[nodiscard]] vtkRenderer& renderer();
+  // RGB rows from the bottom.
+  void paint(vtkImageData& image);
+
+ private:
+  struct Window;
+  std::unique_ptr<Window> window_;
+};
+
+// Bytes of a PNG file.
+[[nodiscard]] std::string encoded(vtkImageData& image);
 
 }  // namespace hotblade::pipeline::preview

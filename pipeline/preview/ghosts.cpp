@@ -63,21 +63,31 @@ Cutting cutting_of(const Strip& strip) {
   return cutting;
 }
 
-// Adds both ends of the blade; returns how many were left out.
-int add_ends(Scene& scene, const BladePose& pose, const StripMap& map, std::size_t strip) {
+// Adds both ends of the blade.
+void add_ends(Ghosts& ghosts, const Strip& strip, std::size_t index, const BladePose& pose,
+              const StripMap& map) {
   const auto [s0, s1] = *pose.foam;
-  int left_out = 0;
+  const std::array<int, 2> place{static_cast<int>(index), static_cast<int>(&pose - strip.poses.data())};
   const auto add = [&](const Pose& clamp, std::vector<Pose>& clamps, double from, double to) {
-    if (map.over_another(clamp.p, strip)) {
-      ++left_out;
+    if (map.over_another(clamp.p, index)) {
+      ghosts.left_out = true;
       return;
     }
     clamps.push_back(clamp);
-    scene.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, from, to)));
+    ghosts.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, from, to)));
+    ghosts.pose_of_blade.push_back(place);
   };
-  add(pose.a, scene.clamps_a, 0, s0);
-  add(pose.b, scene.clamps_b, s1, pose.blade.length);
-  return left_out;
+  add(pose.a, ghosts.clamps_a, 0, s0);
+  add(pose.b, ghosts.clamps_b, s1, pose.blade.length);
+}
+
+// The step asked for, wide enough that the picture stays readable and quick; none: none was asked for.
+std::optional<double> possible_step(const std::vector<Cutting>& cuttings, std::optional<double> step_mm) {
+  constexpr double kMostGhosts = 1500;
+  if (!step_mm) return std::nullopt;
+  double way = 0;
+  for (const Cutting& cutting : cuttings) way += cutting.way.empty() ? 0 : cutting.way.back();
+  return std::max(*step_mm, way / kMostGhosts);
 }
 
 }  // namespace
@@ -89,25 +99,28 @@ Polyline line_of(const Frame& frame, const elastica::Elastica& curve) {
   return line;
 }
 
-void add_ghosts(Scene& scene, const Program& program) {
-  const StripMap map(scene.cut, program.strips.size());
-  int left_out = 0;
+Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<double> step_mm) {
+  const StripMap map(cut, program.strips.size());
+  std::vector<Cutting> cuttings;
+  for (const Strip& strip : program.strips) cuttings.push_back(cutting_of(strip));
+  const std::optional<double> given = possible_step(cuttings, step_mm);
+  Ghosts ghosts;
   double longest_step = 0;
-  for (std::size_t strip = 0; strip < program.strips.size(); ++strip) {
-    const Cutting cutting = cutting_of(program.strips[strip]);
+  for (std::size_t strip = 0; strip < cuttings.size(); ++strip) {
+    const Cutting& cutting = cuttings[strip];
     if (cutting.poses.empty()) continue;
-    const double step = cutting.way.back() / (kGhosts - 1);
+    const double way = cutting.way.back(), step = given.value_or(way / (kGhosts - 1));
+    const int count = given ? static_cast<int>(way / step) + 1 : kGhosts;
     longest_step = std::max(longest_step, step);
-    for (int ghost = 0; ghost < kGhosts; ++ghost) {
+    for (int ghost = 0; ghost < count; ++ghost) {
       const auto found =
           std::lower_bound(cutting.way.begin(), cutting.way.end(), ghost * step) - cutting.way.begin();
       const auto index = std::min(static_cast<std::size_t>(found), cutting.poses.size() - 1);
-      left_out += add_ends(scene, *cutting.poses[index], map, strip);
+      add_ends(ghosts, program.strips[strip], strip, *cutting.poses[index], map);
     }
   }
-  if (scene.blades.empty()) return;
-  scene.blade_note = fmt::format("blade every {:.0f} mm", longest_step);
-  if (left_out > 0) scene.caption.push_back("blade ends over other strips are left out: --strip shows them");
+  if (!ghosts.blades.empty()) ghosts.note = fmt::format("blade every {:.0f} mm", longest_step);
+  return ghosts;
 }
 
 }  // namespace hotblade::pipeline::preview

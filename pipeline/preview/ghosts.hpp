@@ -8,9 +8,19 @@ namespace hotblade::pipeline::preview {
 // The curve as points in space.
 [[nodiscard]] Polyline line_of(const Frame& frame, const elastica::Elastica& curve);
 
-// Adds blades, clamps and the note on them. Within the foam the cut surface shows where the blade was. An end
-// that lies over another strip than its own is left out, and the caption says so: every strip has its own
-// block on the table, so the neighbour is not there when the blade passes. `scene.cut` has to be filled.
-void add_ghosts(Scene& scene, const Program& program);
+// Ends of the blade at even steps of its middle through the cut, with their clamps.
+struct Ghosts {
+  std::vector<Polyline> blades;
+  std::vector<std::array<int, 2>> pose_of_blade;  // strip and pose by index
+  std::vector<Pose> clamps_a, clamps_b;
+  std::string note;       // "blade every 50 mm"
+  bool left_out = false;  // is an end not shown because it lies over another strip?
+};
+
+// Within the foam the cut surface shows where the blade was. An end that lies over another strip than its own
+// is left out: every strip has its own block on the table, so the neighbour is not there when the blade
+// passes. Without a step, eight a strip; a step that would give thousands is widened, and the note says to
+// what.
+[[nodiscard]] Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<double> step_mm);
 
 }  // namespace hotblade::pipeline::preview

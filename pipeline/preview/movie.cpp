@@ -6,7 +6,7 @@
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
-#include "pipeline/preview/draw_parts.hpp"
+#include "pipeline/preview/stage.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -39,18 +39,23 @@ class Draft {
 
 }  // namespace
 
-void write_movie(const std::function<Scene(double)>& scene_at, const Scene& framed, double start_s,
-                 double end_s, const MovieOptions& options, const fs::path& file, bool force) {
+void write_movie(const ViewModel& model, ViewState state, const MovieOptions& options, const fs::path& file,
+                 bool force, const std::function<void(double)>& report) {
   expect_writable(file, force);
   const Draft draft(file);
   vtkNew<vtkOggTheoraWriter> writer;
   writer->SetFileName(draft.path().c_str());
   writer->SetRate(options.frames_per_s);
   writer->SetQuality(2);
+  Painter painter(options.size);
+  Stage stage(model, painter.renderer(), options.size, Painter::kZoom);
+  state.cut_so_far = true;
   for (int i = 0; i < options.frames; ++i) {
     const double share = options.frames > 1 ? static_cast<double>(i) / (options.frames - 1) : 1;
+    report(share);
+    stage.show(after_seek(state, model.facts, share));
     vtkNew<vtkImageData> image;
-    draw_image(scene_at(start_s + share * (end_s - start_s)), framed, options.size, options.view, *image);
+    painter.paint(*image);
     writer->SetInputData(image);
     if (i == 0) writer->Start();
     writer->Write();

@@ -4,21 +4,21 @@
 #include <filesystem>
 #include <functional>
 
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/view_model.hpp"
 
 namespace hotblade::pipeline::preview {
 
 struct MovieOptions {
   PictureSize size;
-  View view = View::kBest;
   int frames = 60;
   int frames_per_s = 12;
 };
 
-// One frame for each of `frames` times from start to end; `scene_at` makes the scene of a time and is called
-// in order. The camera stands where all of `framed` is seen. Written to `file`, whole or not at all. Throws
-// CommandError as png_of does, and (7) when the file cannot be written.
-void write_movie(const std::function<Scene(double)>& scene_at, const Scene& framed, double start_s,
-                 double end_s, const MovieOptions& options, const std::filesystem::path& file, bool force);
+// As many frames as asked for, over the model's whole time, of what the window shows in `state`: the camera
+// stands still, the cut grows with the blade. `report` is called before each frame with the share done.
+// Written to `file`, whole or not at all. Throws CommandError as png_of does, and (7) when the file cannot be
+// written.
+void write_movie(const ViewModel& model, ViewState state, const MovieOptions& options,
+                 const std::filesystem::path& file, bool force, const std::function<void(double)>& report);
 
 }  // namespace hotblade::pipeline::preview

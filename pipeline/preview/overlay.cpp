@@ -1,160 +1,79 @@
+#include "pipeline/preview/overlay.hpp"
+
 #include <fmt/format.h>
-#include <vtkActor2D.h>
-#include <vtkCellArray.h>
-#include <vtkCellData.h>
-#include <vtkNew.h>
-#include <vtkPoints.h>
-#include <vtkPolyData.h>
-#include <vtkPolyDataMapper2D.h>
-#include <vtkRenderer.h>
-#include <vtkTextActor.h>
-#include <vtkTextProperty.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/preview/draw_parts.hpp"
-
 namespace hotblade::pipeline::preview {
 namespace {
 
-// Sizes below are pixels of a picture of 1280 x 720 and scale with the picture.
-double overlay_scale(PictureSize size) {
-  return std::min(size.width / 1280.0, size.height / 720.0);
-}
+// In the canvas's pixels, of a picture of 1280 x 720.
+constexpr double kEdge = 24, kLeftColumn = 290, kRightColumn = 196, kTimeBar = 76;
+constexpr std::size_t kColumnLetters = 34;  // that fit left of the geometry
 
-enum class Align { kLeft, kCentre, kRight };
-
-// Flat shapes and words, in pixels from the picture's lower left.
-class Canvas {
- public:
-  Canvas(vtkRenderer& renderer, double pixels) : renderer_(renderer), pixels_(pixels) {
-    colors_->SetNumberOfComponents(3);
-  }
-
-  void rectangle(double x, double y, double width, double height, const Rgb& color) {
-    const double corners[4][2] = {{x, y}, {x + width, y}, {x + width, y + height}, {x, y + height}};
-    quads_->InsertNextCell(4);
-    for (const auto& corner : corners) {
-      quads_->InsertCellPoint(points_->InsertNextPoint(corner[0] * pixels_, corner[1] * pixels_, 0));
-    }
-    unsigned char bytes[3];
-    for (std::size_t c = 0; c < 3; ++c) bytes[c] = static_cast<unsigned char>(std::lround(255 * color[c]));
-    colors_->InsertNextTypedTuple(bytes);
-  }
-
-  // `y` is the middle of the line.
-  void text(double x, double y, const std::string& words, double height, bool bold = false,
-            Align align = Align::kLeft, const Rgb& color = kInk) {
-    vtkNew<vtkTextActor> actor;
-    actor->SetInput(words.c_str());
-    actor->SetTextScaleModeToNone();
-    vtkTextProperty& property = *actor->GetTextProperty();
-    property.SetFontFamilyToArial();
-    property.SetFontSize(std::max(1, static_cast<int>(std::lround(height * pixels_))));
-    property.SetBold(bold);
-    property.SetColor(color[0], color[1], color[2]);
-    property.SetVerticalJustificationToCentered();
-    if (align == Align::kCentre) property.SetJustificationToCentered();
-    if (align == Align::kRight) property.SetJustificationToRight();
-    actor->SetPosition(x * pixels_, y * pixels_);
-    renderer_.AddActor2D(actor);
-  }
-
-  void finish() {
-    vtkNew<vtkPolyData> data;
-    data->SetPoints(points_);
-    data->SetPolys(quads_);
-    data->GetCellData()->SetScalars(colors_);
-    vtkNew<vtkPolyDataMapper2D> mapper;
-    mapper->SetInputData(data);
-    vtkNew<vtkActor2D> actor;
-    actor->SetMapper(mapper);
-    renderer_.AddActor2D(actor);
-  }
-
- private:
-  vtkRenderer& renderer_;
-  double pixels_;
-  vtkNew<vtkPoints> points_;
-  vtkNew<vtkCellArray> quads_;
-  vtkNew<vtkUnsignedCharArray> colors_;
-};
-
-// Breaks a line between words so that it stays in the caption's column.
-std::vector<std::string> wrapped(const std::string& line, std::size_t longest) {
-  std::vector<std::string> lines;
-  std::string rest = line;
-  while (rest.size() > longest) {
-    std::size_t cut = rest.rfind(' ', longest);
-    if (cut == std::string::npos || cut == 0) break;
-    lines.push_back(rest.substr(0, cut));
-    rest = rest.substr(cut + 1);
-  }
-  lines.push_back(rest);
-  return lines;
-}
-
-void draw_caption(Canvas& canvas, const Scene& scene, double top) {
-  constexpr std::size_t kColumn = 34;  // letters that fit left of the geometry
+double draw_caption(Canvas& canvas, const Overlay& overlay, double top) {
   double y = top - 30;
-  canvas.text(24, y, scene.title, 22, true);
+  canvas.text(kEdge, y, overlay.title, 22, true);
   y -= 32;
-  if (!scene.verdict.empty()) {
-    canvas.text(24, y, scene.verdict, 16, true, Align::kLeft, scene.verdict_good ? kGoodColor : kBadColor);
+  if (!overlay.verdict.empty()) {
+    canvas.text(kEdge, y, overlay.verdict, 16, true, Align::kLeft,
+                overlay.verdict_good ? kGoodColor : kBadColor);
     y -= 28;
   }
-  for (const std::string& line : scene.caption) {
-    for (const std::string& part : wrapped(line, kColumn)) {
-      canvas.text(24, y, part, 15);
+  for (const std::string& line : overlay.caption) {
+    for (const std::string& part : wrapped(line, kColumnLetters)) {
+      canvas.text(kEdge, y, part, 15);
       y -= 22;
     }
     y -= 4;
   }
+  return y;
 }
 
-void draw_keys(Canvas& canvas, const Scene& scene) {
-  struct Key {
-    Rgb color;
-    std::string words;
-    double height;  // of the swatch: a line or an area
-  };
-  std::vector<Key> keys;
-  if (!scene.scale && !scene.cut.triangles.empty()) {
-    const std::size_t shown = std::min<std::size_t>(scene.strip_names.size(), 8);
-    for (std::size_t i = 0; i < shown; ++i) {
-      keys.push_back({strip_color(static_cast<int>(i)), scene.strip_names[i], 12});
-    }
-  }
-  if (!scene.design.triangles.empty()) {
-    keys.push_back({kDesignColor, scene.cut.triangles.empty() ? "design" : "design, not cut", 12});
-  }
-  if (!scene.ribs.empty()) keys.push_back({kRibColor, "planned ribs", 3});
-  if (!scene.blades.empty()) keys.push_back({kBladeColor, scene.blade_note, 3});
-  if (scene.blade_now) keys.push_back({kBladeNowColor, scene.blade_note, 4});
-  if (!scene.clamps_a.empty()) {
-    keys.push_back({kClampAColor, "clamp A", 12});
-    keys.push_back({kClampBColor, "clamp B", 12});
-  }
-  if (!scene.stocks.empty()) keys.push_back({kStockColor, "foam block", 3});
+void draw_keys(Canvas& canvas, const std::vector<KeyLine>& keys) {
   double y = 26 + 24 * (static_cast<double>(keys.size()) - 1);
-  for (const Key& key : keys) {
-    canvas.rectangle(24, y - key.height / 2, 24, key.height, key.color);
+  for (const KeyLine& key : keys) {
+    canvas.rectangle(kEdge, y - key.height / 2, 24, key.height, key.color);
     canvas.text(58, y, key.words, 15);
     y -= 24;
   }
 }
 
-void draw_tick(Canvas& canvas, double bar_x, double y, const std::string& words, bool bold) {
-  canvas.rectangle(bar_x - 6, y - 0.75, 6, 1.5, kInk);
-  canvas.text(bar_x - 12, y, words, 14, bold, Align::kRight);
+// The strips' colours, where a scale would be.
+void draw_strips(Canvas& canvas, const std::vector<std::string>& names, PictureSize size) {
+  constexpr std::size_t kMost = 16;
+  const double scale = overlay_scale(size);
+  const std::size_t shown = std::min(names.size(), kMost);
+  const double lines = static_cast<double>(shown + (shown < names.size() ? 1 : 0));
+  const double right = size.width / scale - 28, x = right - 160;
+  double y = size.height / scale / 2 + 12 * lines;
+  for (std::size_t i = 0; i < shown; ++i) {
+    canvas.rectangle(x, y - 6, 24, 12, strip_color(static_cast<int>(i)));
+    canvas.text(x + 32, y, names[i], 14);
+    y -= 24;
+  }
+  if (shown < names.size())
+    canvas.text(x, y, fmt::format("and {} more, colours repeat", names.size() - shown), 13);
 }
 
-void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double pixels) {
-  const double width = 22, right = size.width / pixels - 28, x = right - width;
-  const double height = 380, bottom = (size.height / pixels - height) / 2 - 10;
+struct Bar {
+  double x, width, bottom, height;
+  ColorScale scale;
+  [[nodiscard]] double place(double value) const {
+    return bottom + (value - scale.low) / (scale.high - scale.low) * height;
+  }
+};
+
+void draw_tick(Canvas& canvas, const Bar& bar, double value, const std::string& words, bool bold) {
+  const double y = bar.place(value);
+  canvas.rectangle(bar.x - 6, y - 0.75, 6, 1.5, kInk);
+  canvas.text(bar.x - 12, y, words, 14, bold, Align::kRight);
+}
+
+void draw_bar_body(Canvas& canvas, const Bar& bar) {
   constexpr int kSteps = 190;
+  const auto& [x, width, bottom, height, scale] = bar;
   for (int step = 0; step < kSteps; ++step) {
     const double value = scale.low + (step + 0.5) / kSteps * (scale.high - scale.low);
     canvas.rectangle(x, bottom + step * height / kSteps, width, height / kSteps + 0.01,
@@ -164,41 +83,107 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size, double 
   canvas.rectangle(x - 1, bottom + height, width + 2, 1, kInk);
   canvas.rectangle(x - 1, bottom, 1, height, kInk);
   canvas.rectangle(x + width, bottom, 1, height, kInk);
-  const auto place = [&](double value) {
-    return bottom + (value - scale.low) / (scale.high - scale.low) * height;
-  };
-  canvas.text(right, bottom + height + 30, scale.title, 16, true, Align::kRight);
-  if (!scale.tolerance) {
-    for (int tick = 0; tick <= 4; ++tick) {
-      const double value = scale.low + tick / 4.0 * (scale.high - scale.low);
-      draw_tick(canvas, x, place(value), fmt::format("{:.3g}", value), false);
-    }
-    return;
+  // Pointed ends: there are values beyond.
+  const double top = bottom + height;
+  if (scale.any_above) {
+    canvas.triangle({{{x, top + 3}, {x + width, top + 3}, {x + width / 2, top + 15}}},
+                    color_at(scale, 2 * scale.high));
+    canvas.text(x - 12, top + 12, "beyond", 13, false, Align::kRight);
   }
-  const double tolerance = *scale.tolerance;
-  canvas.text(right, bottom + height + 56, "foam left standing: +", 13, false, Align::kRight);
-  draw_tick(canvas, x, place(scale.high), fmt::format("+{:g}", scale.high), false);
-  draw_tick(canvas, x, place(tolerance), fmt::format("tolerance +{:g}", tolerance), true);
-  draw_tick(canvas, x, place(0), "0", false);
-  draw_tick(canvas, x, place(-tolerance), fmt::format("tolerance -{:g}", tolerance), true);
-  draw_tick(canvas, x, place(scale.low), fmt::format("{:g}", scale.low), false);
-  canvas.text(right, bottom - 26, "cut too deep: -", 13, false, Align::kRight);
+  if (scale.any_below) {
+    canvas.triangle({{{x, bottom - 3}, {x + width / 2, bottom - 15}, {x + width, bottom - 3}}},
+                    color_at(scale, 2 * scale.low));
+    canvas.text(x - 12, bottom - 12, "beyond", 13, false, Align::kRight);
+  }
+}
+
+void draw_diverging_marks(Canvas& canvas, const Bar& bar, double right) {
+  const double tolerance = *bar.scale.tolerance, top = bar.bottom + bar.height;
+  canvas.text(right, top + 60, "foam left standing: +", 13, false, Align::kRight);
+  draw_tick(canvas, bar, bar.scale.high, fmt::format("+{:g}", bar.scale.high), false);
+  draw_tick(canvas, bar, tolerance, fmt::format("tolerance +{:g}", tolerance), true);
+  draw_tick(canvas, bar, 0, "0", false);
+  draw_tick(canvas, bar, -tolerance, fmt::format("tolerance -{:g}", tolerance), true);
+  draw_tick(canvas, bar, bar.scale.low, fmt::format("{:g}", bar.scale.low), false);
+  canvas.text(right, bar.bottom - 30, "cut too deep: -", 13, false, Align::kRight);
+}
+
+void draw_sequential_marks(Canvas& canvas, const Bar& bar) {
+  constexpr double kApart = 16;  // or the words of two marks meet
+  const ColorScale& scale = bar.scale;
+  const auto clear_of_limit = [&](double value) {
+    return !scale.limit || std::abs(bar.place(value) - bar.place(*scale.limit)) > kApart;
+  };
+  const long marks = std::lround((scale.high - scale.low) / scale.step);
+  for (long mark = 0; mark <= marks; ++mark) {
+    // Rounded to the step's digits, so that zero is no 1e-17.
+    const double value = std::round(scale.low / scale.step + static_cast<double>(mark)) * scale.step;
+    if (clear_of_limit(value)) draw_tick(canvas, bar, value, fmt::format("{:.4g}", value), false);
+  }
+  if (!scale.limit) return;
+  const std::string words = fmt::format("allowed {:.3g}", *scale.limit);
+  if (*scale.limit <= scale.high) {
+    draw_tick(canvas, bar, *scale.limit, words, true);
+  } else {
+    canvas.text(bar.x + bar.width, bar.bottom + bar.height + 60, words, 14, false, Align::kRight);
+  }
+}
+
+void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size) {
+  const double pixels = overlay_scale(size);
+  const double width = 22, right = size.width / pixels - 28, height = 380;
+  const Bar bar{right - width, width, (size.height / pixels - height) / 2 - 10, height, scale};
+  draw_bar_body(canvas, bar);
+  canvas.text(right, bar.bottom + height + 36, scale.title, 16, true, Align::kRight);
+  if (scale.tolerance) {
+    draw_diverging_marks(canvas, bar, right);
+  } else {
+    draw_sequential_marks(canvas, bar);
+  }
 }
 
 }  // namespace
 
-Margins overlay_margins(PictureSize size) {
-  const double scale = overlay_scale(size);
-  return {290 * scale, 190 * scale, 24 * scale, 24 * scale};
+Overlay overlay_of(const Scene& scene) {
+  Overlay overlay;
+  overlay.title = scene.title;
+  overlay.verdict = scene.verdict;
+  overlay.verdict_good = scene.verdict_good;
+  overlay.caption = scene.caption;
+  overlay.scale = scene.scale;
+  if (!scene.cut.triangles.empty()) overlay.strip_names = scene.strip_names;
+  auto& keys = overlay.keys;
+  if (!scene.design.triangles.empty()) {
+    const char* words = scene.cut.triangles.empty() ? "design" : "design, not cut";
+    keys.push_back({kDesignColor, words, 12, Layer::kDesign});
+  }
+  if (!scene.ribs.empty()) keys.push_back({kRibColor, "planned ribs", 3, Layer::kRibs});
+  if (!scene.blades.empty()) keys.push_back({kBladeColor, scene.blade_note, 3, Layer::kGhosts});
+  if (scene.blade_now) keys.push_back({kBladeNowColor, scene.blade_note, 4, Layer::kBlade});
+  if (!scene.clamps_a.empty()) {
+    const Layer layer = scene.blade_now ? Layer::kBlade : Layer::kGhosts;
+    keys.push_back({kClampAColor, "clamp A", 12, layer});
+    keys.push_back({kClampBColor, "clamp B", 12, layer});
+  }
+  if (!scene.stocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
+  return overlay;
 }
 
-void add_overlay(const Scene& scene, vtkRenderer& renderer, PictureSize size, double zoom) {
+Margins overlay_margins(PictureSize size, bool with_time_bar) {
   const double scale = overlay_scale(size);
-  Canvas canvas(renderer, scale * zoom);
-  draw_caption(canvas, scene, size.height / scale);
-  draw_keys(canvas, scene);
-  if (scene.scale) draw_bar(canvas, *scene.scale, size, scale);
-  canvas.finish();
+  return {kLeftColumn * scale, kRightColumn * scale, kEdge * scale,
+          (with_time_bar ? kTimeBar : kEdge) * scale};
+}
+
+double draw_overlay(Canvas& canvas, const Overlay& overlay, PictureSize size) {
+  const double top = draw_caption(canvas, overlay, size.height / overlay_scale(size));
+  draw_keys(canvas, overlay.keys);
+  if (overlay.scale) {
+    draw_bar(canvas, *overlay.scale, size);
+  } else {
+    draw_strips(canvas, overlay.strip_names, size);
+  }
+  return top;
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "pipeline/command_error.hpp"
-#include "pipeline/preview/cut_grid.hpp"
+#include "pipeline/preview/cut_values.hpp"
 #include "pipeline/preview/ghosts.hpp"
 #include "pipeline/swept_surface.hpp"
 
@@ -59,65 +59,6 @@ void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
   if (options.at_s) add_blade_at(scene, strip, *options.at_s);
 }
 
-// A round number at or above x: 1, 1.5, 2, 3, 5 or 7.5 times a power of ten.
-double round_up(double x) {
-  if (!(x > 0)) return 1;
-  const double decade = std::pow(10, std::floor(std::log10(x)));
-  for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5}) {
-    if (step * decade >= x * (1 - 1e-9)) return step * decade;
-  }
-  return 10 * decade;
-}
-
-ColorScale deviation_scale(const std::vector<double>& values, double tolerance_mm) {
-  double most = 0;
-  for (const double value : values) most = std::max(most, std::abs(value));
-  // Beyond five tolerances all is equally wrong, and a wider scale would hide what is nearly right.
-  const double range = round_up(std::clamp(most, 1.5 * tolerance_mm, 5 * tolerance_mm));
-  return {"deviation, mm", -range, range, tolerance_mm};
-}
-
-ColorScale sequential_scale(const std::string& title, const std::vector<double>& values) {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const double top = *high > *low ? *high : *low + std::max(1e-3, std::abs(*low) * 1e-3);
-  return {title, *low, top, std::nullopt};
-}
-
-// The chosen strips, their poses up to the time to be shown.
-Program shown_part(const Program& program, const std::vector<int>& strips, const SceneOptions& options) {
-  Program part;
-  part.design = program.design;
-  part.blade = program.blade;
-  for (const int index : strips) {
-    Strip& strip = part.strips.emplace_back(program.strips[static_cast<std::size_t>(index)]);
-    if (options.at_s)
-      std::erase_if(strip.poses, [&](const BladePose& pose) { return pose.t > *options.at_s; });
-  }
-  return part;
-}
-
-// The cut, coloured by strip or by its deviation: measured on the kept foam, at the edge of the melted band.
-void add_kept_surface(Scene& scene, Color color, SweptSurface&& swept, const Program& program,
-                      const surface::DesignSurface* design) {
-  scene.cut = {std::move(swept.vertices), std::move(swept.triangles), std::move(swept.strip_of_vertex), {}};
-  if (color != Color::kDeviation || scene.cut.vertices.empty()) return;
-  scene.cut.values = signed_deviation_mm(design->mesh, program.design.keep, scene.cut.vertices);
-  scene.scale = deviation_scale(scene.cut.values, program.verification.tolerance_mm);
-}
-
-// The cut, coloured by what the blade does there: shown at the blade's centre.
-void add_blade_surface(Scene& scene, Color color, CutGrid&& grid) {
-  scene.cut = std::move(grid.surface);
-  if (scene.cut.vertices.empty()) return;
-  const auto colored = [&](std::vector<double>&& values, const char* title) {
-    scene.cut.values = std::move(values);
-    scene.scale = sequential_scale(title, scene.cut.values);
-  };
-  if (color == Color::kCurvature) colored(std::move(grid.curvature_per_mm), "blade curvature, 1/mm");
-  if (color == Color::kMargin) colored(std::move(grid.margin), "stability margin");
-  if (color == Color::kFeed) colored(std::move(grid.feed_mm_s), "feed, mm/s");
-}
-
 Eigen::Vector3d mean_direction(const std::vector<Eigen::Vector3d>& normals) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& normal : normals) sum += normal;
@@ -159,10 +100,7 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   scene.caption.push_back(fmt::format("tolerance {:g} mm", verified.tolerance_mm));
   if (verified.uncut_mm2 > 0) scene.caption.push_back(fmt::format("uncut {:.0f} mm2", verified.uncut_mm2));
   for (const std::string& override : program.overrides) scene.caption.push_back("override: " + override);
-  if (!scene.scale) {
-    scene.caption.push_back(has_design ? "coloured by strip"
-                                       : "coloured by strip: no design at hand to measure against");
-  }
+  if (!has_design) scene.caption.push_back("no design at hand: deviation is not shown");
 }
 
 }  // namespace
@@ -174,6 +112,19 @@ std::optional<Color> color_named(const std::string& name) {
   return std::nullopt;
 }
 
+Program shown_part(const Program& program, const SceneOptions& options) {
+  Program part;
+  part.design = program.design;
+  part.blade = program.blade;
+  part.verification = program.verification;
+  for (const int index : chosen_strips(program, options)) {
+    Strip& strip = part.strips.emplace_back(program.strips[static_cast<std::size_t>(index)]);
+    if (options.at_s)
+      std::erase_if(strip.poses, [&](const BladePose& pose) { return pose.t > *options.at_s; });
+  }
+  return part;
+}
+
 Scene scene_of(const Program& program, const surface::DesignSurface* design, const SceneOptions& options) {
   const Color color = options.color.value_or(design ? Color::kDeviation : Color::kStrip);
   if (color == Color::kDeviation && !design) {
@@ -183,18 +134,30 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   const std::vector<int> strips = chosen_strips(program, options);
   Scene scene;
   for (const int index : strips) add_strip(scene, program.strips[static_cast<std::size_t>(index)], options);
-  const Program part = shown_part(program, strips, options);
+  const Program part = shown_part(program, options);
   SweptSurface swept = swept_surface(part, sample_mm(program));
   scene.waste_direction = mean_direction(swept.normals);
-  if (color == Color::kDeviation || color == Color::kStrip) {
-    add_kept_surface(scene, color, std::move(swept), program, design);
-  } else {
-    add_blade_surface(scene, color, cut_grid(part));
-  }
-  scene.clamp_size_mm = 2 * program.blade.width_mm;
+  scene.cut = {std::move(swept.vertices),         std::move(swept.triangles),
+               std::move(swept.strip_of_vertex),  std::move(swept.pose_of_vertex),
+               std::move(swept.curvature_per_mm), {}};
+  Coloring coloring = coloring_of(color, part, scene.cut, design);
+  scene.scale = std::move(coloring.scale);
+  scene.cut.values = std::move(coloring.values);
+  // To be seen: twice the blade's width, and no less than a hundredth of a large part.
+  const double diagonal = (program.design.bbox_mm[1] - program.design.bbox_mm[0]).norm();
+  scene.clamp_size_mm = std::max(2 * program.blade.width_mm, diagonal / 110);
   if (design) scene.design = design->mesh;
   add_caption(scene, program, strips, design != nullptr);
-  if (!options.at_s) add_ghosts(scene, part);
+  if (!options.at_s) {
+    const Ghosts ghosts = ghosts_of(scene.cut, part, options.ghost_step_mm);
+    scene.blades = ghosts.blades;
+    scene.clamps_a = ghosts.clamps_a;
+    scene.clamps_b = ghosts.clamps_b;
+    scene.blade_note = ghosts.note;
+    if (ghosts.left_out) {
+      scene.caption.push_back("blade ends over other strips are left out: --strip shows them");
+    }
+  }
   return scene;
 }
 

@@ -25,7 +25,9 @@ struct Polyline {
 struct CutSurface {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> strip_of_vertex;  // index into Scene::strip_names
+  std::vector<int> strip_of_vertex;      // index into Scene::strip_names
+  std::vector<int> pose_of_vertex;       // index into the strip's poses
+  std::vector<double> curvature_per_mm;  // of the blade, without sign
   std::vector<double> values;
 };
 
@@ -34,6 +36,9 @@ struct ColorScale {
   std::string title;  // with the unit
   double low = 0, high = 1;
   std::optional<double> tolerance;  // diverging about 0 with a step at +-tolerance; absent: a sequential map
+  std::optional<double> limit;      // of a sequential map: values above it take another colour
+  double step = 0.25;               // between the marks of a sequential map
+  bool any_below = false, any_above = false;  // are there values outside?
 };
 
 struct Scene {
@@ -56,15 +61,20 @@ struct Scene {
 };
 
 struct SceneOptions {
-  std::optional<Color> color;  // absent: deviation where a design is at hand, else strip
-  std::string strip;           // id; empty: all strips
-  std::optional<double> at_s;  // show the blade and what is cut at this time of the strip
+  std::optional<Color> color;                // absent: deviation where a design is at hand, else strip
+  std::string strip;                         // id; empty: all strips
+  std::optional<double> at_s;                // show the blade and what is cut at this time of the strip
+  std::optional<double> ghost_step_mm = {};  // between ghosts of the blade; absent: eight a strip
 };
 
 // The scene of a program; `design` may be null. Throws CommandError: exit 2 for an unknown strip, a time
 // outside the strip, a time without a strip where there are several, or deviation without a design.
 [[nodiscard]] Scene scene_of(const Program& program, const surface::DesignSurface* design,
                              const SceneOptions& options);
+
+// The program with the strips of `options` alone, their poses up to its time. Throws CommandError as
+// scene_of.
+[[nodiscard]] Program shown_part(const Program& program, const SceneOptions& options);
 
 // The scene of a design alone.
 [[nodiscard]] Scene scene_of(const surface::DesignSurface& design);

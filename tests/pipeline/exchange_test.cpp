@@ -119,26 +119,19 @@ TEST(WriteVtm, KeepsWhatIsThereWithoutForceAndLeavesNoDraft) {
 
 TEST(WriteMovie, IsAnOggFileThatGrowsWithItsFrames) {
   const TemporaryDirectory directory;
-  const Program program = vault_program();
-  const Scene framed = scene_of(program, nullptr, {});
-  const auto scene_at = [&](double t) {
-    SceneOptions options;
-    options.at_s = t;
-    return scene_of(program, nullptr, options);
-  };
+  const ViewModel model = view_model(vault_program(), nullptr, {});
+  const auto quiet = [](double) {};
   MovieOptions options;
   options.size = {320, 176};
-  const double end = program.strips[0].poses.back().t;
   for (const int frames : {2, 8}) {
     options.frames = frames;
-    write_movie(scene_at, framed, 0, end, options, directory / ("a" + std::to_string(frames) + ".ogv"),
-                false);
+    write_movie(model, {}, options, directory / ("a" + std::to_string(frames) + ".ogv"), false, quiet);
   }
   const std::string two = read_bytes(directory / "a2.ogv"), eight = read_bytes(directory / "a8.ogv");
   EXPECT_EQ(two.substr(0, 4), "OggS");
   EXPECT_THAT(two.substr(0, 200), HasSubstr("theora"));
   EXPECT_GT(eight.size(), two.size());
-  EXPECT_THROW(write_movie(scene_at, framed, 0, end, options, directory / "a8.ogv", false), CommandError);
+  EXPECT_THROW(write_movie(model, {}, options, directory / "a8.ogv", false, quiet), CommandError);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
+#include "tests/pipeline/vault_design.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -22,32 +23,9 @@ namespace {
 
 using pipeline::testing::read_bytes;
 using pipeline::testing::TemporaryDirectory;
+using pipeline::testing::vault_design;
 using pipeline::testing::vault_program;
 using ::testing::Each;
-
-surface::DesignSurface vault_design(int strips) {
-  using namespace pipeline::testing;
-  surface::DesignSurface design;
-  const int columns = 24, rows = 30 * strips;
-  for (int row = 0; row <= rows; ++row) {
-    for (int column = 0; column <= columns; ++column) {
-      const double angle = kVaultHalfAngle * (2.0 * column / columns - 1);
-      design.mesh.vertices.emplace_back(kVaultRadius * std::sin(angle),
-                                        kVaultStripWidth * strips * row / rows,
-                                        kVaultRadius * (std::cos(angle) - std::cos(kVaultHalfAngle)));
-    }
-  }
-  for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) {
-      const int a = row * (columns + 1) + column, b = a + 1, c = a + columns + 1, d = c + 1;
-      design.mesh.triangles.push_back({a, b, d});
-      design.mesh.triangles.push_back({a, d, c});
-    }
-  }
-  design.file_name = "vault.obj";
-  design.units = "mm";
-  return design;
-}
 
 struct Picture {
   int width = 0, height = 0;
@@ -186,7 +164,7 @@ TEST(SceneOf, MeasuresFeedAndCurvature) {
               Each(::testing::DoubleNear(step_mm / 0.05, 1e-6)));
   options.color = Color::kCurvature;
   EXPECT_THAT(scene_of(program, nullptr, options).cut.values,
-              Each(::testing::DoubleNear(1 / pipeline::testing::kVaultRadius, 1e-9)));
+              Each(::testing::DoubleNear(100 / pipeline::testing::kVaultRadius / (0.0142 * 1.5), 1e-6)));
 }
 
 TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
@@ -291,7 +269,8 @@ TEST_F(PreviewCommand, RefusesWhatItCannotShow) {
   const std::vector<std::vector<std::string>> usages{
       {"--color", "deviation"}, {"--color", "plaid"},  {"--strip", "S009"},    {"--at", "1000"},
       {"--size", "12"},         {"--size", "1x1"},     {"--size", "640x480x"}, {"--size", "99999x99999"},
-      {"--movie", "a.avi"},     {"--export", "a.stl"}, {"--frames", "0"},      {"--view", "askew"}};
+      {"--movie", "a.avi"},     {"--export", "a.stl"}, {"--frames", "0"},      {"--view", "askew"},
+      {"--ghosts", "0"}};
   for (const auto& usage : usages) {
     std::vector<std::string> arguments = usage;
     arguments.insert(arguments.end(), {"--shot", file("a.png")});

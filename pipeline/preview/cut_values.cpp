@@ -1,0 +1,133 @@
+#include "pipeline/preview/cut_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+// A round number at or above x: 1, 1.5, 2, 3, 5 or 7.5 times a power of ten.
+double round_up(double x) {
+  constexpr double kRounding = 1e-9;  // so that 0.3, stored a little above, stays 0.3
+  if (!(x > 0)) return 1;
+  const double decade = std::pow(10, std::floor(std::log10(x)));
+  for (const double step : {1.0, 1.5, 2.0, 3.0, 5.0, 7.5}) {
+    if (step * decade >= x * (1 - kRounding)) return step * decade;
+  }
+  return 10 * decade;
+}
+
+ColorScale deviation_scale(const std::vector<double>& values, double tolerance_mm) {
+  double most = 0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  // Beyond five tolerances all is equally wrong, and a wider scale would hide what is nearly right.
+  const double range = round_up(std::clamp(most, 1.5 * tolerance_mm, 5 * tolerance_mm));
+  ColorScale scale{"deviation, mm", -range, range, tolerance_mm, std::nullopt, range, false, false};
+  scale.any_below = most > range && *std::min_element(values.begin(), values.end()) < -range;
+  scale.any_above = most > range && *std::max_element(values.begin(), values.end()) > range;
+  return scale;
+}
+
+// Ends at multiples of the step between the key's marks.
+ColorScale sequential_scale(const std::string& title, double low, double high) {
+  constexpr double kLeastShare = 0.02;  // of the size: less is the same to the eye and to the job
+  const double size = std::max({std::abs(low), std::abs(high), std::numeric_limits<double>::min()});
+  const double step = round_up(std::max(high - low, kLeastShare * size) / 4);
+  const double from = std::floor(low / step + 1e-9) * step;  // rounding of the quotient
+  double to = std::ceil(high / step - 1e-9) * step;
+  if (!(to > from)) to = from + step;
+  return {title, from, to, std::nullopt, std::nullopt, step, false, false};
+}
+
+ColorScale scale_over(const std::string& title, const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return sequential_scale(title, *low, *high);
+}
+
+// Curvature at which the blade's surface yields: what a plan allows times the safety it keeps.
+Coloring curvature_coloring(const Program& program, const CutSurface& surface) {
+  const double yield = program.blade.max_curvature_per_mm * program.blade.safety;
+  Coloring out;
+  for (const double curvature : surface.curvature_per_mm) out.values.push_back(100 * curvature / yield);
+  const double most = *std::max_element(out.values.begin(), out.values.end());
+  const double allowed = 100 / program.blade.safety;
+  // A gentle blade has its own scale, and the key says what is allowed.
+  out.scale =
+      sequential_scale("curvature, % of yield", 0, most > allowed / 2 ? std::max(most, allowed) : most);
+  out.scale->limit = allowed;
+  return out;
+}
+
+std::vector<double> margins(const Program& program, const CutSurface& surface) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+    const Strip& strip = program.strips[static_cast<std::size_t>(surface.strip_of_vertex[i])];
+    values.push_back(strip.poses[static_cast<std::size_t>(surface.pose_of_vertex[i])].margin);
+  }
+  return values;
+}
+
+// Vertices of one pose, [first, last).
+struct Row {
+  std::size_t first, last;
+};
+
+std::vector<Row> rows_of(const CutSurface& surface) {
+  std::vector<Row> rows;
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+    const bool same = !rows.empty() && surface.strip_of_vertex[i] == surface.strip_of_vertex[i - 1] &&
+                      surface.pose_of_vertex[i] == surface.pose_of_vertex[i - 1];
+    if (same) {
+      rows.back().last = i + 1;
+    } else {
+      rows.push_back({i, i + 1});
+    }
+  }
+  return rows;
+}
+
+// Way between the rows over the time between their poses; a strip's first row takes the second one's.
+std::vector<double> feeds(const Program& program, const CutSurface& surface) {
+  std::vector<double> values(surface.vertices.size(), 0);
+  const std::vector<Row> rows = rows_of(surface);
+  const auto time = [&](const Row& row) {
+    const Strip& strip = program.strips[static_cast<std::size_t>(surface.strip_of_vertex[row.first])];
+    return strip.poses[static_cast<std::size_t>(surface.pose_of_vertex[row.first])].t;
+  };
+  const auto joined = [&](std::size_t r) {
+    return r > 0 && surface.strip_of_vertex[rows[r].first] == surface.strip_of_vertex[rows[r - 1].first];
+  };
+  for (std::size_t r = 1; r < rows.size(); ++r) {
+    if (!joined(r)) continue;
+    const Row &row = rows[r], &before = rows[r - 1];
+    for (std::size_t i = row.first; i < row.last; ++i) {
+      const std::size_t j = before.first + (i - row.first);
+      values[i] = (surface.vertices[i] - surface.vertices[j]).norm() / (time(row) - time(before));
+      if (!joined(r - 1)) values[j] = values[i];
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+Coloring coloring_of(Color color, const Program& program, const CutSurface& surface,
+                     const surface::DesignSurface* design) {
+  Coloring out;
+  if (color == Color::kStrip || surface.vertices.empty()) return out;
+  if (color == Color::kCurvature) return curvature_coloring(program, surface);
+  if (color == Color::kDeviation) {
+    out.values = signed_deviation_mm(design->mesh, program.design.keep, surface.vertices);
+    out.scale = deviation_scale(out.values, program.verification.tolerance_mm);
+  } else if (color == Color::kMargin) {
+    out.values = margins(program, surface);
+    out.scale = scale_over("stability margin", out.values);
+  } else {
+    out.values = feeds(program, surface);
+    out.scale = scale_over("feed, mm/s", out.values);
+  }
+  return out;
+}
+
+}  // namespace hotblade::pipeline::preview

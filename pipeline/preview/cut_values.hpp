@@ -1,0 +1,21 @@
+// What colours the cut: one value a vertex and the scale that turns values into colours.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/preview/scene.hpp"
+
+namespace hotblade::pipeline::preview {
+
+struct Coloring {
+  std::vector<double> values;       // a vertex; empty: coloured by strip
+  std::optional<ColorScale> scale;  // absent: by strip
+};
+
+// Feed in mm/s between the rows of the surface, curvature in per cent of the curvature at yield, stability
+// margin of the pose, or signed deviation from `design` (mm), which may be null for every other colour.
+[[nodiscard]] Coloring coloring_of(Color color, const Program& program, const CutSurface& surface,
+                                   const surface::DesignSurface* design);
+
+}  // namespace hotblade::pipeline::preview

@@ -1,0 +1,52 @@
+// What is written over a picture: caption, keys and the scale of colours; in the window time, card and help.
+#pragma once
+
+#include "pipeline/preview/canvas.hpp"
+#include "pipeline/preview/view_model.hpp"
+
+namespace hotblade::pipeline::preview {
+
+// A line of the key: the swatch is a line or an area.
+struct KeyLine {
+  Rgb color;
+  std::string words;
+  double height;
+  Layer layer;
+};
+
+struct Overlay {
+  std::string title, verdict;
+  bool verdict_good = false;
+  std::vector<std::string> caption;
+  std::vector<KeyLine> keys;
+  std::optional<ColorScale> scale;
+  std::vector<std::string> strip_names;  // named with their colours where there is no scale
+};
+
+[[nodiscard]] Overlay overlay_of(const Scene& scene);
+
+// Adds to the canvas; returns the height below which the left column is free, in the canvas's pixels.
+double draw_overlay(Canvas& canvas, const Overlay& overlay, PictureSize size);
+
+// A card in the left column, below `top`.
+void draw_card(Canvas& canvas, const Card& card, double top);
+
+// The time bar along the lower edge.
+void draw_time_bar(Canvas& canvas, const ViewModel& model, const ViewState& state, PictureSize size);
+
+// The share of the time (0 to 1) a pixel of the picture stands for, from the lower left; none: it is not on
+// the bar.
+[[nodiscard]] std::optional<double> time_share_at(PictureSize size, double x, double y);
+
+// The same for a pointer that dragged the bar and may be anywhere: clamped.
+[[nodiscard]] double time_share_along(PictureSize size, double x);
+
+void draw_help(Canvas& canvas, PictureSize size);
+
+// Pixels of the picture kept free of geometry, for the overlay.
+struct Margins {
+  double left, right, top, bottom;
+};
+[[nodiscard]] Margins overlay_margins(PictureSize size, bool with_time_bar);
+
+}  // namespace hotblade::pipeline::preview
