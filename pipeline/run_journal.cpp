@@ -31,14 +31,20 @@ std::optional<RunJournal> RunJournalFile::read() const {
                             "): remove it, and look at the controller before anything starts");
   };
   const auto json = nlohmann::json::parse(text, nullptr, false);
-  if (!json.is_object() || json.value("format", "") != "hotblade-resume") throw bad("another format");
+  if (!json.is_object()) throw bad("another format");
+  const auto word = [&](const char* key) {
+    const auto& value = json.at(key);
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() > 0xFFFFFFFF) throw bad(key);
+    return value.get<std::uint32_t>();
+  };
   try {
+    if (json.at("format").get<std::string>() != "hotblade-resume") throw bad("another format");
     RunJournal journal;
     const auto id = json.at("job").get<std::string>();
     const auto parsed = std::from_chars(id.data(), id.data() + id.size(), journal.job, 16);
     if (parsed.ec != std::errc() || parsed.ptr != id.data() + id.size()) throw bad("job " + id);
-    journal.run = json.at("run").get<std::uint32_t>();
-    journal.token = json.at("token").get<std::uint32_t>();
+    journal.run = word("run");
+    journal.token = word("token");
     return journal;
   } catch (const nlohmann::json::exception& error) {
     throw bad(error.what());
