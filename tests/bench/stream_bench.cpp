@@ -83,10 +83,9 @@ void StreamBareModbus(benchmark::State& state) {
   count(state, kWaypoints);
 }
 
-void stream_job(benchmark::State& state, ExecutionSink* sink, bool equilibrium) {
+void stream_job(benchmark::State& state, ExecutionSink* sink) {
   ControllerOptions options;
   options.time_scale = kAsFastAsDataComes;
-  (void)equilibrium;
   Controller controller(options, sink);
   ServerOptions server_options;
   server_options.port = 0;
@@ -106,7 +105,7 @@ void stream_job(benchmark::State& state, ExecutionSink* sink, bool equilibrium) 
 }
 
 void StreamJob(benchmark::State& state) {
-  stream_job(state, nullptr, false);
+  stream_job(state, nullptr);
 }
 
 // With the log, written and synced, and a pose every 10 ms of motion: five a waypoint.
@@ -114,7 +113,7 @@ void StreamJobLogged(benchmark::State& state) {
   const auto file = std::filesystem::temp_directory_path() / ("hotblade_bench_" + std::to_string(::getpid()));
   {
     ExecutionLog log(file, {});
-    stream_job(state, &log, false);
+    stream_job(state, &log);
   }
   std::filesystem::remove(file);
 }
