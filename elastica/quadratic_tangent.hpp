@@ -15,7 +15,7 @@ namespace hotblade::elastica {
 enum class Objective { kLength, kEnergy };
 
 // The part of the locus on which a minimum lies. kCloser: the ends and the circle's centre are on opposite
-// sides of the common tangent, so that the curve bends around the circle; kFarther: on the same side;
+// sides of the common tangent; kFarther: on the same side, so that the curve bends around the circle;
 // kEndTangent0, kEndTangent2: the contact is the end point itself, which is on the line or circle, and b1 is
 // on its tangent there; kChord: the straight segment is tangent.
 enum class TangencyBranch { kLine, kCloser, kFarther, kEndTangent0, kEndTangent2, kChord };

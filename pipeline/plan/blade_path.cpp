@@ -9,6 +9,7 @@
 
 #include "elastica/stability.hpp"
 #include "pipeline/plan/rib_spline.hpp"
+#include "pipeline/plan/travel.hpp"
 
 namespace hotblade::pipeline {
 
@@ -178,6 +179,8 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
       {"retract", false, 50, [last, moved, aside](double u) { return moved(last.worked, u * aside); }});
   path.stretches.push_back(
       {"retract", false, 200, [last, moved, aside](double u) { return moved(last.at(1 - u), aside); }});
+  if (auto travel = travel_home(strip, moved(last.at(0), aside), first.at(0), settings))
+    path.stretches.push_back(std::move(*travel));
   return path;
 }
 

@@ -31,7 +31,7 @@ struct SweepMarks {
 };
 
 struct BladePath {
-  std::vector<Stretch> stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform
+  std::vector<Stretch> stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform, travel
   SweepMarks marks;
 };
 

@@ -90,7 +90,7 @@ TEST(MoveBlade, RunsThroughThePhasesInOrderAndHeatsOnlyWhenNeeded) {
     EXPECT_EQ(pose.foam.has_value(), pose.phase == "cut");
   }
   EXPECT_EQ(phases, (std::vector<std::string>{"form", "preheat", "approach", "lead_in", "cut", "lead_out",
-                                              "retract"}));
+                                              "retract", "travel"}));
 }
 
 TEST(MoveBlade, StaysOnOneStableBranch) {

@@ -1,0 +1,143 @@
+#include "pipeline/plan/travel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "elastica/fit.hpp"
+#include "elastica/quadratic.hpp"
+#include "elastica/quadratic_tangent.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using elastica::MidState;
+using elastica::Quadratic;
+
+// The stock seen along the ribs: first along the sweep, then towards the waste.
+struct StockOutline {
+  Vector2d low{0, 0}, high{0, 0};
+};
+
+// Offsets and heights in the strip's axes.
+StockOutline outline(const StripPlan& strip) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  StockOutline stock{Vector2d::Constant(kInf), Vector2d::Constant(-kInf)};
+  const Frame plane = strip.plane(0);
+  const Vector3d& size = strip.stock.size_mm;
+  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7}) {
+    const Vector3d corner =
+        strip.stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0);
+    const Vector2d seen(strip.planes.offset(corner), (corner - plane.origin).dot(plane.y));
+    stock.low = stock.low.cwiseMin(seen);
+    stock.high = stock.high.cwiseMax(seen);
+  }
+  return stock;
+}
+
+// The way of the blade's middle in (offset, height); the rest of the pose changes evenly along it.
+struct Way {
+  MidState from, home;
+  Quadratic curve;
+  double length = 0;
+
+  [[nodiscard]] BladeShape at(double u) const {
+    const Vector2d p = elastica::point_at(curve, elastica::parameter_at(curve, u * length));
+    MidState mid = from;
+    mid.x = from.x + u * (home.x - from.x);
+    mid.y = p.y();
+    mid.theta = from.theta + u * (home.theta - from.theta);
+    BladeShape shape;
+    shape.offset_mm = p.x();
+    shape.blade = elastica::from_mid_state(mid);
+    return shape;
+  }
+};
+
+// How far the blade hangs below its middle, anywhere on a way: turning and shape are the same on all of them.
+double hang_mm(const Way& way) {
+  constexpr int kTurns = 16, kPoints = 65;
+  double hang = 0;
+  for (int i = 0; i <= kTurns; ++i) {
+    const BladeShape shape = way.at(static_cast<double>(i) / kTurns);
+    const double middle = elastica::mid_state(shape.blade).y;
+    for (const auto& p : elastica::sample(shape.blade, kPoints)) hang = std::max(hang, middle - p.y);
+  }
+  return hang;
+}
+
+// Straight where that stays outside the circle, otherwise around it; shortest first.
+std::vector<Quadratic> around(const Vector2d& from, const Vector2d& to, const Vector2d& corner,
+                              double radius) {
+  const Vector2d way = to - from;
+  const double on = std::clamp((corner - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+  // The way leads against the sweep: the block has to lie on its left.
+  const bool outside = way.x() * (corner - from).y() - way.y() * (corner - from).x() >= 0;
+  if (outside && (from + on * way - corner).norm() >= radius) return {{from, (from + to) / 2, to}};
+  if ((from - corner).norm() <= radius || (to - corner).norm() <= radius) return {};
+  std::vector<Quadratic> curves;
+  for (const auto& m :
+       elastica::tangent_to_circle(from, to, corner, radius, elastica::Objective::kLength).minima) {
+    if (m.regular) curves.push_back(m.curve);
+  }
+  return curves;
+}
+
+double clearance_on(const Stretch& travel, const StripPlan& strip, double width_mm) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= travel.samples; ++i) {
+    const BladeShape shape = travel.at(static_cast<double>(i) / travel.samples);
+    least = std::min(
+        least, blade_clearance_mm(shape.blade, strip.swept_plane(shape.offset_mm), strip.stock, width_mm));
+  }
+  return least;
+}
+
+}  // namespace
+
+double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Stock& stock,
+                          double width_mm) {
+  constexpr double kApart_mm = 2;
+  const int points = static_cast<int>(std::ceil(blade.length / kApart_mm)) + 1;
+  const Vector3d across = width_mm / 2 * frame.normal();
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& p : elastica::sample(blade, points)) {
+    for (const double side : {-1.0, 1.0}) {
+      const Vector3d d = frame.point(p.x, p.y) + side * across - stock.frame.origin;
+      const Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+      least = std::min(least, (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm());
+    }
+  }
+  // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
+  // points between both edges, because the distance to a box is convex.
+  return std::max(0.0, least - 0.5 * blade.length / (points - 1));
+}
+
+std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
+                                   const Settings& settings) {
+  if (strip.planes.turns()) return std::nullopt;
+  Way way{elastica::mid_state(from.blade), elastica::mid_state(home.blade), {}, 0};
+  const Vector2d start(from.offset_mm, way.from.y), end(home.offset_mm, way.home.y);
+  way.curve = {start, (start + end) / 2, end};
+  way.length = elastica::length(way.curve);
+  const double hang = hang_mm(way), half_width = settings.blade.width_mm / 2;
+  const StockOutline stock = outline(strip);
+  const Vector2d corner(stock.low.x() - half_width, stock.high.y() + hang);
+  // The points between which a clearance is measured take away half a step; a larger circle makes up for it,
+  // and for the corner on the other side where that is the nearer one.
+  for (const double more_mm : {2.0, 10.0, 50.0}) {
+    for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
+      way.curve = curve;
+      way.length = elastica::length(curve);
+      const Stretch travel{"travel", false, 200, [way](double u) { return way.at(u); }};
+      if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm) return travel;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace hotblade::pipeline
