@@ -38,15 +38,26 @@ Json refusal_json(const Refusal& r) {
           {"details", r.details}, {"message", describe(r)}};
 }
 
+// mm of shape change by each clamp coordinate; null where the blade is straight.
+Json sensitivity_json(const std::array<double, 6>& mm) {
+  Json json;
+  for (std::size_t i = 0; i < mm.size(); ++i) {
+    json[clamp_coordinate_name(i)] = std::isfinite(mm[i]) ? Json(mm[i]) : Json();
+  }
+  return json;
+}
+
 Json strip_json(const StripFacts& f, const Strip& strip) {
   Json ribs = Json::array();
-  for (const Rib& rib : strip.ribs) {
+  for (std::size_t i = 0; i < strip.ribs.size(); ++i) {
+    const Rib& rib = strip.ribs[i];
     ribs.push_back({{"id", rib.id},
                     {"lambda_residual", rib.lambda_residual},
                     {"l2", rib.l2},
                     {"h1", rib.h1},
                     {"hausdorff_mm", rib.hausdorff_mm},
-                    {"design_deviation_mm", rib.design_deviation_mm}});
+                    {"design_deviation_mm", rib.design_deviation_mm},
+                    {"clamp_sensitivity_mm", sensitivity_json(f.rib_sensitivity_mm.at(i))}});
   }
   return {{"id", f.id},
           {"ribs", f.ribs},
@@ -68,6 +79,9 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"droop_error_mm", f.droop_error_mm},
           {"in_plane_sag_mm", f.in_plane_sag_mm},
           {"clamp_error_mm", f.clamp_error_mm},
+          {"margin_mm_min", f.smallest_margin_mm()},
+          {"snap_margin_mm_min", f.smallest_fold_mm},
+          {"straight_margin_mm_min", f.smallest_straight_mm},
           {"clamp_acceleration_before_joint_fit_mm_s2", f.clamp_acceleration_before_mm_s2},
           {"clamp_acceleration_mm_s2", f.clamp_acceleration_after_mm_s2},
           {"duration_s", f.duration_s},

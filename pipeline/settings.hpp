@@ -47,6 +47,8 @@ struct BladeSettings {
   double density_kg_m3 = 7900;
   double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
+  double min_margin_mm =
+      0;  // smallest accepted clamp error that snaps the blade; 0: from the machine's errors
 };
 
 struct StockSettings {

@@ -77,6 +77,9 @@ constexpr SettingField kFields[] = {
     {"blade", "min_margin", "", 0, 1000, "",
      "Smallest accepted stability margin: eigenvalue of the second variation times length squared",
      [](S& s) -> Place { return &s.blade.min_margin; }},
+    {"blade", "min_margin_mm", "mm", 0, 20, "",
+     "Smallest accepted clamp error that makes the blade snap; 0 takes twice the machine's clamp errors",
+     [](S& s) -> Place { return &s.blade.min_margin_mm; }},
 
     {"stock", "max_size_mm", "mm", 10, 10000, "", "Largest foam block: length, width, height",
      [](S& s) -> Place { return &s.stock.max_size_mm; }},

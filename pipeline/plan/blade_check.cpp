@@ -8,8 +8,10 @@
 #include <cmath>
 #include <limits>
 
+#include "elastica/continuation.hpp"
 #include "elastica/sensitivity.hpp"
 #include "pipeline/plan/blade.hpp"
+#include "pipeline/plan/clamp_margins.hpp"
 
 namespace hotblade::pipeline {
 
@@ -76,13 +78,69 @@ bool straight(const BladePose& pose, const MachineSettings& machine) {
   return slack < std::max(kStraight * pose.blade.length, kErrors * machine.clamp_error_mm);
 }
 
-// What the clamps' errors move the blade by at the ribs, to first order.
-void weigh_clamp_errors(const MachineSettings& machine, BladeMotion& motion) {
-  for (const BladePose& pose : motion.poses) {
-    if (!pose.rib || straight(pose, machine)) continue;
-    const double moved =
-        elastica::sensitivity(pose.blade, {machine.clamp_error_mm, machine.clamp_error_rad}).total_mm;
-    if (std::isfinite(moved)) motion.clamp_error_mm = std::max(motion.clamp_error_mm, moved);
+// What the clamps' errors move the blade by: to first order, and as a straight strip where that says nothing.
+double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
+  const elastica::SensitivityOptions errors{machine.clamp_error_mm, machine.clamp_error_rad};
+  const double length = pose.blade.length, slack = length - (pose.b.p - pose.a.p).norm();
+  const bool keeps_side = straight_mm > worst_clamp_error_mm(machine, length);
+  const double moved = straight(pose, machine)
+                           ? elastica::straight_response_mm(length, slack, keeps_side, errors)
+                           : elastica::sensitivity(pose.blade, errors).total_mm;
+  return std::isfinite(moved) ? moved : elastica::straight_response_mm(length, slack, false, errors);
+}
+
+void weigh_clamp_errors(const StripPlan& strip, const MachineSettings& machine,
+                        const std::vector<PoseMargin>& margins, BladeMotion& motion) {
+  motion.rib_sensitivity_mm.assign(strip.ribs.size(), {});
+  for (std::size_t i = 0; i < motion.poses.size(); ++i) {
+    const BladePose& pose = motion.poses[i];
+    if (!pose.rib) continue;
+    motion.rib_sensitivity_mm[static_cast<std::size_t>(*pose.rib)] =
+        elastica::sensitivity(pose.blade).displacement_mm;
+    motion.clamp_error_mm =
+        std::max(motion.clamp_error_mm, clamp_error_mm(pose, margins[i].straight_mm, machine));
+  }
+}
+
+// Fills margin_mm of all poses and the smallest of them.
+std::vector<PoseMargin> weigh_margins(BladeMotion& motion) {
+  std::vector<PoseMargin> margins = clamp_margins(motion.poses);
+  motion.smallest_fold_mm = motion.smallest_straight_mm = kFarFromFoldMm;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    const PoseMargin& m = margins[i];
+    motion.poses[i].margin_mm = std::min({m.fold_mm, m.straight_mm, kFarFromFoldMm});
+    motion.smallest_fold_mm = std::min(motion.smallest_fold_mm, m.fold_mm);
+    motion.smallest_straight_mm = std::min(motion.smallest_straight_mm, m.straight_mm);
+  }
+  return margins;
+}
+
+// Pulled straight by more than the equations for its force can carry, or so nearly straight that the clamps'
+// errors may bow it to another side.
+bool unheld(const BladePose& pose, const PoseMargin& margin, const Settings& settings) {
+  const double length = pose.blade.length;
+  const elastica::CurvePoint b = elastica::point_at(pose.blade, length);
+  const Eigen::Vector2d chord(b.x - pose.blade.x, b.y - pose.blade.y);
+  const double tension = -Eigen::Vector2d(pose.blade.lambda1, pose.blade.lambda2).dot(chord) * length;
+  if (tension > elastica::kLargestTension) return true;
+  const double least = smallest_margin_mm(settings, length);
+  return margin.straight_mm < least || (margin.fold_mm < least && straight(pose, settings.machine));
+}
+
+// Names the times at which the blade is straight or taut, and what the clamps' errors may do there.
+void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
+                             const std::vector<PoseMargin>& margins, BladeMotion& motion) {
+  const auto& poses = motion.poses;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!unheld(poses[i], margins[i], settings)) continue;
+    const std::size_t first = i;
+    double moved = 0;
+    for (; i < poses.size() && unheld(poses[i], margins[i], settings); ++i)
+      moved = std::max(moved, clamp_error_mm(poses[i], margins[i].straight_mm, settings.machine));
+    motion.warnings.push_back(fmt::format(
+        "{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide "
+        "its shape to second order only, and their errors may move it by {:.1f} mm",
+        strip.id, poses[first].t, poses[first].phase, poses[i - 1].t, poses[i - 1].phase, i - first, moved));
   }
 }
 
@@ -147,8 +205,26 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
     refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
 }
 
+// The blade would snap by an error that its clamps may have. A nearly straight one is warned of instead: what
+// it snaps to lies as near as what the errors move it by anyway.
+void refuse_near_folds(const std::vector<PoseMargin>& margins, const BladeMotion& motion,
+                       const Settings& settings, Refuser& refuse) {
+  const double least = smallest_margin_mm(settings, motion.poses.front().blade.length);
+  std::size_t worst = 0;
+  double smallest = least;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    if (margins[i].fold_mm >= smallest || straight(motion.poses[i], settings.machine)) continue;
+    smallest = margins[i].fold_mm;
+    worst = i;
+  }
+  if (smallest >= least) return;
+  refuse(worst, "clamp error that makes the blade snap", smallest, least, "mm",
+         "a shorter blade or more splits; or more exact clamps (machine.clamp_error_mm, "
+         "machine.clamp_error_rad)");
+}
+
 void refuse_instability(const std::vector<PoseCheck>& checks, const robot::BladeSection& section,
-                        double min_margin, const BladeMotion& motion, Refuser& refuse) {
+                        const Settings& settings, const BladeMotion& motion, Refuser& refuse) {
   const std::size_t tipped =
       first_by(checks, [](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
   if (!checks[tipped].sag.stable) {
@@ -156,12 +232,12 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
            elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
            "a shorter or thicker blade");
   }
-  if (motion.smallest_margin >= min_margin) return;
+  if (motion.smallest_margin >= settings.blade.min_margin) return;
   const auto worst =
       std::min_element(motion.poses.begin(), motion.poses.end(),
                        [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
   refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin (snap-through)",
-         worst->margin, min_margin, "",
+         worst->margin, settings.blade.min_margin, "",
          "the blade could snap through on the way: a shorter blade or more splits");
 }
 
@@ -179,11 +255,14 @@ void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& 
   tbb::parallel_for(std::size_t{0}, checks.size(),
                     [&](std::size_t i) { checks[i] = check_pose(motion.poses[i], strip, block, section); });
   collect(checks, motion);
-  weigh_clamp_errors(settings.machine, motion);
+  const std::vector<PoseMargin> margins = weigh_margins(motion);
+  weigh_clamp_errors(strip, settings.machine, margins, motion);
+  warn_of_straight_blades(strip, settings, margins, motion);
   Refuser refuse(strip, motion);
   refuse_bending(checks, settings.blade, refuse);
   refuse_places(checks, settings.stock, refuse);
-  refuse_instability(checks, section, settings.blade.min_margin, motion, refuse);
+  refuse_instability(checks, section, settings, motion, refuse);
+  refuse_near_folds(margins, motion, settings, refuse);
 }
 
 }  // namespace hotblade::pipeline

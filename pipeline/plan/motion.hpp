@@ -6,6 +6,8 @@
 // shapes.
 #pragma once
 
+#include <array>
+#include <string>
 #include <vector>
 
 #include "pipeline/plan/strips.hpp"
@@ -21,7 +23,14 @@ struct BladeMotion {
   double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
   // Over the poses that cut, of the part that forms the design.
   double droop_mm = 0, twist_rad = 0, in_plane_sag_mm = 0;
-  double clamp_error_mm = 0;  // what errors of the clamps (settings.machine) move it, poses not straight
+  double clamp_error_mm = 0;  // what errors of the clamps (settings.machine) move it at the ribs, at worst
+  // How far the clamps may err before the shape is lost, over all poses (plan/clamp_margins.hpp): before it
+  // snaps, and before it is straight and may bow to either side.
+  double smallest_fold_mm = 0, smallest_straight_mm = 0;
+  // Of each rib's pose, mm by each clamp coordinate for 0.1 mm or 1 mrad (elastica/sensitivity.hpp); infinite
+  // where the blade is straight.
+  std::vector<std::array<double, 6>> rib_sensitivity_mm;
+  std::vector<std::string> warnings;  // what the clamps do not decide
 
   std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
 };

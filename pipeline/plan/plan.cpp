@@ -117,6 +117,9 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   f.droop_mm = motion.droop_mm;
   f.in_plane_sag_mm = motion.in_plane_sag_mm;
   f.clamp_error_mm = motion.clamp_error_mm;
+  f.smallest_fold_mm = motion.smallest_fold_mm;
+  f.smallest_straight_mm = motion.smallest_straight_mm;
+  f.rib_sensitivity_mm = motion.rib_sensitivity_mm;
   double steepest = 0;
   for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
   // The twist tilts the section, whose edges move by half its width.
@@ -195,6 +198,7 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
     result.program.strips.push_back(make_strip(strip, motion));
     result.strips.push_back(facts_of(strip, motion, settings));
     result.refusals.insert(result.refusals.end(), motion.refusals.begin(), motion.refusals.end());
+    result.warnings.insert(result.warnings.end(), motion.warnings.begin(), motion.warnings.end());
   }
   watch.lap("pose");
   hooks.progress("verify", 0.8);
@@ -261,6 +265,12 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
 }
 
 }  // namespace
+
+std::string clamp_coordinate_name(std::size_t coordinate) {
+  constexpr std::array<const char*, 6> kNames{"along_a", "across_a", "turn_a",
+                                              "along_b", "across_b", "turn_b"};
+  return kNames.at(coordinate);
+}
 
 PlanResult plan(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks) {
   PlanResult result;

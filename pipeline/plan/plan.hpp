@@ -1,6 +1,7 @@
 // From a design to a verified program: the stages in order, with everything a report needs.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,8 +29,18 @@ struct StripFacts {
   double droop_error_mm = 0;   // what droop and twist move the surface where it is steepest
   double in_plane_sag_mm = 0;  // largest sag in the plane; 0 where rib planes are level
   double clamp_error_mm = 0;   // what the clamps' errors of position and angle move the cut
+  // Smallest clamp errors that make the blade snap, or straight with no side to bow to
+  // (plan/clamp_margins.hpp); the smaller is margin_mm.
+  double smallest_fold_mm = 0, smallest_straight_mm = 0;
+  [[nodiscard]] double smallest_margin_mm() const {
+    return smallest_fold_mm < smallest_straight_mm ? smallest_fold_mm : smallest_straight_mm;
+  }
+  std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
   double stock_volume_mm3 = 0;
 };
+
+// along_a, across_a, turn_a, along_b, across_b, turn_b.
+[[nodiscard]] std::string clamp_coordinate_name(std::size_t coordinate);
 
 struct StageTime {
   std::string stage;

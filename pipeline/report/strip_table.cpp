@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/plan/clamp_margins.hpp"
 #include "pipeline/report/foam_share.hpp"
 #include "pipeline/report/report_plots.hpp"
 
@@ -39,6 +40,28 @@ std::string fixed(const StripRow& row) {
   return fmt::format("{:.{}f}", row.facts.*member, decimals);
 }
 
+// Before the shape is lost; farther is not looked into.
+std::string clamps_may_err(const StripRow& row) {
+  const double mm = row.facts.smallest_margin_mm();
+  return fmt::format("{}{:.2f}", mm >= kFarFromFoldMm ? ">= " : "", mm);
+}
+
+// The clamp coordinate whose error moves a rib most.
+std::string worst_sensitivity(const StripRow& row) {
+  double most = 0;
+  std::string name;
+  for (const auto& rib : row.facts.rib_sensitivity_mm) {
+    for (std::size_t i = 0; i < rib.size(); ++i) {
+      if (!(rib[i] > most)) continue;
+      most = rib[i];
+      name = clamp_coordinate_name(i);
+    }
+  }
+  std::replace(name.begin(), name.end(), '_', ' ');
+  if (!std::isfinite(most)) return "straight";
+  return fmt::format("{:.2f} ({})", most, name);
+}
+
 using F = StripFacts;
 constexpr StripTable kCut = StripTable::kCut, kBlade = StripTable::kBlade;
 
@@ -56,6 +79,8 @@ const auto kColumns = std::to_array<StripColumn>({
     {kBlade, "blade", "mm", fixed<&F::blade_length_mm, 0>},
     {kBlade, "smallest radius", "mm", radius},
     {kBlade, "stability margin", "", fixed<&F::smallest_margin, 1>},
+    {kBlade, "clamps may err", "mm", clamps_may_err},
+    {kBlade, "0.1 mm or 1 mrad moves", "mm", worst_sensitivity},
     {kBlade, "clamp to foam", "mm", fixed<&F::clamp_clearance_mm, 1>},
     {kBlade, "end force", "N", fixed<&F::largest_force_n, 1>},
     {kBlade, "end moment", "N mm", fixed<&F::largest_moment_n_mm, 0>},
