@@ -158,6 +158,29 @@ bool refine_dips(std::vector<Sample>& samples, const F& value) {
   return true;
 }
 
+// The minima in a bracket around the sample `here`: two that lie close together may share it.
+template <typename F>
+std::vector<double> minima_between(const Sample& before, const Sample& here, const Sample& after,
+                                   const F& value) {
+  constexpr int kParts = 6;  // of either side
+  std::vector<Sample> samples{before};
+  for (const auto& [from, to] : {std::pair{before, here}, std::pair{here, after}}) {
+    for (int i = 1; i < kParts; ++i) {
+      const double x = from.x + (to.x - from.x) * i / kParts;
+      samples.push_back({x, value(x)});
+    }
+    samples.push_back(to);
+  }
+  std::vector<double> minima;
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    if (!(s.f < samples[i - 1].f && s.f <= samples[i + 1].f)) continue;
+    const auto [at, least] = least_between(samples[i - 1].x, samples[i + 1].x, value);
+    minima.push_back(least <= s.f ? at : s.x);
+  }
+  return minima;
+}
+
 // The minima of one component of the locus, x in (grid.front(), grid.back()), whose ends do not count. For
 // the energy every place where the curve folds is a pole between minima, and joins the samples.
 template <typename Locus>
@@ -188,8 +211,9 @@ void minima_on(const Problem& problem, const Locus& locus, std::vector<double> g
   for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
     const Sample &before = samples[i - 1], &here = samples[i], &after = samples[i + 1];
     if (!(here.f < before.f && here.f <= after.f)) continue;
-    const auto [at, least] = least_between(before.x, after.x, value);
-    found.push_back(problem.minimum(locus(least <= here.f ? at : here.x), branch));
+    for (const double at : minima_between(before, here, after, value)) {
+      found.push_back(problem.minimum(locus(at), branch));
+    }
   }
 }
 

@@ -28,6 +28,8 @@ double tangency_error(const TangentProblem& p, const TangentMinimum& m) {
 // Every minimum that sampling sees is found, at no higher value and at the same place; what is found is
 // tangent.
 void compare_with_brute_force(unsigned seed, int problems, int samples) {
+  // Between ends that nearly coincide, on the circle, energies of 1e14 are known to some 6e-9 only.
+  constexpr double kNoise = 1e-8;
   std::mt19937_64 random(seed);
   double worst_tangency = 0;
   for (int i = 0; i < problems; ++i) {
@@ -37,7 +39,7 @@ void compare_with_brute_force(unsigned seed, int problems, int samples) {
     for (const BruteMinimum& b : brute_force(p, samples)) {
       bool found = false;
       for (const TangentMinimum& m : solved.minima) {
-        found |= m.value <= b.value * (1 + 1e-9) && (m.curve[1] - b.b1).norm() <= 2 * b.step;
+        found |= m.value <= b.value * (1 + kNoise) && (m.curve[1] - b.b1).norm() <= 2 * b.step;
       }
       EXPECT_TRUE(found) << "problem " << i << ", value " << b.value << " at " << b.b1.transpose();
     }
