@@ -97,7 +97,8 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
   if (scene.design.triangles.empty()) return;
   vtkNew<vtkPolyData> mesh;
   set_mesh(*mesh, scene.design.vertices, scene.design.triangles);
-  actors.design = surface_actor(*mesh, depth.behind());
+  const auto design = surface_actor(*mesh, depth.behind());
+  actors.design = design;
   vtkProperty& property = *actors.design->GetProperty();
   property.SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
   const bool alone = scene.cut.triangles.empty();
@@ -115,8 +116,9 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
   edges->ManifoldEdgesOff();
   edges->ColoringOff();
   edges->Update();
-  actors.borders = line_data_actor(*edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
-  renderer.AddActor(actors.borders);
+  const auto borders = line_data_actor(*edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+  actors.borders = borders;
+  renderer.AddActor(borders);
 }
 
 // Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs.
@@ -181,11 +183,13 @@ void color_cut(vtkActor& cut, const Scene& scene, const std::vector<double>& val
   mapper.UseLookupTableScalarRangeOn();
 }
 
-vtkSmartPointer<vtkActor> line_actor(const std::vector<Polyline>& lines, const Rgb& color, double width,
-                                     double depth) {
+vtkActor& add_lines(vtkRenderer& renderer, const std::vector<Polyline>& lines, const Rgb& color, double width,
+                    double depth) {
   vtkNew<vtkPolyData> data;
   set_lines(*data, lines);
-  return line_data_actor(*data, color, width, depth);
+  const auto actor = line_data_actor(*data, color, width, depth);
+  renderer.AddActor(actor);
+  return *actor;
 }
 
 void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines) {
@@ -194,15 +198,17 @@ void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines) {
   vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->SetInputData(data);
 }
 
-vtkSmartPointer<vtkActor> clamp_actor(const std::vector<Pose>& clamps, double size_mm, const Rgb& color) {
+vtkActor& add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double size_mm,
+                     const Rgb& color) {
   vtkNew<vtkPolyDataMapper> mapper;
-  const auto actor = vtkSmartPointer<vtkActor>::New();
+  vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
   set_actor_clamps(*actor, clamps, size_mm);
   actor->GetProperty()->SetColor(color[0], color[1], color[2]);
   actor->GetProperty()->SetAmbient(0.3);
   actor->GetProperty()->SetInterpolationToFlat();
-  return actor;
+  renderer.AddActor(actor);
+  return *actor;
 }
 
 void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm) {
@@ -222,26 +228,20 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   if (!scene.cut.triangles.empty()) {
     vtkNew<vtkPolyData> mesh;
     set_mesh(*mesh, scene.cut.vertices, scene.cut.triangles);
-    actors.cut = surface_actor(*mesh, 0);
+    const auto cut = surface_actor(*mesh, 0);
+    actors.cut = cut;
     color_cut(*actors.cut, scene, scene.cut.values, scene.scale);
     renderer.AddActor(actors.cut);
   }
-  const auto lines = [&](const std::vector<Polyline>& places, const Rgb& color, double width,
-                         double before) -> vtkSmartPointer<vtkActor> {
-    if (places.empty()) return nullptr;
-    auto actor = line_actor(places, color, width * zoom, before);
-    renderer.AddActor(actor);
-    return actor;
+  const auto lines = [&](const std::vector<Polyline>& places, const Rgb& color, double width, double before) {
+    return places.empty() ? nullptr : &add_lines(renderer, places, color, width * zoom, before);
   };
   actors.blocks = lines(stock_edges(scene.stocks), kStockColor, 1.2, 0);
   actors.ribs = lines(scene.ribs, kRibColor, 0.9, depth.before());
   actors.blades = lines(scene.blades, kBladeColor, 1.4, depth.before());
   if (scene.blade_now) actors.blade_now = lines({*scene.blade_now}, kBladeNowColor, 3, depth.before());
-  const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) -> vtkSmartPointer<vtkActor> {
-    if (places.empty()) return nullptr;
-    auto actor = clamp_actor(places, scene.clamp_size_mm, color);
-    renderer.AddActor(actor);
-    return actor;
+  const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) {
+    return places.empty() ? nullptr : &add_clamps(renderer, places, scene.clamp_size_mm, color);
   };
   actors.clamps_a = clamps(scene.clamps_a, kClampAColor);
   actors.clamps_b = clamps(scene.clamps_b, kClampBColor);

@@ -35,18 +35,29 @@ std::vector<std::string> wrapped(const std::string& line, std::size_t longest) {
   return lines;
 }
 
-Sheets::Sheets(vtkRenderer& below) {
+struct Sheets::Layers {
+  vtkNew<vtkRenderer> shapes, words;
+};
+
+Sheets::Sheets(vtkRenderer& below) : layers_(std::make_unique<Layers>()) {
   vtkRenderWindow& window = *below.GetRenderWindow();
   window.SetNumberOfLayers(3);
   int layer = 1;
-  for (vtkRenderer* sheet : {shapes_.Get(), words_.Get()}) {
+  for (vtkRenderer* sheet : {layers_->shapes.Get(), layers_->words.Get()}) {
     sheet->SetLayer(layer++);
     sheet->InteractiveOff();
     window.AddRenderer(sheet);
   }
 }
 
-Canvas::Canvas(Sheets& sheets, double pixels) : sheets_(sheets), pixels_(pixels) {}
+Sheets::~Sheets() = default;
+
+struct Canvas::Actors {
+  std::vector<vtkSmartPointer<vtkActor2D>> words, drawn_shapes, drawn_words;
+};
+
+Canvas::Canvas(Sheets& sheets, double pixels)
+    : sheets_(sheets), pixels_(pixels), actors_(std::make_unique<Actors>()) {}
 
 Canvas::~Canvas() = default;
 
@@ -96,10 +107,10 @@ void Canvas::text(double x, double y, const std::string& words, double height, b
   if (align == Align::kCentre) property.SetJustificationToCentered();
   if (align == Align::kRight) property.SetJustificationToRight();
   actor->SetPosition(x * pixels_, y * pixels_);
-  words_.emplace_back(actor);
+  actors_->words.emplace_back(actor);
 }
 
-vtkSmartPointer<vtkActor2D> Canvas::shapes() const {
+void Canvas::draw_shapes() {
   vtkNew<vtkPoints> points;
   vtkNew<vtkCellArray> cells;
   vtkNew<vtkUnsignedCharArray> colors;
@@ -118,22 +129,23 @@ vtkSmartPointer<vtkActor2D> Canvas::shapes() const {
   data->GetCellData()->SetScalars(colors);
   vtkNew<vtkPolyDataMapper2D> mapper;
   mapper->SetInputData(data);
-  auto actor = vtkSmartPointer<vtkActor2D>::New();
+  const auto actor = vtkSmartPointer<vtkActor2D>::New();
   actor->SetMapper(mapper);
-  return actor;
+  sheets_.layers_->shapes->AddActor2D(actor);
+  actors_->drawn_shapes.push_back(actor);
 }
 
 void Canvas::finish() {
-  for (const auto& actor : drawn_shapes_) sheets_.shapes_->RemoveActor2D(actor);
-  for (const auto& actor : drawn_words_) sheets_.words_->RemoveActor2D(actor);
-  drawn_shapes_.clear();
-  if (!boxes_.empty() || !triangles_.empty()) drawn_shapes_.push_back(shapes());
-  drawn_words_ = std::move(words_);
-  for (const auto& actor : drawn_shapes_) sheets_.shapes_->AddActor2D(actor);
-  for (const auto& actor : drawn_words_) sheets_.words_->AddActor2D(actor);
+  vtkRenderer &shapes = *sheets_.layers_->shapes, &words = *sheets_.layers_->words;
+  for (const auto& actor : actors_->drawn_shapes) shapes.RemoveActor2D(actor);
+  for (const auto& actor : actors_->drawn_words) words.RemoveActor2D(actor);
+  actors_->drawn_shapes.clear();
+  if (!boxes_.empty() || !triangles_.empty()) draw_shapes();
+  actors_->drawn_words = std::move(actors_->words);
+  for (const auto& actor : actors_->drawn_words) words.AddActor2D(actor);
   boxes_.clear();
   triangles_.clear();
-  words_.clear();
+  actors_->words.clear();
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -1,16 +1,12 @@
 // Flat shapes and words over a picture.
 #pragma once
 
-#include <vtkNew.h>
-#include <vtkSmartPointer.h>
-
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pipeline/preview/draw_parts.hpp"
-
-class vtkActor2D;
 
 namespace hotblade::pipeline::preview {
 
@@ -26,10 +22,14 @@ enum class Align { kLeft, kCentre, kRight };
 class Sheets {
  public:
   explicit Sheets(vtkRenderer& below);
+  ~Sheets();
+  Sheets(const Sheets&) = delete;
+  Sheets& operator=(const Sheets&) = delete;
 
  private:
   friend class Canvas;
-  vtkNew<vtkRenderer> shapes_, words_;
+  struct Layers;
+  std::unique_ptr<Layers> layers_;
 };
 
 // Draws from the picture's lower left; `pixels` is how many are drawn for one. What is drawn appears with
@@ -60,13 +60,13 @@ class Canvas {
   };
   static std::vector<Box> rest(const Box& under, const Box& over);
   static Bytes bytes_of(const Rgb& color, double opacity);
-  [[nodiscard]] vtkSmartPointer<vtkActor2D> shapes() const;
+  void draw_shapes();
 
   // VTK draws flat shapes at one depth, and which of two stays on top is not told: these never overlap.
   std::vector<Box> boxes_;
   std::vector<std::pair<Triangle, Bytes>> triangles_;
-  std::vector<vtkSmartPointer<vtkActor2D>> words_;
-  std::vector<vtkSmartPointer<vtkActor2D>> drawn_shapes_, drawn_words_;
+  struct Actors;
+  std::unique_ptr<Actors> actors_;
 };
 
 }  // namespace hotblade::pipeline::preview

@@ -1,8 +1,6 @@
 // The parts of a picture: colours, actors for the scene's geometry, camera.
 #pragma once
 
-#include <vtkSmartPointer.h>
-
 #include <array>
 #include <memory>
 
@@ -36,9 +34,10 @@ constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 // Colour of the strip with this index; repeats after eight.
 [[nodiscard]] Rgb strip_color(int strip);
 
-// What stands for a scene in VTK; those without anything to show are empty.
+// What stands for a scene in VTK, owned by the renderer; null where there is nothing to show.
 struct SceneActors {
-  vtkSmartPointer<vtkActor> design, borders, cut, blocks, ribs, blades, blade_now, clamps_a, clamps_b;
+  vtkActor *design = nullptr, *borders = nullptr, *cut = nullptr, *blocks = nullptr, *ribs = nullptr;
+  vtkActor *blades = nullptr, *blade_now = nullptr, *clamps_a = nullptr, *clamps_b = nullptr;
   double line_depth = 0;  // that puts lines before the surfaces they lie on, for line_actor
 };
 
@@ -49,14 +48,15 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
 void color_cut(vtkActor& cut, const Scene& scene, const std::vector<double>& values,
                const std::optional<ColorScale>& scale);
 
-// `width` in pixels drawn; `depth` as in SceneActors.
-[[nodiscard]] vtkSmartPointer<vtkActor> line_actor(const std::vector<Polyline>& lines, const Rgb& color,
-                                                   double width, double depth);
+// Adds an actor, which the renderer owns. `width` in pixels drawn; `depth` as in SceneActors.
+[[nodiscard]] vtkActor& add_lines(vtkRenderer& renderer, const std::vector<Polyline>& lines, const Rgb& color,
+                                  double width, double depth);
 void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines);
 
-// Blocks along the blade where clamps grip, each as large as `size_mm`.
-[[nodiscard]] vtkSmartPointer<vtkActor> clamp_actor(const std::vector<Pose>& clamps, double size_mm,
-                                                    const Rgb& color);
+// Adds an actor, which the renderer owns: blocks along the blade where clamps grip, each as large as
+// `size_mm`.
+[[nodiscard]] vtkActor& add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double size_mm,
+                                   const Rgb& color);
 void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm);
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar);

@@ -49,15 +49,12 @@ struct Stage::Parts {
     renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
     actors = add_actors(model.scene, renderer, zoom);
     ghosts.blades = model.scene.blades;
-    const auto add = [&](vtkSmartPointer<vtkActor> actor) {
-      renderer.AddActor(actor);
-      return actor;
-    };
-    paths = add(line_actor(model.air_paths, kPathColor, 1.2 * zoom, actors.line_depth));
-    selected = add(line_actor({}, kSelectedColor, 3 * zoom, actors.line_depth));
-    blade = add(line_actor({}, kBladeNowColor, 3.2 * zoom, actors.line_depth));
-    clamp_a = add(clamp_actor({}, model.scene.clamp_size_mm, kClampAColor));
-    clamp_b = add(clamp_actor({}, model.scene.clamp_size_mm, kClampBColor));
+    const double depth = actors.line_depth, clamp_mm = model.scene.clamp_size_mm;
+    paths = &add_lines(renderer, model.air_paths, kPathColor, 1.2 * zoom, depth);
+    selected = &add_lines(renderer, {}, kSelectedColor, 3 * zoom, depth);
+    blade = &add_lines(renderer, {}, kBladeNowColor, 3.2 * zoom, depth);
+    clamp_a = &add_clamps(renderer, {}, clamp_mm, kClampAColor);
+    clamp_b = &add_clamps(renderer, {}, clamp_mm, kClampBColor);
     if (actors.cut) whole_cut->ShallowCopy(cut_data().GetPolys());
   }
 
@@ -80,7 +77,8 @@ struct Stage::Parts {
   PictureSize size;
   double zoom;
   SceneActors actors;
-  vtkSmartPointer<vtkActor> paths, selected, blade, clamp_a, clamp_b;
+  // Owned by the renderer.
+  vtkActor *paths = nullptr, *selected = nullptr, *blade = nullptr, *clamp_a = nullptr, *clamp_b = nullptr;
   vtkNew<vtkCellArray> whole_cut;
   Ghosts ghosts;
   std::size_t triangles_shown = static_cast<std::size_t>(-1);
@@ -93,7 +91,7 @@ struct Stage::Parts {
 };
 
 void Stage::Parts::set_layers(const ViewState& state) {
-  const auto set = [](const vtkSmartPointer<vtkActor>& actor, bool visible) {
+  const auto set = [](vtkActor* actor, bool visible) {
     if (actor) actor->SetVisibility(visible);
   };
   set(actors.design, state.shows(Layer::kDesign));
