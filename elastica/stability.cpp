@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 
 #include "elastica/end_map.hpp"
 
@@ -79,12 +80,23 @@ int eigenvalues_below(const Discrete& d, double sigma) {
 }  // namespace
 
 double stability_margin(const Elastica& e) {
+  return stability_margin(e, std::numeric_limits<double>::quiet_NaN());
+}
+
+double stability_margin(const Elastica& e, double nearby) {
   if (!(e.length > 0)) return 0;
   const Discrete d = discretise(e);
   const double load = std::hypot(e.lambda1, e.lambda2) * e.length * e.length;
   // The free operator's eigenvalues lie above -load; with two constraints the smallest is at most the third
   // of the unloaded clamped string, 9 pi^2, plus the load.
   double low = -load - 1, high = 100 + load;
+  if (std::isfinite(nearby)) {
+    // Neighbouring waypoints differ by less, mostly.
+    const double reach = 1e-3 * (1 + std::abs(nearby));
+    for (const double at : {nearby - reach, nearby + reach}) {
+      if (at > low && at < high) (eigenvalues_below(d, at) > 0 ? high : low) = at;
+    }
+  }
   constexpr double kRelative = 1e-6;
   while (high - low > kRelative * (1 + std::abs(high) + std::abs(low))) {
     const double middle = 0.5 * (low + high);

@@ -2,37 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "elastica/continuation.hpp"
-#include "elastica/stability.hpp"
+#include "robot/blade_branch.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
 using elastica::Elastica;
-
-// Everything below is seen from clamp A: it stands at the origin, its tangent along x.
-struct Relative {
-  double x = 0, y = 0, theta = 0;  // of clamp B
-  double off_plane_mm = 0;         // of clamp B, its normal's tilt counted over the chord
-};
-
-Relative relative(const BladePose& pose, double theta_before) {
-  const Eigen::Matrix3d to_a = pose.a.q.toRotationMatrix().transpose();
-  const Eigen::Vector3d d = to_a * (pose.b.p - pose.a.p);
-  const Eigen::Vector3d tangent = to_a * (pose.b.q * Eigen::Vector3d::UnitX());
-  const Eigen::Vector3d normal = to_a * (pose.b.q * Eigen::Vector3d::UnitZ());
-  const double theta = std::atan2(tangent.y(), tangent.x());
-  // Between waypoints a clamp turns by far less than half a turn.
-  const double unwrapped = theta_before + std::remainder(theta - theta_before, 2 * std::numbers::pi);
-  return {d.x(), d.y(), unwrapped, std::max(std::abs(d.z()), d.norm() * normal.head<2>().norm())};
-}
 
 Elastica seen_from_a(const Elastica& e) {
   const double c = std::cos(e.theta), s = std::sin(e.theta);
@@ -48,115 +28,25 @@ double distance_mm(const Elastica& p, const Elastica& q) {
   return largest;
 }
 
-// The flat arc of waypoint 0, if it is one.
-std::optional<Elastica> flat_arc(const Relative& b, double length) {
-  constexpr double kLeast = 0.10, kMost = 0.17;  // rad, docs/controller-protocol.md
-  // As the controller allows: far below what a second stable shape would need, far above rounding.
-  constexpr double kAngleSlack = 1e-3, kChordSlack = 1e-4;
-  const double u = 0.5 * b.theta;
-  if (std::abs(u) < kLeast - kAngleSlack || std::abs(u) > kMost + kAngleSlack) return std::nullopt;
-  if (std::abs(std::atan2(b.y, b.x) - u) > kAngleSlack) return std::nullopt;
-  if (std::abs(std::hypot(b.x, b.y) - length * std::sin(u) / u) > kChordSlack * length) return std::nullopt;
-  return Elastica{0, 0, 0, 2 * u / length, 0, 0, length};
+BranchStatus status_of(robot::BladeStatus status) {
+  switch (status) {
+    case robot::BladeStatus::kNoFlatArc:
+      return BranchStatus::kNoFlatArc;
+    case robot::BladeStatus::kOutOfPlane:
+      return BranchStatus::kOutOfPlane;
+    case robot::BladeStatus::kOutOfReach:
+      return BranchStatus::kOutOfReach;
+    case robot::BladeStatus::kSnapped:
+      return BranchStatus::kSnapped;
+    case robot::BladeStatus::kYields:
+      return BranchStatus::kYields;
+    case robot::BladeStatus::kUnsafe:
+      return BranchStatus::kUnsafe;
+    case robot::BladeStatus::kHeld:
+      break;
+  }
+  return BranchStatus::kHeld;
 }
-
-// Chord over length from which the blade is straight but for less than its thickness or so: the equations for
-// its force become singular, and its shape is a straight line whatever the force.
-constexpr double kTaut = 1 - 1e-6;
-
-class Follower {
- public:
-  Follower(const Strip& strip, const BranchOptions& options) : strip_(strip), options_(options) {}
-
-  BranchReport run() {
-    report_.smallest_margin = std::numeric_limits<double>::infinity();
-    if (!start()) return report_;
-    for (std::size_t i = 0; i < strip_.poses.size(); ++i) {
-      if (!reach(i) || !compare(i) || !check_limits(i)) return report_;
-    }
-    return report_;
-  }
-
- private:
-  bool stop(BranchStatus status, std::size_t pose, double value, double bound) {
-    report_.status = status;
-    report_.pose = pose;
-    report_.value = value;
-    report_.bound = bound;
-    return false;
-  }
-
-  bool start() {
-    const Relative b = relative(strip_.poses.front(), 0);
-    const auto arc = flat_arc(b, strip_.blade_length_mm);
-    if (!arc) return stop(BranchStatus::kNoFlatArc, 0, 0.5 * std::abs(b.theta), 0.17);
-    shape_ = *arc;
-    theta_ = b.theta;
-    return true;
-  }
-
-  // Moves the clamps to pose i and the shape with them.
-  bool reach(std::size_t i) {
-    const Relative b = relative(strip_.poses[i], theta_);
-    if (!(b.off_plane_mm <= kShapeMismatchMm))
-      return stop(BranchStatus::kOutOfPlane, i, b.off_plane_mm, kShapeMismatchMm);
-    theta_ = b.theta;
-    const elastica::ClampPair to{{0, 0, 0}, {b.x, b.y, b.theta}};
-    const double chord = std::hypot(b.x, b.y), length = strip_.blade_length_mm;
-    if (chord >= kTaut * length) return reach_taut(i, chord);
-    if (was_taut_) return leave_taut(i, to);
-    const elastica::FollowReport way = elastica::follow(shape_, to);
-    shape_ = way.shape.elastica;
-    if (way.status == elastica::FollowStatus::kFollowed) return true;
-    if (way.status == elastica::FollowStatus::kOutOfReach)
-      return stop(BranchStatus::kOutOfReach, i, chord, length);
-    return stop(BranchStatus::kSnapped, i, elastica::stability_margin(shape_), options_.min_margin);
-  }
-
-  bool reach_taut(std::size_t i, double chord) {
-    if (!(chord <= strip_.blade_length_mm * (1 + 1e-6)))
-      return stop(BranchStatus::kOutOfReach, i, chord, strip_.blade_length_mm);
-    shape_ = seen_from_a(strip_.poses[i].blade);
-    was_taut_ = true;
-    ++report_.taut_poses;
-    return true;
-  }
-
-  // From a straight blade the clamps' turn picks the side; the shape is solved for from the program's own.
-  bool leave_taut(std::size_t i, const elastica::ClampPair& to) {
-    const auto solved = elastica::solve_clamped(seen_from_a(strip_.poses[i].blade), to);
-    if (!solved || !solved->stable()) return stop(BranchStatus::kSnapped, i, 0, options_.min_margin);
-    shape_ = solved->elastica;
-    was_taut_ = false;
-    return true;
-  }
-
-  bool compare(std::size_t i) {
-    const double off = distance_mm(shape_, seen_from_a(strip_.poses[i].blade));
-    if (!(off <= report_.mismatch_mm)) report_.mismatch_mm = off;
-    return off <= kShapeMismatchMm || stop(BranchStatus::kElsewhere, i, off, kShapeMismatchMm);
-  }
-
-  bool check_limits(std::size_t i) {
-    // Shapes change slowly from waypoint to waypoint; the first and the last count too.
-    constexpr std::size_t kEvery = 16;
-    if (i % kEvery != 0 && i + 1 != strip_.poses.size()) return true;
-    const double bent = elastica::ElasticaCurve(shape_).max_abs_curvature();
-    report_.largest_curvature_per_mm = std::max(report_.largest_curvature_per_mm, bent);
-    if (!(bent <= options_.max_curvature_per_mm * (1 + 1e-9)))
-      return stop(BranchStatus::kYields, i, 1 / bent, 1 / options_.max_curvature_per_mm);
-    const double margin = elastica::stability_margin(shape_);
-    report_.smallest_margin = std::min(report_.smallest_margin, margin);
-    return margin >= options_.min_margin || stop(BranchStatus::kUnsafe, i, margin, options_.min_margin);
-  }
-
-  const Strip& strip_;
-  const BranchOptions& options_;
-  BranchReport report_;
-  Elastica shape_;
-  double theta_ = 0;
-  bool was_taut_ = false;
-};
 
 // The limit of a finding, its unit and what to do.
 struct BranchLimit {
@@ -200,8 +90,34 @@ Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
 }
 
 BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
-  if (strip.poses.empty()) return {BranchStatus::kNoFlatArc, 0, 0, 0, 0, 0, 0, 0};
-  return Follower(strip, options).run();
+  BranchReport report;
+  if (strip.poses.empty()) report.status = BranchStatus::kNoFlatArc;
+  report.smallest_margin = std::numeric_limits<double>::infinity();
+  robot::BladeBranch blade(strip.blade_length_mm,
+                           {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
+  for (std::size_t i = 0; i < strip.poses.size() && report.status == BranchStatus::kHeld; ++i) {
+    const BladePose& pose = strip.poses[i];
+    const auto found = [&](BranchStatus status, double value, double bound) {
+      report.status = status;
+      report.pose = i;
+      report.value = value;
+      report.bound = bound;
+    };
+    const robot::BladeFinding finding = blade.move_to(pose.a, pose.b);
+    report.largest_curvature_per_mm =
+        std::max(report.largest_curvature_per_mm, blade.largest_curvature_per_mm());
+    report.smallest_margin = std::min(report.smallest_margin, blade.margin());
+    if (!finding.held()) found(status_of(finding.status), finding.value, finding.bound);
+    if (!finding.held()) break;
+    if (blade.taut()) {
+      ++report.taut_poses;
+      continue;
+    }
+    const double off = distance_mm(blade.shape(), seen_from_a(pose.blade));
+    if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
+    if (!(off <= kShapeMismatchMm)) found(BranchStatus::kElsewhere, off, kShapeMismatchMm);
+  }
+  return report;
 }
 
 std::string rib_at(const Strip& strip, std::size_t pose) {

@@ -1,8 +1,8 @@
 // The shape that a strip's clamps give the blade, found from the clamp poses alone.
 //
 // Waypoint 0 holds a flat circular arc, whose loop-free equilibrium is unique (docs/controller-protocol.md).
-// From there the equilibrium is followed from waypoint to waypoint (elastica/continuation.hpp) to the end of
-// the strip. The program's own shapes are only compared with what is found.
+// From there the equilibrium is followed from waypoint to waypoint (robot/blade_branch.hpp, as the controller
+// does) to the end of the strip. The program's own shapes are only compared with what is found.
 #pragma once
 
 #include <string>
@@ -34,7 +34,7 @@ struct BranchReport {
   std::size_t pose = 0;         // of the finding; 0 when held
   double value = 0, bound = 0;  // the amount and its limit, in the unit of branch_refusal()
   double mismatch_mm = 0;  // largest distance of the blade from where the program says, as far as followed
-  double smallest_margin = 0;  // of the shapes found, at every sixteenth waypoint
+  double smallest_margin = 0;  // of the shapes found, as often as robot/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
   std::size_t taut_poses = 0;  // pulled straight, where the clamps decide the shape to second order only
 };

@@ -16,7 +16,7 @@ class LocalSimulator {
  public:
   explicit LocalSimulator(const DryRunOptions& options)
       : log_(options.log_file, {false, true}),
-        controller_(as_fast_as_data_comes(options.limits), &log_),
+        controller_(as_fast_as_data_comes(options), &log_),
         server_(any_port(), controller_),
         thread_([this] { server_.run(); }) {}
   ~LocalSimulator() {
@@ -28,9 +28,10 @@ class LocalSimulator {
   [[nodiscard]] std::uint16_t port() const { return server_.port(); }
 
  private:
-  static robot::ControllerOptions as_fast_as_data_comes(const robot::MotionLimits& limits) {
+  static robot::ControllerOptions as_fast_as_data_comes(const DryRunOptions& dry) {
     robot::ControllerOptions options;
-    options.limits = limits;
+    options.limits = dry.limits;
+    options.blade = dry.blade;
     options.time_scale = robot::kAsFastAsDataComes;
     return options;
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/strip_jobs.hpp"
+#include "robot/blade_check.hpp"
 #include "robot/client.hpp"
 #include "robot/execution_log.hpp"
 
@@ -16,6 +17,7 @@ namespace hotblade::pipeline {
 struct DryRunOptions {
   std::filesystem::path log_file;  // appended to by the simulator; a new file
   robot::MotionLimits limits;
+  robot::BladeCheckOptions blade;
   std::function<void(const std::string& strip, double fraction)> progress;  // of the whole run
   std::function<bool()> interrupted;
 };

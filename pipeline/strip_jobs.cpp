@@ -34,6 +34,14 @@ robot::protocol::BladeData blade_of(const Program& program, const Strip& strip) 
           scaled(program.blade.yield_strength_mpa, 1)};
 }
 
+// A number of the resolved settings, by JSON pointer.
+double setting(const Program& program, const char* pointer, double otherwise) {
+  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
+  const nlohmann::json::json_pointer at(pointer);
+  if (settings.is_discarded() || !settings.contains(at) || !settings[at].is_number()) return otherwise;
+  return settings[at].get<double>();
+}
+
 void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
   if (overridden || program.verification.status == "passed") return;
   throw CommandError(Exit::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
@@ -95,6 +103,17 @@ robot::MotionLimits planned_limits(const Program& program) {
                                             error.what() + "): plan the program again");
   }
   return motion_limits(motion, machine);
+}
+
+robot::BladeCheckOptions planned_blade(const Program& program) {
+  robot::BladeCheckOptions options;
+  options.safety = program.blade.safety;
+  options.min_margin = setting(program, "/blade/min_margin", options.min_margin);
+  return options;
+}
+
+double planned_uncut_share(const Program& program) {
+  return setting(program, "/design/max_uncut_share", DesignSettings{}.max_uncut_share);
 }
 
 bool HostPort::loopback() const {

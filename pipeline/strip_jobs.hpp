@@ -8,6 +8,7 @@
 
 #include "pipeline/program.hpp"
 #include "pipeline/settings.hpp"
+#include "robot/blade_check.hpp"
 #include "robot/job.hpp"
 #include "robot/limits.hpp"
 
@@ -30,6 +31,12 @@ struct StripJobs {
 [[nodiscard]] robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSettings& machine);
 // The machine a program was planned for, from its resolved settings; defaults for what they leave out.
 [[nodiscard]] robot::MotionLimits planned_limits(const Program& program);
+
+// The blade's limits a program was planned for.
+[[nodiscard]] robot::BladeCheckOptions planned_blade(const Program& program);
+
+// The share of the design that may stay uncut, of its settings.
+[[nodiscard]] double planned_uncut_share(const Program& program);
 
 struct HostPort {
   std::string host;

@@ -87,9 +87,9 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
   for (std::size_t i = 0; i < grid.rows; ++i) {
     for (std::size_t j = 0; j < grid.columns; ++j) {
       const Eigen::Vector3d n = grid_normal(grid, i, j);
-      const double along = std::abs(n.dot(rows[i]->frame.normal()));
-      const double half_band = 0.5 * (program.blade.kerf_mm + program.blade.width_mm * along);
-      out.vertices.push_back(grid.centre[i * grid.columns + j] - half_band * n);
+      const Eigen::Vector3d plane = rows[i]->frame.normal();
+      out.vertices.push_back(grid.centre[i * grid.columns + j] - half_band_mm(program.blade, n, plane) * n);
+      out.plane_normals.push_back(plane);
       out.normals.push_back(n);
       out.strip_of_vertex.push_back(static_cast<int>(index));
       out.pose_of_vertex.push_back(static_cast<int>(rows[i] - program.strips[index].poses.data()));
@@ -114,6 +114,11 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
 }
 
 }  // namespace
+
+double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
+                    const Eigen::Vector3d& plane_normal) {
+  return 0.5 * (blade.kerf_mm + blade.width_mm * std::abs(normal.dot(plane_normal)));
+}
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");

@@ -189,6 +189,126 @@ class Statistics {
   double sum_ = 0, sum_sq_ = 0;
 };
 
+// One comparison of a cut with the design: its steps and what they share.
+class CutMeasurement {
+ public:
+  CutMeasurement(const SweptSurface& cut, const Program& program, const surface::DesignSurface& design,
+                 const VerifyOptions& options)
+      : cut_(cut),
+        program_(program),
+        mesh_(design.mesh),
+        options_(options),
+        border_(design.mesh),
+        cut_mesh_{cut.vertices, cut.triangles},
+        cut_border_(cut_mesh_),
+        to_design_(design.mesh.vertices, design.mesh.triangles, options.backend),
+        to_cut_(cut.vertices, cut.triangles, options.backend) {
+    report_.area_mm2 = design.health.area_mm2;
+    report_.strip_max_mm.assign(program.strips.size(), 0.0);
+  }
+
+  VerifyReport run(const BladeTouches& touches) {
+    cut_to_design();
+    design_to_cut();
+    count_touches(touches);
+    report_.deviation = statistics_.result();
+    report_.histogram = statistics_.histogram(options_.tolerance_mm);
+    for (const double percent : {50.0, 90.0, 95.0, 99.0, 99.9, 100.0}) {
+      report_.percentiles_mm.emplace_back(percent, statistics_.percentile(percent));
+    }
+    report_.within_tolerance =
+        report_.deviation.max <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
+    return report_;
+  }
+
+ private:
+  [[nodiscard]] int vertex_of(int triangle) const {
+    return cut_.triangles[static_cast<std::size_t>(triangle)][0];
+  }
+  [[nodiscard]] int strip_of(int triangle) const {
+    return cut_.strip_of_vertex[static_cast<std::size_t>(vertex_of(triangle))];
+  }
+  [[nodiscard]] double near() const { return options_.reach * options_.tolerance_mm; }
+
+  void add(double distance, const Eigen::Vector3d& at, int strip) {
+    if (report_.worst_strip < 0 || distance > worst_) {
+      worst_ = distance;
+      report_.worst_strip = strip;
+    }
+    statistics_.add(distance, at);
+  }
+
+  void cut_to_design() {
+    const std::vector<gpu::Nearest> on_design = to_design_.query(cut_.vertices);
+    report_.to_design = to_design_.used();
+    for (std::size_t i = 0; i < cut_.vertices.size(); ++i) {
+      double distance = on_design[i].distance;
+      const Eigen::Vector3d n = facet(mesh_, on_design[i].triangle).normal();
+      if (on_border(mesh_, border_, on_design[i])) {
+        distance = std::abs(n.dot(cut_.vertices[i] - on_design[i].point));
+      }
+      const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
+      const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);
+      report_.half_band_mm = std::max(report_.half_band_mm, std::abs(by_cut - by_design));
+      add(distance, cut_.vertices[i], cut_.strip_of_vertex[i]);
+      double& strip = report_.strip_max_mm[static_cast<std::size_t>(cut_.strip_of_vertex[i])];
+      strip = std::max(strip, distance);
+    }
+    report_.cut_samples = cut_.vertices.size();
+  }
+
+  void design_to_cut() {
+    const DesignSamples samples = sample_design(mesh_, options_.sample_mm);
+    const std::vector<gpu::Nearest> on_cut = to_cut_.query(samples.points);
+    report_.to_cut = to_cut_.used();
+    const double far = options_.far * options_.tolerance_mm;
+    for (std::size_t i = 0; i < samples.points.size(); ++i) {
+      const double distance = on_cut[i].distance;
+      const bool uncut =
+          distance > far || (distance > near() && on_border(cut_mesh_, cut_border_, on_cut[i]));
+      if (uncut) {
+        report_.uncut_mm2 += samples.areas[i];
+      } else {
+        add(distance, samples.points[i], strip_of(on_cut[i].triangle));
+      }
+    }
+    report_.design_samples = samples.points.size();
+  }
+
+  void count_touches(const BladeTouches& touches) {
+    if (touches.points.empty()) return;
+    const std::vector<gpu::Nearest> touched = to_design_.query(touches.points);
+    std::vector<Eigen::Vector3d> feet;
+    for (const gpu::Nearest& foot : touched) feet.push_back(foot.point);
+    const std::vector<gpu::Nearest> formed = to_cut_.query(feet);
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      // Only what the same strip forms: another strip's part lies in another block.
+      if (strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near()) continue;
+      if (on_border(mesh_, border_, touched[i]) || on_border(cut_mesh_, cut_border_, formed[i])) continue;
+      const auto vertex = static_cast<std::size_t>(vertex_of(formed[i].triangle));
+      Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
+      if (n.dot(cut_.normals[vertex]) < 0) n = -n;
+      const double above = n.dot(touches.points[i] - feet[i]);
+      const double depth = half_band_mm(program_.blade, n, touches.plane_normals[i]) - above;
+      if (!(depth > 0)) continue;
+      report_.gouge_mm = std::max(report_.gouge_mm, depth);
+      add(depth, feet[i], touches.strip_of_point[i]);
+    }
+  }
+
+  const SweptSurface& cut_;
+  const Program& program_;
+  const surface::TriangleMesh& mesh_;
+  const VerifyOptions& options_;
+  Border border_;
+  surface::TriangleMesh cut_mesh_;
+  Border cut_border_;
+  gpu::MeshDistance to_design_, to_cut_;
+  Statistics statistics_;
+  VerifyReport report_;
+  double worst_ = 0;
+};
+
 }  // namespace
 
 bool VerifyReport::holds() const {
@@ -196,59 +316,22 @@ bool VerifyReport::holds() const {
                      [](const BranchReport& b) { return b.status == BranchStatus::kHeld; });
 }
 
+VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches, const Program& program,
+                     const surface::DesignSurface& design, const VerifyOptions& options) {
+  if (!cut.triangles.empty()) return CutMeasurement(cut, program, design, options).run(touches);
+  VerifyReport report;
+  report.area_mm2 = report.uncut_mm2 = design.health.area_mm2;
+  report.strip_max_mm.assign(program.strips.size(), 0.0);
+  return report;
+}
+
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                     const VerifyOptions& options) {
-  VerifyReport report;
-  report.area_mm2 = design.health.area_mm2;
-  report.strip_max_mm.assign(program.strips.size(), 0.0);
-  report.branches = follow_branches(program, options.min_margin);
-  const SweptSurface cut = swept_surface(program, options.sample_mm);
-  if (cut.triangles.empty()) {
-    report.uncut_mm2 = report.area_mm2;
-    return report;
-  }
-  Statistics statistics;
-  const Border border(design.mesh);
-  const gpu::MeshDistance to_design(design.mesh.vertices, design.mesh.triangles, options.backend);
-  const std::vector<gpu::Nearest> on_design = to_design.query(cut.vertices);
-  report.to_design = to_design.used();
-  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
-    double distance = on_design[i].distance;
-    if (on_border(design.mesh, border, on_design[i])) {
-      const Eigen::Vector3d n = facet(design.mesh, on_design[i].triangle).normal();
-      distance = std::abs(n.dot(cut.vertices[i] - on_design[i].point));
-    }
-    statistics.add(distance, cut.vertices[i]);
-    double& strip = report.strip_max_mm[static_cast<std::size_t>(cut.strip_of_vertex[i])];
-    strip = std::max(strip, distance);
-  }
-  report.cut_samples = cut.vertices.size();
-  const surface::TriangleMesh cut_mesh{cut.vertices, cut.triangles};
-  const Border cut_border(cut_mesh);
-  const DesignSamples samples = sample_design(design.mesh, options.sample_mm);
-  const gpu::MeshDistance to_cut(cut.vertices, cut.triangles, options.backend);
-  const std::vector<gpu::Nearest> on_cut = to_cut.query(samples.points);
-  report.to_cut = to_cut.used();
-  const double near = options.reach * options.tolerance_mm, far = options.far * options.tolerance_mm;
-  for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    const double distance = on_cut[i].distance;
-    const bool uncut = distance > far || (distance > near && on_border(cut_mesh, cut_border, on_cut[i]));
-    if (uncut) {
-      report.uncut_mm2 += samples.areas[i];
-    } else {
-      statistics.add(distance, samples.points[i]);
-    }
-  }
-  report.design_samples = samples.points.size();
-  report.deviation = statistics.result();
-  report.histogram = statistics.histogram(options.tolerance_mm);
-  for (const double percent : {50.0, 90.0, 95.0, 99.0, 99.9, 100.0}) {
-    report.percentiles_mm.emplace_back(percent, statistics.percentile(percent));
-  }
+  const std::vector<BranchReport> branches = follow_branches(program, options.min_margin);
+  VerifyReport report = measure(swept_surface(program, options.sample_mm), {}, program, design, options);
+  report.branches = branches;
   report.clamp_mismatch_mm = clamp_mismatch_mm(program);
-  report.within_tolerance = report.clamp_mismatch_mm <= kClampMismatchMm &&
-                            report.deviation.max <= options.tolerance_mm &&
-                            report.uncut_share() <= options.max_uncut_share;
+  report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;
 }
 

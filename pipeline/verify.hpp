@@ -16,6 +16,7 @@
 #include "gpu/backend.hpp"
 #include "pipeline/branch.hpp"
 #include "pipeline/program.hpp"
+#include "pipeline/swept_surface.hpp"
 #include "surface/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -37,8 +38,18 @@ struct DeviationHistogram {
   std::size_t beyond = 0;
 };
 
+// Where a hot blade is in foam without forming the design: points of its centre line.
+struct BladeTouches {
+  std::vector<Eigen::Vector3d> points;         // mm, design frame
+  std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+  std::vector<int> strip_of_point;
+};
+
 struct VerifyReport {
   Deviation deviation;
+  int worst_strip = -1;     // of the largest deviation: index into program.strips
+  double gouge_mm = 0;      // deepest cut of a touch into the kept side of its own strip's design
+  double half_band_mm = 0;  // largest difference of the half band by the cut's own slope and by the design's
   DeviationHistogram histogram;  // up to 1.5 tolerances
   std::vector<std::pair<double, double>>
       percentiles_mm;                // percent of the samples, deviation they stay within
@@ -56,6 +67,13 @@ struct VerifyReport {
 
 // More is a program whose clamps and blade do not belong together; less is rounding.
 inline constexpr double kClampMismatchMm = 1e-3;
+
+// A cut surface against the design: everything of verify() but the shapes and the clamps. A touch counts, by
+// the edge of its melted band, where it reaches into the kept side of what its own strip forms; on the waste
+// side it does no harm.
+[[nodiscard]] VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches,
+                                   const Program& program, const surface::DesignSurface& design,
+                                   const VerifyOptions& options);
 
 [[nodiscard]] VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                                   const VerifyOptions& options);

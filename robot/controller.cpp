@@ -27,7 +27,9 @@ bool plausible(const protocol::BladeData& blade) {
 }  // namespace
 
 Controller::Controller(const ControllerOptions& options, ExecutionSink* sink)
-    : options_(options), sink_(sink), path_(options.time_scale == kAsFastAsDataComes) {}
+    : options_(options), sink_(sink), path_(options.time_scale == kAsFastAsDataComes) {
+  if (options_.blade.equilibrium) options_.capabilities |= protocol::kCapEquilibrium;
+}
 
 protocol::Ident Controller::ident() const {
   protocol::Ident ident;
@@ -179,7 +181,8 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
   std::vector<protocol::RawWaypoint> raw;
   raw.reserve(count);
   const LimitChecker checker(options_.limits, blade.length_mm());
-  job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker};
+  const BladeCheck shape(blade, options_.blade);
+  job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker, shape, shape};
   chain_.restart(job);
   fault_ = Fault::kNone;
   fault_detail_ = 0;
@@ -304,9 +307,11 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   const std::uint32_t added = w.count - already;
   if (added > options_.fifo_size - (job_.accepted() - published_executed_)) return Result::kFull;
   LimitChecker checker = job_.acceptance;
+  BladeCheck blade = job_.accepted_blade;
   for (std::uint32_t i = already; i < w.count; ++i) {
     const auto decoded = protocol::decode_waypoint(w.raw[i]);
-    const LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : checker.next(decoded.waypoint);
+    LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : checker.next(decoded.waypoint);
+    if (code == LimitCode::kNone) code = blade.next(decoded.waypoint);
     if (code != LimitCode::kNone) return limit(code, w.first_sequence + i);
     if (i == already && held_ && !agrees_with_held_pose(from_, decoded.waypoint))
       return limit(LimitCode::kHeldPose, w.first_sequence + i);
@@ -315,6 +320,7 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
     if (const LimitCode code = checker.finish(); code != LimitCode::kNone) return limit(code, job_.count - 1);
   }
   job_.acceptance = checker;
+  job_.accepted_blade = blade;
   for (std::uint32_t i = already; i < w.count; ++i) {
     job_.raw.push_back(w.raw[i]);
     job_.accepted_crc = protocol::crc32(w.raw[i], job_.accepted_crc);

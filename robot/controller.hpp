@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "robot/blade_check.hpp"
 #include "robot/controller_journal.hpp"
 #include "robot/execution_sink.hpp"
 #include "robot/job.hpp"
@@ -34,7 +35,8 @@ struct ControllerOptions {
   std::uint32_t reheat_ms = 2000;         // of the motion clock: a cold blade until it cuts again
   double following_mm = 2;                // clamps farther behind what is asked of them are a fault
   SimulatedFaults faults;
-  double time_scale = 1;  // of the motion clock only; watchdog and lease stay in wall time
+  double time_scale = 1;    // of the motion clock only; watchdog and lease stay in wall time
+  BladeCheckOptions blade;  // IDENT's capabilities say whether the equilibrium is checked
 };
 
 class Controller {
@@ -88,6 +90,7 @@ class Controller {
     LimitChecker acceptance;  // of the stream as accepted; `execution` follows the motion
     std::uint32_t executed = 0, executed_crc = 0;
     LimitChecker execution;
+    BladeCheck accepted_blade, moved_blade;  // along the accepted stream; along the motion itself
     [[nodiscard]] std::uint32_t accepted() const { return static_cast<std::uint32_t>(raw.size()); }
   };
 
@@ -124,7 +127,7 @@ class Controller {
   void execute_due();
   void execute_next();
   void sample_due_poses();
-  void write_pose();
+  LimitCode write_pose();
   [[nodiscard]] double to_next_waypoint_s() const;
   [[nodiscard]] static HeldPose pose_on(const Waypoint& from, const Waypoint& to, double path_s);
   [[nodiscard]] double to_next_pose_s() const;

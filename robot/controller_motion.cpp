@@ -67,8 +67,13 @@ bool Controller::data_ends_at(double braking_s) const {
 }
 
 void Controller::run_motion(double budget_s) {
+  // An instant clock would go through all that is buffered before anybody is answered: about 10 ms of work
+  // with every check on, then the next turn goes on.
+  constexpr std::uint32_t kBurst = 64;
+  const std::uint32_t before = job_.executed;
   execute_due();
   while (budget_s > 0 && moving()) {
+    if (budget_s == kAsFastAsDataComes && job_.executed - before >= kBurst) return;
     if (phase_ == Phase::kReheat) {
       spend_reheating(budget_s);
       continue;
@@ -165,8 +170,8 @@ void Controller::execute_due() {
 void Controller::execute_next() {
   const protocol::RawWaypoint& raw = job_.raw[job_.executed];
   const auto decoded = protocol::decode_waypoint(raw);
-  const LimitCode code =
-      decoded.error != LimitCode::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
+  LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
+  if (code == LimitCode::kNone) code = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
   if (code != LimitCode::kNone) {
     path_.stop_at_once();
     fail(Fault::kExecutionLimit, static_cast<std::uint16_t>(code), job_.executed);
@@ -175,7 +180,8 @@ void Controller::execute_next() {
   const Sha256& chain = chain_.add(raw);
   job_.executed_crc = protocol::crc32(raw, job_.executed_crc);
   if (sink_ != nullptr) {
-    sink_->executed({job_.id, token_, job_.executed, decoded.waypoint.t_us, motion_us(), raw, chain});
+    sink_->executed({job_.id, token_, job_.executed, decoded.waypoint.t_us, motion_us(), raw, chain,
+                     job_.moved_blade.margins()});
   }
   from_ = to_ = decoded.waypoint;
   step_ = job_.executed++;
@@ -194,15 +200,23 @@ void Controller::sample_due_poses() {
   // Half a microsecond: a pose that is due at this very step is not put off by rounding.
   constexpr double kDue_s = 5e-7;
   if (static_cast<double>(poses_written_) * kPoseStep_s > motion_s_ + kDue_s) return;
-  write_pose();
+  const LimitCode code = write_pose();
   ++poses_written_;
+  if (code == LimitCode::kNone || state_ == State::kFault) return;
+  path_.stop_at_once();
+  fail(Fault::kExecutionLimit, static_cast<std::uint16_t>(code), job_.executed);
 }
 
-void Controller::write_pose() {
-  if (sink_ == nullptr || job_.executed == 0) return;
+// The pose on the path, with the blade's shape; the limit that the blade breaks there.
+LimitCode Controller::write_pose() {
+  if (job_.executed == 0) return LimitCode::kNone;
   const HeldPose now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
-  sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
-               following_mm()});
+  const LimitCode code = job_.moved_blade.move_to(now.a, now.b);
+  if (sink_ != nullptr) {
+    sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
+                 following_mm(), job_.moved_blade.shape()});
+  }
+  return code;
 }
 
 HeldPose Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {

@@ -120,8 +120,9 @@ void Controller::replay(const ControllerJournal& journal) {
   if (journal.executed.empty()) return;
   for (const auto& raw : journal.executed) {
     const auto decoded = protocol::decode_waypoint(raw);
-    const LimitCode code =
+    LimitCode code =
         decoded.error != LimitCode::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
+    if (code == LimitCode::kNone) code = job_.moved_blade.next(decoded.waypoint);
     if (loaded_ && code != LimitCode::kNone) {
       throw LogError("the journal's waypoint " + std::to_string(job_.executed) + " breaks a limit (" +
                      describe(code) + "): start with the machine file it was run with");
@@ -131,11 +132,17 @@ void Controller::replay(const ControllerJournal& journal) {
     ++job_.executed;
   }
   job_.acceptance = job_.execution;
+  job_.accepted_blade = job_.moved_blade;
   job_.accepted_crc = job_.executed_crc;
   chain_.resume(journal.chain);
   path_.snap(journal.path_s);
   std::uint32_t step = job_.executed - 1;
   while (step > 0 && time_s(job_.raw[step]) > journal.path_s + kRounding_s) --step;
+  // The blade went back the way it came.
+  for (std::uint32_t i = job_.executed; i-- > step;) {
+    const Waypoint passed = protocol::decode_waypoint(job_.raw[i]).waypoint;
+    (void)job_.moved_blade.move_to(passed.a, passed.b);
+  }
   load_step(step);
   if (step + 1 == job_.executed) {
     held_ = journal.held;

@@ -89,6 +89,42 @@ void put_blade(std::string& out, const protocol::BladeData& blade) {
   }
 }
 
+// Twelve digits: a shape moves by less than 1e-6 mm by what is rounded away.
+void put_digits(std::string& out, double value) {
+  constexpr int kDigits = 12;
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, kDigits).ptr;
+  out.append(text, end);
+}
+
+void put_margins(std::string& out, const std::optional<BladeMargins>& margins) {
+  if (!margins) {
+    out += "null";
+    return;
+  }
+  out += "{\"margin\":";
+  put(out, margins->margin, 4);
+  out += ",\"curvature\":";
+  put_digits(out, margins->curvature_per_mm);
+  out += '}';
+}
+
+void put_shape(std::string& out, const std::optional<elastica::Elastica>& blade) {
+  if (!blade) {
+    out += "null";
+    return;
+  }
+  out += "{\"x\":0,\"y\":0,\"theta\":0,\"kappa\":";
+  put_digits(out, blade->kappa);
+  out += ",\"lambda1\":";
+  put_digits(out, blade->lambda1);
+  out += ",\"lambda2\":";
+  put_digits(out, blade->lambda2);
+  out += ",\"length\":";
+  put_digits(out, blade->length);
+  out += '}';
+}
+
 // Cuts the file after its last complete line.
 void drop_torn_line(int fd) {
   off_t size = ::lseek(fd, 0, SEEK_END);
@@ -160,7 +196,9 @@ void ExecutionLog::executed(const ExecutedWaypoint& w) {
   put_seconds(buffer_, w.t_exec_us);
   buffer_ += ",\"raw\":\"";
   put_hex(buffer_, w.raw);
-  buffer_ += "\",\"margins\":null,\"chain\":\"";
+  buffer_ += "\",\"margins\":";
+  put_margins(buffer_, w.margins);
+  buffer_ += ",\"chain\":\"";
   put_hex(buffer_, w.chain);
   buffer_ += "\"}\n";
 }
@@ -185,7 +223,9 @@ void ExecutionLog::pose(const PoseSample& s) {
   put_pose(buffer_, s.a);
   buffer_ += ",\"b\":";
   put_pose(buffer_, s.b);
-  buffer_ += ",\"blade\":null,\"heat\":";
+  buffer_ += ",\"blade\":";
+  put_shape(buffer_, s.blade);
+  buffer_ += ",\"heat\":";
   buffer_ += s.heat ? "true" : "false";
   buffer_ += ",\"state\":\"";
   buffer_ += protocol::name(s.state);

@@ -2,9 +2,9 @@
 // (docs/controller-protocol.md).
 //
 //   {"ev":"exec","job":"<16 hex>","token":T,"seq":K,"t_plan":S,"t_exec":S,"raw":"<104
-//   hex>","margins":null,"chain":"<64 hex>"}
+//   hex>","margins":{..},"chain":"<64 hex>"}
 //   {"ev":"pose","job":"<16
-//   hex>","seq":K,"t":S,"frame":{..},"a":{..},"b":{..},"blade":null,"heat":B,"state":"RUNNING"}
+//   hex>","seq":K,"t":S,"frame":{..},"a":{..},"b":{..},"blade":{..},"heat":B,"state":"RUNNING"}
 //
 // with poses every 10 ms of simulated time in the cell frame, mm and s, and lines for changes of state. It is
 // the controller's journal too: read_controller_journal().

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
+#include "robot/blade_check.hpp"
 #include "robot/job.hpp"
 #include "robot/protocol.hpp"
 
@@ -16,6 +18,7 @@ struct ExecutedWaypoint {
   std::uint64_t t_exec_us = 0;
   const protocol::RawWaypoint& raw;
   const Sha256& chain;  // over everything executed up to here
+  std::optional<BladeMargins> margins = {};
 };
 
 // Where the clamps are, between waypoint `sequence` and the next.
@@ -26,8 +29,9 @@ struct PoseSample {
   Pose a, b;  // cell frame, mm
   bool heat = false;
   protocol::State state = protocol::State::kIdle;
-  double path_s = 0;        // of the strip's own time: the place on the path
-  double following_mm = 0;  // how far the worse clamp is behind what is asked of it
+  double path_s = 0;                             // of the strip's own time: the place on the path
+  double following_mm = 0;                       // how far the worse clamp is behind what is asked of it
+  std::optional<elastica::Elastica> blade = {};  // clamp A to clamp B, in clamp A's axes; absent: not known
 };
 
 // A change of state: what = "open", "takeover", "start", "hold", "held", "cold" (heat off after the dwell),

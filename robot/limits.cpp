@@ -50,7 +50,12 @@ const char* describe(LimitCode code) {
                               "angular acceleration",
                               "chord too long for the blade",
                               "blade data or number of waypoints out of range",
-                              "path does not continue from the held pose"};
+                              "path does not continue from the held pose",
+                              "clamps are not in one plane",
+                              "blade is pulled taut, the clamps are too far apart",
+                              "blade snaps through",
+                              "blade would yield",
+                              "blade's stability margin is too small"};
   const auto i = static_cast<std::size_t>(code);
   return i < kTexts.size() ? kTexts[i] : "unknown limit";
 }

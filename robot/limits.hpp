@@ -41,6 +41,12 @@ enum class LimitCode : std::uint16_t {
   kChord = 12,
   kBlade = 13,     // OPEN announces an impossible blade or number of waypoints
   kHeldPose = 14,  // after a restart: the path does not lead through the pose the clamps are held at
+  // The blade's equilibrium (robot/blade_check.hpp), at the waypoint or on the way to it.
+  kBladePlane = 15,   // the clamps do not lie in one plane
+  kBladeReach = 16,   // the blade is pulled taut
+  kBladeSnap = 17,    // the shape is lost
+  kBladeYield = 18,   // bent beyond the yield strength
+  kBladeMargin = 19,  // stable, with less than the smallest margin
 };
 
 [[nodiscard]] const char* describe(LimitCode code);

@@ -3,20 +3,23 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
+#include <chrono>
 #include <iostream>
-#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/design_file.hpp"
 #include "pipeline/dryrun.hpp"
+#include "pipeline/plan/as_cut.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
 struct DryRunArguments {
   std::string program, design, log;
-  bool overridden = false;
+  bool overridden = false, json = false;
 };
 
 // The log of a dry run: where the user wants it, or a temporary file that goes again.
@@ -47,17 +50,19 @@ class LogFile {
   bool temporary_;
 };
 
-void require_design(const std::string& file, const Program& program) {
-  if (file.empty()) return;
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) throw CommandError(Exit::kFile, file + ": cannot be read");
-  const auto hash =
-      robot::to_hex(robot::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()}));
-  if (hash == program.design.sha256) return;
-  throw CommandError(Exit::kBadInput, file + ": is not the design this program was planned for (sha256 " +
-                                          hash.substr(0, 12) + ", " + program.design.sha256.substr(0, 12) +
-                                          "): give " + program.design.file);
+// The design, when it is at hand.
+std::optional<surface::DesignSurface> find_design(const DryRunArguments& arguments, const Program& program) {
+  if (!arguments.design.empty()) return read_design_of(program, arguments.design);
+  const auto found = design_at_hand(arguments.program, program);
+  if (!found) return std::nullopt;
+  return read_design_of(program, *found);
+}
+
+VerifyOptions as_cut_options(const Program& program) {
+  VerifyOptions options;
+  options.tolerance_mm = program.verification.tolerance_mm;
+  options.max_uncut_share = planned_uncut_share(program);
+  return options;
 }
 
 std::string table(const DryRunReport& report) {
@@ -72,29 +77,68 @@ std::string table(const DryRunReport& report) {
   return text;
 }
 
+std::string to_json(const DryRunReport& report, const std::string& as_cut) {
+  nlohmann::ordered_json json;
+  json["holds"] = report.holds();
+  json["strips"] = nlohmann::ordered_json::array();
+  for (const StripDryRun& strip : report.strips) {
+    json["strips"].push_back({{"id", strip.strip},
+                              {"planned", strip.proof.planned},
+                              {"executed", strip.proof.executed},
+                              {"in_order", strip.proof.in_order},
+                              {"bytes_equal", strip.proof.bytes_equal},
+                              {"chain_equal", strip.proof.chain_equal},
+                              {"planned_s", strip.planned_s}});
+  }
+  json["as_cut"] = as_cut.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json::parse(as_cut);
+  json["not_checked"] = nlohmann::ordered_json::array();
+  if (as_cut.empty()) json["not_checked"].push_back("as-cut deviation");
+  return json.dump(2) + "\n";
+}
+
+// Measures what the log says was cut, and prints everything.
+Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log,
+           const std::optional<surface::DesignSurface>& design, bool json) {
+  if (!report.holds() || !design) {
+    std::cout << (json ? to_json(report, "") : table(report));
+    if (!json && report.holds())
+      std::cout << "as cut: not checked, the design is not at hand: give --design " +
+                       work.program.design.file + "\n";
+    return report.holds() ? Exit::kOk : Exit::kController;
+  }
+  const VerifyOptions options = as_cut_options(work.program);
+  const AsCutReport cut = as_cut(work.program, read_executed(work, log.path()), *design, options);
+  std::cout << (json ? to_json(report, to_json(cut, options)) : table(report) + describe(cut, options));
+  return cut.cut.within_tolerance ? Exit::kOk : Exit::kDeviation;
+}
+
 Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   const StripJobs work = read_strip_jobs(arguments.program, arguments.overridden);
-  require_design(arguments.design, work.program);
+  const auto design = find_design(arguments, work.program);
   const LogFile log(arguments.log);
   DryRunOptions options;
   options.log_file = log.path();
   options.limits = planned_limits(work.program);
+  options.blade = planned_blade(work.program);
   options.progress = [&](const std::string& strip, double fraction) {
     console.report_progress(strip, fraction);
   };
   options.interrupted = [] { return interrupted(); };
-  console.note(
-      "dry run: the simulator does not check the blade's equilibrium; plan checked its stability at every "
-      "pose");
+  const auto began = std::chrono::steady_clock::now();
   const DryRunReport report = dry_run(work.jobs, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   console.end_progress();
-  std::cout << table(report);
+  std::size_t waypoints = 0;
+  for (const StripDryRun& strip : report.strips) waypoints += strip.proof.executed;
+  console.note(fmt::format("dry run: {} waypoints in {:.1f} s, {:.0f} a second with every check on",
+                           waypoints, seconds, static_cast<double>(waypoints) / seconds));
+  const Exit exit = judge(work, report, log, design, arguments.json);
   if (report.interrupted) return Exit::kInterrupted;
-  if (report.holds()) return Exit::kOk;
+  if (report.holds()) return exit;
   const StripDryRun& last = report.strips.back();
   console.warn(last.stream.message.empty() ? last.strip + ": what was executed is not what was planned"
                                            : last.stream.message);
-  return Exit::kController;
+  return exit;
 }
 
 }  // namespace
@@ -105,12 +149,17 @@ void add_dryrun(CLI::App& app, const Console& console, Action& action) {
   command->add_option("program", arguments->program, "The program.json to stream")
       ->required()
       ->type_name("PROGRAM");
-  command->add_option("--design", arguments->design, "Refuse unless the program was planned for this OBJ")
+  command
+      ->add_option("--design", arguments->design,
+                   "The design's OBJ, to measure what was cut (default: beside the program, or as planned)")
       ->type_name("OBJ");
+  command->add_flag("--json", arguments->json, "The result as one JSON object");
   command->add_option("--log", arguments->log, "Keep the execution log in this new file")->type_name("FILE");
   command->add_flag("--override", arguments->overridden, "Run a program that did not pass its verification");
   command->footer(
-      "Exit code 0 when every waypoint was executed once, in order, byte for byte; 6 when not.\n"
+      "Exit code 0 when every waypoint was executed once, in order, byte for byte, and the surface it cut is "
+      "within "
+      "the tolerance; 6 when not executed so, 5 when over the tolerance.\n"
       "Example: hotblade dryrun out/program.json");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return dryrun(*arguments, console); };

@@ -51,6 +51,8 @@ robot::ControllerOptions controller_options(const SimArguments& arguments) {
   if (!arguments.machine.empty()) sources.files.emplace_back(arguments.machine);
   const Settings settings = resolve(sources);
   options.limits = motion_limits(settings.motion, settings.machine);
+  options.blade.equilibrium = !arguments.no_equilibrium;
+  options.blade.min_margin = settings.blade.min_margin;
   options.boot_id = std::random_device{}() | 1u;
   if (!arguments.log.empty()) options.capabilities |= robot::protocol::kCapJournal;
   return options;
@@ -138,7 +140,9 @@ Exit sim(const SimArguments& arguments, const Console& console) {
   server_options.address = listen.host;
   server_options.port = listen.port;
   server_options.allow = arguments.allow;
-  console.note("simulator: nothing moves, and the blade's equilibrium is not checked");
+  console.note(arguments.no_equilibrium
+                   ? "simulator: nothing moves, and the blade's equilibrium is not checked (--no-equilibrium)"
+                   : "simulator: nothing moves; the blade's equilibrium is solved at every pose");
   if (!listen.loopback() && !arguments.allow.empty())
     console.warn(fmt::format("--listen: open to the network ({}) for {}", arguments.listen,
                              fmt::join(arguments.allow, ", ")));
@@ -182,7 +186,7 @@ void add_sim(CLI::App& app, const Console& console, Action& action) {
           "What goes wrong: slow=FACTOR, fault@WAYPOINT, estop@SECONDS, reboot@WAYPOINT, stall[@WAYPOINT]")
       ->type_name("SPEC");
   command->add_flag("--no-equilibrium", arguments->no_equilibrium,
-                    "Leave out the check of the blade's equilibrium (it is always left out in this version)");
+                    "Leave out the check of the blade's equilibrium; no shapes in the log");
   command->footer("Ends on Ctrl-C.\nExample: hotblade sim --listen 127.0.0.1:1502 --log execution.jsonl");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return sim(*arguments, console); };

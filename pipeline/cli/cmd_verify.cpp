@@ -10,8 +10,9 @@
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/design_file.hpp"
+#include "pipeline/plan/as_cut.hpp"
 #include "pipeline/program.hpp"
-#include "pipeline/read_design.hpp"
 #include "pipeline/verify.hpp"
 #include "surface/design_surface.hpp"
 
@@ -21,18 +22,20 @@ namespace {
 namespace fs = std::filesystem;
 
 struct VerifyArguments {
-  std::string program, design, backend = "auto";
+  std::string program, design, as_cut, backend = "auto";
+  bool json = false;
   double sample_mm = 2.5;
   int jobs = 0;  // all cores
 };
 
-// The design: as given, or the file of the program's name beside the program.
+// The design: as given, or found again.
 fs::path find_design(const VerifyArguments& arguments, const Program& program) {
   if (!arguments.design.empty()) return arguments.design;
-  const fs::path beside = fs::path(arguments.program).parent_path() / program.design.file;
-  if (fs::exists(beside)) return beside;
+  if (const auto found = design_at_hand(arguments.program, program)) return *found;
   throw CommandError(Exit::kFile,
-                     beside.string() + ": the design is not beside the program: say --design FILE.obj");
+                     (fs::path(arguments.program).parent_path() / program.design.file).string() +
+                         ": the design is neither beside the program nor where run.json says: say "
+                         "--design FILE.obj");
 }
 
 // A number of the plan's settings, by JSON pointer.
@@ -69,26 +72,42 @@ Exit expect_passed(const Program& program, const Console& console) {
   return Exit::kNotCuttable;
 }
 
-Exit verify_program(const VerifyArguments& arguments, const Console& console) {
-  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads));
-  const Program program = read_program(arguments.program);
-  const fs::path design_file = find_design(arguments, program);
-  console.report_progress("read", 0.1);
-  const surface::DesignSurface design = read_design(design_file, program);
-  if (design.sha256 != program.design.sha256) {
-    throw CommandError(
-        Exit::kBadInput,
-        fmt::format("{}: not the design of this program (sha256 {}, limit {}): plan it again",
-                    design_file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
-  }
+VerifyOptions options_of(const VerifyArguments& arguments, const Program& program) {
   VerifyOptions options;
   options.tolerance_mm = program.verification.tolerance_mm;
   options.max_uncut_share = setting(program, "/design/max_uncut_share", options.max_uncut_share);
   options.min_margin = setting(program, "/blade/min_margin", 0);
   options.sample_mm = arguments.sample_mm;
   options.backend = backend_named(arguments.backend);
+  return options;
+}
+
+// What an execution log says was cut.
+Exit verify_as_cut(const VerifyArguments& arguments, const Console& console) {
+  const StripJobs work = read_strip_jobs(arguments.program, true);
+  const surface::DesignSurface design = read_design_of(work.program, find_design(arguments, work.program));
+  console.report_progress("read", 0.2);
+  const auto executed = read_executed(work, arguments.as_cut);
+  console.report_progress("verify", 0.5);
+  const VerifyOptions options = options_of(arguments, work.program);
+  const AsCutReport report = as_cut(work.program, executed, design, options);
+  console.report_progress("done", 1);
+  tell_backend(report.cut, options.backend, console);
+  std::cout << (arguments.json ? to_json(report, options) + "\n" : describe(report, options));
+  if (!arguments.json) std::cout << (report.cut.within_tolerance ? "within tolerance\n" : "over tolerance\n");
+  return report.cut.within_tolerance ? Exit::kOk : Exit::kDeviation;
+}
+
+Exit verify_program(const VerifyArguments& arguments, const Console& console) {
+  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
+  const Program program = read_program(arguments.program);
+  const fs::path design_file = find_design(arguments, program);
+  console.report_progress("read", 0.1);
+  const surface::DesignSurface design = read_design_of(program, design_file);
+  const VerifyOptions options = options_of(arguments, program);
   console.report_progress("verify", 0.3);
   const VerifyReport report = verify(program, design, options);
   console.report_progress("done", 1);
@@ -128,6 +147,10 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->add_option("program", arguments->program, "program.json")->required()->type_name("PROGRAM");
   command->add_option("--design", arguments->design, "The design's OBJ (default: beside the program)")
       ->type_name("OBJ");
+  auto* as_cut = command->add_option("--as-cut", arguments->as_cut,
+                                     "Measure what this execution log says was cut, instead of the plan");
+  as_cut->type_name("JSONL");
+  command->add_flag("--json", arguments->json, "The result of --as-cut as one JSON object")->needs(as_cut);
   add_backend_option(*command, arguments->backend);
   command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
       ->check(CLI::Range(0.05, 100.0))
@@ -136,7 +159,7 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->footer(
       "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the blade would "
       "snap, yield or leave the planned shapes, or the plan was "
-      "refused.\n"
+      "refused, 3 when the log of --as-cut is another program's, incomplete or without shapes.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return verify_program(*arguments, console); };

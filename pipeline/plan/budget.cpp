@@ -72,7 +72,8 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
     for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
   }
   return {{"mesh", mesh_chord_mm(design.mesh)},
-          {"fit", fit},
+          {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
+          {"joint_fit", std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
           {"interpolation", interpolation_mm(program)},
           {"quantisation", kQuantisationMm},

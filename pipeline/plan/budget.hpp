@@ -13,16 +13,18 @@ namespace hotblade::pipeline {
 
 // What weight and the clamps' errors move the surface, the largest of all strips, mm.
 struct PoseErrors {
-  double droop_mm = 0;     // by droop and twist out of the plane
-  double in_plane_mm = 0;  // by the first-order change of the shape in a tilted plane
-  double clamp_mm = 0;     // by the clamps' errors times the sensitivity of the shape
+  double droop_mm = 0;      // by droop and twist out of the plane
+  double in_plane_mm = 0;   // by the first-order change of the shape in a tilted plane
+  double clamp_mm = 0;      // by the clamps' errors times the sensitivity of the shape
+  double joint_fit_mm = 0;  // the ribs' largest deviation above that of each rib's own fit
 };
 
 // Height of the mesh's chords over the surface it stands for, from the angle between neighbouring faces: 99%
 // of the edges stay below; creases are the design's own.
 [[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh);
 
-// Lines: mesh, fit, between_ribs, interpolation, quantisation, gravity_droop, gravity_in_plane, clamp_error.
+// Lines: mesh, fit, joint_fit, between_ribs, interpolation, quantisation, gravity_droop, gravity_in_plane,
+// clamp_error.
 [[nodiscard]] std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
                                                                        const Program& program,
                                                                        const PoseErrors& errors);

@@ -104,6 +104,11 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
     f.worst_bezier_mm = std::max(f.worst_bezier_mm, rib.bezier_deviation_mm);
     f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
   }
+  if (plan.separate) {
+    double own = 0;
+    for (const RibFit& rib : plan.separate->ribs) own = std::max(own, rib.deviation_mm);
+    f.joint_fit_mm = std::max(0.0, f.worst_fit_mm - own);
+  }
   f.seam_gap_mm = plan.seam_before.gap_mm;
   f.seam_kink_deg = plan.seam_before.kink_deg;
   f.clamp_acceleration_before_mm_s2 = plan.joint.acceleration_before_mm_s2;
@@ -260,6 +265,7 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
     share.droop_mm = std::max(share.droop_mm, f.droop_error_mm);
     share.in_plane_mm = std::max(share.in_plane_mm, f.in_plane_sag_mm);
     share.clamp_mm = std::max(share.clamp_mm, f.clamp_error_mm);
+    share.joint_fit_mm = std::max(share.joint_fit_mm, f.joint_fit_mm);
   }
   return share;
 }

@@ -19,6 +19,7 @@ struct StripFacts {
   std::size_t ribs = 0, projected_ribs = 0;
   double blade_length_mm = 0, smallest_radius_mm = 0, smallest_margin = 0, clamp_clearance_mm = 0;
   double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
+  double joint_fit_mm = 0;  // of worst_fit_mm, what solving the ribs together added to their own fits
   double seam_gap_mm = 0, seam_kink_deg = 0;  // largest, to the strip before along the ribs
   double deviation_max_mm = 0;
   // Of the ribs solved together (plan/joint_fit.hpp).

@@ -113,5 +113,17 @@ TEST(StabilityMargin, ArcsWithoutInflectionAreStable) {
   }
 }
 
+TEST(StabilityMargin, FromANeighboursMarginIsTheSame) {
+  Elastica e{0, 0, 0.3, -0.002, 1e-6, 2e-6, 800};
+  double last = stability_margin(e);
+  for (int i = 0; i < 40; ++i) {
+    // Close to the last one, and far from it.
+    e.kappa += i % 2 == 0 ? 1e-7 : 3e-4;
+    const double exact = stability_margin(e);
+    EXPECT_NEAR(stability_margin(e, last), exact, 4e-6 * (1 + std::abs(exact))) << i;
+    last = exact;
+  }
+}
+
 }  // namespace
 }  // namespace hotblade::elastica

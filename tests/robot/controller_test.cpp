@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "elastica/continuation.hpp"
 #include "tests/robot/sample_job.hpp"
 
 namespace hotblade::robot {
@@ -24,9 +26,10 @@ class Recorder final : public ExecutionSink {
     std::uint64_t t_exec_us;
     protocol::RawWaypoint raw;
     Sha256 chain;
+    std::optional<BladeMargins> margins;
   };
   void executed(const ExecutedWaypoint& w) override {
-    waypoints.push_back({w.sequence, w.t_exec_us, w.raw, w.chain});
+    waypoints.push_back({w.sequence, w.t_exec_us, w.raw, w.chain, w.margins});
   }
   void pose(const PoseSample& sample) override { poses.push_back(sample); }
   void event(const JobEvent& event) override { events.emplace_back(event.what); }
@@ -344,7 +347,7 @@ TEST_F(ControllerTest, TheSameJobRunsAgainUnderAnotherRunNumber) {
   use(kAsFastAsDataComes);
   for (run = 1; run <= 2; ++run) {
     start_with(job.size());
-    wait(5);
+    wait(50);  // a burst a tick
     ASSERT_EQ(status().state, State::kDone);
     ASSERT_EQ(send(Op::kClose), Result::kOk);
   }
@@ -470,9 +473,86 @@ TEST_F(ControllerTest, NothingIsPublishedThatIsNotOnRecord) {
   EXPECT_EQ(status().executed, executed);
 }
 
+TEST_F(ControllerTest, AJobThatSnapsBetweenTwoWaypointsIsRefusedThere) {
+  use(kAsFastAsDataComes);
+  const auto waypoints = testing::snapping_waypoints();
+  job = make_job(sha256({}), "S001", waypoints, testing::sample_blade());
+  // Where the first refusal comes, and why.
+  const auto refused = [&](const BladeCheckOptions& blade) {
+    options.blade = blade;
+    controller = std::make_unique<Controller>(options, &log);
+    EXPECT_EQ(open(), Result::kOk);
+    Result result = Result::kOk;
+    while (result == Result::kOk && status().accepted < job.size()) {
+      const auto at = status().accepted;
+      result = push(window_of(at, std::min(4u, job.size() - at)));
+    }
+    return std::pair{static_cast<LimitCode>(status().fault_detail), status().fault_sequence};
+  };
+  const auto [snap, lost] = refused({true, 1, 0});
+  EXPECT_EQ(snap, LimitCode::kBladeSnap);
+  EXPECT_GT(lost, 200u) << "well into the turning";
+  EXPECT_LT(lost, 490u);
+  const auto [margin, unsafe] = refused({true, 1, 1});
+  EXPECT_EQ(margin, LimitCode::kBladeMargin);
+  EXPECT_LE(unsafe, lost) << "on the way to the snap";
+  EXPECT_EQ(refused({false, 1, 1}).first, LimitCode::kNone);
+  EXPECT_EQ(status().accepted, job.size()) << "without the equilibrium nothing is seen";
+}
+
+TEST_F(ControllerTest, ABladeTooSoftForItsBendsIsRefusedWithYield) {
+  // E t kappa / 2 reaches 50 MPa where the arc turns by 0.42 rad to either side.
+  job.blade.yield_strength_mpa = 40;
+  ASSERT_EQ(open(), Result::kOk);
+  Result result = Result::kOk;
+  while (result == Result::kOk) result = push(window_of(status().accepted, 4));
+  EXPECT_EQ(result, Result::kLimit);
+  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kBladeYield));
+}
+
+// Where the clamps hold the blade of a logged pose, in clamp A's axes: off by position, mm, and angle, rad.
+std::pair<double, double> off_its_clamps(const PoseSample& s) {
+  const elastica::ClampPair ends = elastica::clamps_of(*s.blade);
+  const Eigen::Vector3d b = s.a.q.conjugate() * (s.b.p - s.a.p);
+  const Eigen::Vector3d t = s.a.q.conjugate() * (s.b.q * Eigen::Vector3d::UnitX());
+  return {std::hypot(b.x() - ends.b.x, b.y() - ends.b.y),
+          std::abs(std::remainder(std::atan2(t.y(), t.x()) - ends.b.theta, 2 * M_PI))};
+}
+
+TEST_F(ControllerTest, TheBladeStaysOnItsBranchWhileTheMotionIsHeldLostAndStopped) {
+  start_with(job.size());
+  wait(2000);
+  ASSERT_EQ(send(Op::kHold), Result::kOk);
+  wait(1000);
+  ASSERT_EQ(send(Op::kResume), Result::kOk);
+  wait(1000);
+  wait(3000, false);  // the link is lost: slowed down and held
+  ASSERT_EQ(status().state, State::kHeld);
+  ASSERT_EQ(send(Op::kResume), Result::kOk);
+  wait(700);
+  controller->estop(now_ms * 1000);
+  ASSERT_GT(log.poses.size(), 400u);
+  std::optional<elastica::Elastica> last;
+  for (const PoseSample& s : log.poses) {
+    ASSERT_TRUE(s.blade) << s.t_us;
+    EXPECT_LT(off_its_clamps(s).first, 1e-6) << s.t_us;
+    EXPECT_LT(off_its_clamps(s).second, 1e-9) << s.t_us;
+    // A circular arc, whatever the clock does.
+    EXPECT_LT(std::hypot(s.blade->lambda1, s.blade->lambda2) * 640000, 0.1) << s.t_us;
+    EXPECT_LT(bend_between(*s.blade, last.value_or(*s.blade)), 0.05) << s.t_us;
+    last = s.blade;
+  }
+  for (const Recorder::Executed& w : log.waypoints) {
+    ASSERT_TRUE(w.margins);
+    EXPECT_GT(w.margins->margin, 30);
+  }
+}
+
 TEST_F(ControllerTest, IdentSaysWhatMayBeDone) {
   const auto ident = controller->ident();
-  EXPECT_EQ(ident.capabilities & protocol::kCapEquilibrium, 0) << "the equilibrium is not checked";
+  EXPECT_NE(ident.capabilities & protocol::kCapEquilibrium, 0);
+  options.blade.equilibrium = false;
+  EXPECT_EQ(Controller(options).ident().capabilities & protocol::kCapEquilibrium, 0);
   EXPECT_NE(ident.capabilities & protocol::kCapSimulator, 0);
   EXPECT_EQ(ident.blade_length_um, 0u);
   ASSERT_EQ(open(), Result::kOk);

@@ -1,6 +1,7 @@
 // A short, valid motion for the tests: a flat arc sinks, turns and bends, and comes back to rest.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -36,6 +37,28 @@ inline std::vector<Waypoint> sample_waypoints(std::size_t n, std::uint32_t dt_us
     const Eigen::Vector3d middle(20 * s, 10 * s, 900 - 60 * s);
     waypoints.push_back(arc_waypoint(static_cast<std::uint32_t>(k) * dt_us, middle, 0.12 + 0.3 * s, 0.2 * s,
                                      share > 0.25 && share < 0.75));
+  }
+  return waypoints;
+}
+
+// An arch whose ends close in and whose end tangents are then turned down: it holds for a while and snaps to
+// the other side between two waypoints, well inside every limit of the machine.
+inline std::vector<Waypoint> snapping_waypoints() {
+  const auto eased = [](double share) {
+    return (1 - std::cos(std::numbers::pi * std::clamp(share, 0.0, 1.0))) / 2;
+  };
+  std::vector<Waypoint> waypoints;
+  for (std::uint32_t k = 0; k <= 500; ++k) {
+    const double t = 0.05 * k;
+    Waypoint w = arc_waypoint(50000 * k, {0, 0, 900}, 0.13, 0, false);
+    const auto turn = [&](double angle) {
+      return Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()));
+    };
+    w.a.p.x() += 48 * eased(t / 8);
+    w.b.p.x() -= 48 * eased(t / 8);
+    w.a.q = turn(0.13 - 1.4 * eased((t - 8) / 17));
+    w.b.q = turn(-0.13 + 1.4 * eased((t - 8) / 17));
+    waypoints.push_back(w);
   }
   return waypoints;
 }
