@@ -102,17 +102,15 @@ class ControllerServer::Impl::Session : public std::enable_shared_from_this<Sess
   void read() {
     if (reading_ || hung_up_ || closed() || in_size_ == in_.size()) return;
     reading_ = true;
-    // Waits first: reading at once would nearly always find nothing yet.
-    socket_.async_wait(Tcp::socket::wait_read, [self = this->shared_from_this()](asio::error_code error) {
-      self->reading_ = false;
-      if (error || self->closed()) return;
-      const std::size_t n = self->socket_.read_some(
-          asio::buffer(self->in_.data() + self->in_size_, self->in_.size() - self->in_size_), error);
-      if (error == asio::error::would_block) return self->read();
-      if (error) return self->hang_up();
-      self->in_size_ += n;
-      self->work();
-    });
+    // Not async_wait: that sets the event up anew each time, which costs more than a read that finds nothing.
+    socket_.async_read_some(asio::buffer(in_.data() + in_size_, in_.size() - in_size_),
+                            [self = this->shared_from_this()](asio::error_code error, std::size_t n) {
+                              self->reading_ = false;
+                              if (self->closed()) return;
+                              if (error) return self->hang_up();
+                              self->in_size_ += n;
+                              self->work();
+                            });
   }
 
   // The client sends no more; what it asked before is still answered.

@@ -15,7 +15,6 @@
 #include "robot/client.hpp"
 #include "robot/controller.hpp"
 #include "robot/execution_log.hpp"
-#include "robot/modbus_link.hpp"
 #include "robot/server.hpp"
 #include "tests/robot/sample_job.hpp"
 
@@ -68,23 +67,32 @@ void count(benchmark::State& state, std::uint32_t waypoints) {
 
 void StreamBareModbus(benchmark::State& state) {
   const BareServer server;
-  ModbusLink link("127.0.0.1", server.port(), 1000);
-  if (!link.connect()) return state.SkipWithError("no connection");
+  const std::unique_ptr<modbus_t, void (*)(modbus_t*)> client(modbus_new_tcp("127.0.0.1", server.port()),
+                                                              [](modbus_t* context) {
+                                                                modbus_close(context);
+                                                                modbus_free(context);
+                                                              });
+  if (!client || modbus_connect(client.get()) != 0) return state.SkipWithError("no connection");
   const Job job = testing::sample_job(4);
   const auto window = protocol::encode_window(1, 0, false, job.raw);
+  const auto words = window.span();
   std::array<std::uint16_t, protocol::kStatusSize> status{};
   for (auto _ : state) {
     for (std::uint32_t k = 0; k < kWaypoints; k += 4) {
-      if (link.write_read(protocol::kWindowBase, window.span(), protocol::kStatusBase, status) !=
-          LinkOutcome::kOk)
-        return state.SkipWithError("no answer");
+      const int read =
+          modbus_write_and_read_registers(client.get(), protocol::kWindowBase, static_cast<int>(words.size()),
+                                          words.data(), protocol::kStatusBase, status.size(), status.data());
+      if (read != static_cast<int>(status.size())) return state.SkipWithError("no answer");
     }
   }
   count(state, kWaypoints);
 }
 
-void stream_job(benchmark::State& state, ExecutionSink* sink) {
+enum class Blade { kUnchecked, kChecked };
+
+void stream_job(benchmark::State& state, ExecutionSink* sink, Blade blade) {
   ControllerOptions options;
+  options.blade.equilibrium = blade == Blade::kChecked;
   options.time_scale = kAsFastAsDataComes;
   Controller controller(options, sink);
   ServerOptions server_options;
@@ -104,23 +112,38 @@ void stream_job(benchmark::State& state, ExecutionSink* sink) {
   count(state, kWaypoints);
 }
 
+void stream_logged_job(benchmark::State& state, Blade blade) {
+  const auto file = std::filesystem::temp_directory_path() / ("hotblade_bench_" + std::to_string(::getpid()));
+  {
+    ExecutionLog log(file, {});
+    stream_job(state, &log, blade);
+  }
+  std::filesystem::remove(file);
+}
+
 void StreamJob(benchmark::State& state) {
-  stream_job(state, nullptr);
+  stream_job(state, nullptr, Blade::kUnchecked);
 }
 
 // With the log, written and synced, and a pose every 10 ms of motion: five a waypoint.
 void StreamJobLogged(benchmark::State& state) {
-  const auto file = std::filesystem::temp_directory_path() / ("hotblade_bench_" + std::to_string(::getpid()));
-  {
-    ExecutionLog log(file, {});
-    stream_job(state, &log);
-  }
-  std::filesystem::remove(file);
+  stream_logged_job(state, Blade::kUnchecked);
+}
+
+// With every check, the blade's equilibrium among them.
+void StreamJobWithBlade(benchmark::State& state) {
+  stream_job(state, nullptr, Blade::kChecked);
+}
+
+void StreamJobWithBladeLogged(benchmark::State& state) {
+  stream_logged_job(state, Blade::kChecked);
 }
 
 BENCHMARK(StreamBareModbus)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(StreamJob)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK(StreamJobLogged)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(StreamJobWithBlade)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(StreamJobWithBladeLogged)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace hotblade::robot
