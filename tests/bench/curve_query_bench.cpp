@@ -1,13 +1,16 @@
-// Points to curves and residuals in bulk, one thread.
+// Points to curves, residuals and pairs of curves in bulk, one thread.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 #include <random>
 
+#include "elastica/curve_distance.hpp"
+#include "elastica/fit_bezier.hpp"
 #include "elastica/quadratic_chain.hpp"
 #include "gpu/curve_distance.hpp"
 #include "gpu/lambda_residuals.hpp"
+#include "gpu/pair_distance.hpp"
 
 namespace {
 
@@ -81,5 +84,68 @@ void residuals(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(curves.size()));
 }
 BENCHMARK(residuals)->Name("LambdaResiduals")->Unit(benchmark::kMillisecond);
+
+// Rib-like cubics with the elastica fitted to them, or pairs with nothing to do with each other.
+struct Pairs {
+  std::vector<std::array<Vector2d, 4>> beziers;
+  std::vector<gpu::ElasticaState> elastica;
+};
+
+Pairs some_pairs(bool fitted, std::size_t count) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  Pairs pairs;
+  pairs.beziers.resize(count);
+  for (auto& b : pairs.beziers) {
+    const double a = 300 + 60 * u(random), c = 150 * u(random), d = 700 + 60 * u(random);
+    b = {Vector2d(0, 0), {a, c}, {d, 150 * u(random)}, {1000, 0}};
+  }
+  const auto fits = elastica::fit_bezier_elastica(pairs.beziers);
+  for (std::size_t i = 0; i < count; ++i) {
+    const elastica::Elastica& e = fits[fitted ? i : (i * 7 + 1) % count].elastica;
+    const double turn = fitted ? 0 : u(random);
+    const double c = std::cos(turn), s = std::sin(turn);
+    pairs.elastica.push_back({e.x, e.y, e.theta + turn, e.kappa, c * e.lambda1 - s * e.lambda2,
+                              s * e.lambda1 + c * e.lambda2, e.length});
+  }
+  return pairs;
+}
+
+// Hausdorff within 10^-n of the unit, a rib being 1000 long; 0 stands for 1.
+void pair_distances(benchmark::State& state) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  const bool fitted = state.range(0) == 0;
+  const double tolerance = std::pow(10.0, -static_cast<double>(state.range(1)));
+  const std::size_t count = fitted ? 20000 : 500;
+  const Pairs pairs = some_pairs(fitted, count);
+  std::vector<gpu::PairDistance> out(count);
+  std::size_t careful = 0;
+  for (auto _ : state) careful = gpu::pair_distances(pairs.beziers, pairs.elastica, tolerance, out);
+  state.counters["careful_share"] = static_cast<double>(careful) / static_cast<double>(count);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
+}
+BENCHMARK(pair_distances)
+    ->Name("PairDistances")
+    ->ArgNames({"strangers", "digits"})
+    ->ArgsProduct({{0, 1}, {0, 1, 2}})
+    ->Unit(benchmark::kMillisecond);
+
+// The same pairs by the one-pair routine, as a peer: its bounds are 1e-6 of the length apart.
+void pairs_one_by_one(benchmark::State& state) {
+  const Pairs pairs = some_pairs(state.range(0) == 0, 50);
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < pairs.beziers.size(); ++i) {
+      const gpu::ElasticaState& e = pairs.elastica[i];
+      benchmark::DoNotOptimize(
+          elastica::distance(pairs.beziers[i], {e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length}));
+    }
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(pairs.beziers.size()));
+}
+BENCHMARK(pairs_one_by_one)
+    ->Name("PairsOneByOne")
+    ->ArgName("strangers")
+    ->DenseRange(0, 1)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
