@@ -25,10 +25,11 @@ using elastica::hausdorff_search::Point;
 constexpr std::size_t kBlock = 1024;
 // Extents whose squares and cubes neither overflow nor vanish.
 constexpr double kGreatestExtent = 1e140, kLeastLength = 1e-100;
-constexpr int kLeastPanels = 8, kLeastSamples = 8;
-// Bounds that are wider than the tolerance by less than this get narrow by four times the samples: they close
-// with the square of their number.
+constexpr int kLeastPanels = 8, kLeastSamples = 16;
+// Bounds that are wider than the tolerance by less than this get narrow by twice the samples, twice at most:
+// they close with the square of their number, near curves' with the third power.
 constexpr double kWorthMoreSamples = 12;
+constexpr int kRounds = 3;
 
 // A pair in its frame: the elastica starts at the origin, everything lies within [-2, 2].
 struct Frame {
@@ -104,11 +105,14 @@ int panels_of(const Frame& f) {
   return rounded_up(f.omega * f.numbers.v[14], kLeastPanels);
 }
 
-// As many as keep both curves' deviation from their chords below most of the tolerance, if run through
-// evenly.
+// As many as suffice for curves that follow each other, by the third derivatives of kernels/curve_pair.h's
+// bound; others take more in the next rounds, or the search.
 int samples_of(const Frame& f) {
-  const double bend = f.bezier_bend + f.numbers.v[15] * f.numbers.v[14] * f.numbers.v[14];
-  return rounded_up(std::sqrt(bend / (8 * 0.8 * f.tolerance)), kLeastSamples);
+  const double* v = f.numbers.v;
+  const double length = v[14], bend = v[15] * length, tension = std::hypot(v[9], v[10]) * length * length;
+  const double third =
+      6 * std::hypot(v[3], v[7]) + (tension + bend * bend) * length + 3 * bend * f.bezier_bend;
+  return rounded_up(std::cbrt(third / (16 * 0.5 * f.tolerance)), kLeastSamples);
 }
 
 class BezierSide {
@@ -222,14 +226,14 @@ class Block {
       const int wanted = answerable(i) && narrow(frames_[i]) > 0 ? samples_of(frames_[i]) : 0;
       samples[i] = wanted <= kMostPairSamples ? wanted : 0;
     }
-    for (int round = 0; round < 2; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       by_count(
           kLeastSamples, [&](std::size_t i) { return samples[i]; },
           [&](const PairQueries& q, int n) { curve_lanes().hausdorff(q, n, lower_.data(), upper_.data()); });
       for (std::size_t i = 0; i < samples.size(); ++i) {
         const double gap = upper_[i] - lower_[i], narrow_enough = narrow(frames_[i]);
         const bool more = gap > narrow_enough && gap <= kWorthMoreSamples * narrow_enough;
-        samples[i] = more && 4 * samples[i] <= kMostPairSamples ? 4 * samples[i] : 0;
+        samples[i] = more && 2 * samples[i] <= kMostPairSamples ? 2 * samples[i] : 0;
       }
     }
     std::size_t careful = 0;

@@ -4,7 +4,7 @@
 //
 // How: kernels of elastica/kernels/curve_pair.h on the processor's vector units, a pair a lane, run the
 // elastica along by Taylor steps. Their Hausdorff bounds are narrow for curves that follow each other; the
-// rest gets the search of elastica/kernels/hausdorff_search.hpp. Working memory is some 200 kB a thread,
+// rest gets the search of elastica/kernels/hausdorff_search.hpp. Working memory is some 400 kB a thread,
 // whatever the number of pairs, and a pair's answer has the same bits whatever its company or the number of
 // threads: more pairs than fit in memory go through in parts. Instruction sets differ by rounding.
 #pragma once

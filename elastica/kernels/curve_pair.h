@@ -226,13 +226,45 @@ HB_INLINE void hb_farther_foot(const hb_pair_foot* f, hb_pair_foot* most) {
   most->d = HB_SELECT(farther, f->d, most->d);
 }
 
+/* |B'' - (d/dt)^2 g(s(t))| at a foot q where s has these derivatives. */
+HB_INLINE HB_REAL hb_parting_bend(const hb_pair* a, HB_REAL t, const hb_elastica_point* q, HB_REAL rate,
+                                  HB_REAL growth) {
+  const HB_REAL two = HB_BROADCAST(2.0), six = HB_BROADCAST(6.0);
+  const HB_REAL pull = hb_elastica_curvature(&a->field, q) * (rate * rate);
+  const HB_REAL x = HB_FMA(six * a->x3, t, two * a->x2) - (growth * q->c - pull * q->s);
+  const HB_REAL y = HB_FMA(six * a->y3, t, two * a->y2) - (growth * q->s + pull * q->c);
+  return hb_norm(x, y);
+}
+
+/* How far the difference D(t) = B(t) - g(s(t)) may exceed its ends' on an interval of length h up to t, s
+ * being the quadratic from foot to foot that grows as the Bezier's speed does: h^2/8 max |D''|, which exceeds
+ * its ends' by h/2 max |D'''| at most. Growth is cut so that s stays between the feet. */
+HB_INLINE HB_REAL hb_parting(const hb_pair* a, double t, double h, HB_REAL step,
+                             const hb_elastica_point* from, const hb_elastica_point* to) {
+  const HB_REAL two = HB_BROADCAST(2.0), three = HB_BROADCAST(3.0), six = HB_BROADCAST(6.0);
+  const HB_REAL half_h = HB_BROADCAST(0.5 * h), end = HB_BROADCAST(t), begin = HB_BROADCAST(t - h);
+  const HB_REAL bx = HB_FMA(six * a->x3, end - half_h, two * a->x2);
+  const HB_REAL by = HB_FMA(six * a->y3, end - half_h, two * a->y2);
+  const HB_REAL rate = step * HB_BROADCAST(1 / h), most = HB_ABS(rate) * HB_BROADCAST(2 / h);
+  const HB_REAL wanted = HB_BROADCAST(0.5) * (bx * (from->c + to->c) + by * (from->s + to->s));
+  const HB_REAL growth = HB_MAX(HB_MIN(wanted, most), -most), change = growth * half_h;
+  const HB_REAL at_from = hb_parting_bend(a, begin, from, rate - change, growth);
+  const HB_REAL at_to = hb_parting_bend(a, end, to, rate + change, growth);
+  const HB_REAL fast = HB_ABS(rate) + HB_ABS(change), bend = a->bend;
+  const HB_REAL tension = hb_norm(a->field.l1, a->field.l2);
+  const HB_REAL third = six * hb_norm(a->x3, a->y3) + ((tension + bend * bend) * (fast * fast)) * fast +
+                        three * (bend * fast) * HB_ABS(growth);
+  return HB_BROADCAST(h * h / 8) * HB_FMA(half_h, third, HB_MAX(at_from, at_to));
+}
+
 /* The foot of the Bezier's next sample, from the one before; the bound of all points of either curve between
- * them: chords that are run through together are no farther apart than at their ends, and a curve leaves its
- * chord by |second derivative| / 8 at most. */
+ * them. Chords that are run through together are no farther apart than at their ends, and a curve leaves its
+ * chord by |second derivative| / 8 at most; for curves that bend alike the difference itself leaves less. */
 HB_INLINE HB_REAL hb_pair_advance(const hb_pair* a, double t, double h, HB_REAL* bezier_bend,
                                   hb_pair_foot* f) {
   const HB_REAL before = f->d, s = f->s, bend = hb_pair_bezier_bend(a, HB_BROADCAST(t));
   const hb_plane p = hb_pair_bezier(a, HB_BROADCAST(t));
+  const hb_elastica_point from = f->q;
   f->x = p.x;
   f->y = p.y;
   hb_foot_to(a, s + ((p.x - f->q.x) * f->q.c + (p.y - f->q.y) * f->q.s), f);
@@ -240,7 +272,7 @@ HB_INLINE HB_REAL hb_pair_advance(const hb_pair* a, double t, double h, HB_REAL*
   const HB_REAL step = f->s - s, eighth = HB_BROADCAST(0.125);
   const HB_REAL sag = eighth * HB_FMA(a->bend * step, step, HB_MAX(bend, *bezier_bend) * HB_BROADCAST(h * h));
   *bezier_bend = bend;
-  return HB_MAX(before, f->d) + sag;
+  return HB_MAX(before, f->d) + HB_MIN(sag, hb_parting(a, t, h, step, &from, &f->q));
 }
 
 /* Bounds of the Hausdorff distance, both ways, from the feet of samples + 1 points of the Bezier, each sought

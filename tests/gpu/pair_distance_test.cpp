@@ -140,7 +140,7 @@ std::pair<double, double> dense_hausdorff(const Bezier& b, const Elastica& e) {
 
 TEST(PairDistances, OfRibsAreThoseOfTheOnePairRoutine) {
   const Pairs pairs = ribs(300, 1);
-  const double tolerance = 0.1;  // of ribs 1000 long
+  const double tolerance = 0.01;  // of ribs 1000 long
   const Answers answers = ask(pairs, tolerance);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const PairDistance& a = answers.pairs[i];
