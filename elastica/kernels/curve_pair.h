@@ -272,7 +272,8 @@ HB_INLINE HB_REAL hb_pair_advance(const hb_pair* a, double t, double h, HB_REAL*
   const HB_REAL step = f->s - s, eighth = HB_BROADCAST(0.125);
   const HB_REAL sag = eighth * HB_FMA(a->bend * step, step, HB_MAX(bend, *bezier_bend) * HB_BROADCAST(h * h));
   *bezier_bend = bend;
-  return HB_MAX(before, f->d) + HB_MIN(sag, hb_parting(a, t, h, step, &from, &f->q));
+  const HB_REAL parting = hb_parting(a, t, h, step, &from, &f->q);
+  return HB_MAX(before, f->d) + HB_MIN(sag, parting);
 }
 
 /* Bounds of the Hausdorff distance, both ways, from the feet of samples + 1 points of the Bezier, each sought
@@ -296,7 +297,9 @@ HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, hb_pai
   most = f;
   for (int i = 0; i <= samples; ++i) {
     if (i > 0) {
-      upper = HB_MAX(upper, hb_pair_advance(a, i * h, h, &bezier_bend, &f));
+      /* HB_MAX may evaluate its arguments twice. */
+      const HB_REAL between = hb_pair_advance(a, i * h, h, &bezier_bend, &f);
+      upper = HB_MAX(upper, between);
       hb_farther_foot(&f, &most);
     }
     nodes[i + 1].s = f.s;
@@ -318,8 +321,9 @@ HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, hb_pai
   hb_pair_bounds out;
   out.upper = upper;
   out.lower = hb_from_bezier(a, &most, nodes, samples + 3);
-  out.lower = HB_MAX(out.lower, hb_from_end(a, zero, zero, 0.0, samples, most_speed, most_bend));
-  out.lower = HB_MAX(out.lower, hb_from_end(a, f.q.x, f.q.y, 1.0, samples, most_speed, most_bend));
+  const HB_REAL start = hb_from_end(a, zero, zero, 0.0, samples, most_speed, most_bend);
+  const HB_REAL finish = hb_from_end(a, f.q.x, f.q.y, 1.0, samples, most_speed, most_bend);
+  out.lower = HB_MAX(out.lower, HB_MAX(start, finish));
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -13,6 +14,7 @@
 
 #include "elastica/curve_distance.hpp"
 #include "elastica/fit_bezier.hpp"
+#include "gpu/curve_lanes.hpp"
 
 namespace hotblade::gpu {
 namespace {
@@ -323,6 +325,52 @@ TEST(PairDistances, DoNotDependOnCompanyPartsOrThreads) {
   (void)pair_distances(std::span(pairs.beziers).subspan(42, 1), std::span(pairs.elastica).subspan(42, 1),
                        0.05, std::span(&alone, 1));
   EXPECT_TRUE(same_bits(alone, one[42]));
+}
+
+// Gentle arches beside circles, in the kernels' numbers.
+std::vector<PairNumbers> arches(std::size_t n) {
+  std::mt19937_64 random(12);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::vector<PairNumbers> pairs;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double kappa = u(random), up = 0.01 * u(random), rise = -0.5 * kappa + 0.05 * u(random);
+    pairs.push_back(
+        {{0, 0.9, 0, 0, up, 0, -rise, 0.02 * u(random), kappa, 0, 0, 0.2, 1, 0, 0.9, std::abs(kappa)}});
+  }
+  return pairs;
+}
+
+TEST(PairDistances, DifferByRoundingBetweenInstructionSets) {
+  const auto pairs = arches(21);
+  std::vector<unsigned> index(pairs.size());
+  for (std::size_t i = 0; i < index.size(); ++i) index[i] = static_cast<unsigned>(i);
+  const PairQueries queries{pairs.data(), index.data(), index.size()};
+  using Columns = std::array<std::vector<double>, 5>;
+  const auto on = [&](const CurveLanes& lanes) {
+    Columns c;
+    for (auto& column : c) column.resize(pairs.size());
+    lanes.differences(queries, 8, c[0].data(), c[1].data(), c[2].data());
+    lanes.hausdorff(queries, 32, c[3].data(), c[4].data());
+    return c;
+  };
+  const Columns base = on(kCurveBaseline), widest = on(curve_lanes());
+  for (std::size_t k = 0; k < base.size(); ++k) {
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      EXPECT_NEAR(base[k][i], widest[k][i], 1e-12) << k << ' ' << i;
+  }
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    const Columns middle = on(kCurveAvx2);
+    for (std::size_t k = 0; k < base.size(); ++k) {
+      for (std::size_t i = 0; i < pairs.size(); ++i)
+        EXPECT_NEAR(base[k][i], middle[k][i], 1e-12) << k << ' ' << i;
+    }
+  }
+#endif
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    EXPECT_GT(base[3][i], 0);
+    EXPECT_LT(base[4][i] - base[3][i], 1e-3);
+  }
 }
 
 TEST(PairDistances, SayWhereThereIsNoAnswer) {
