@@ -1,6 +1,7 @@
 #include "elastica/elastica.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -26,6 +27,48 @@ int piece_count(const Elastica& e) {
   return std::max(1, static_cast<int>(pieces));
 }
 
+// taylor.hpp's series with every cos and sin coefficient of order k divided by k + 1: those of x and y, and
+// no divisions in evaluations, of which a curve sees hundreds.
+TaylorPiece<double> expand_divided(const CurvePoint& start, double lambda1, double lambda2) {
+  constexpr std::size_t kOrder = kTaylorOrder;
+  using Pair = Eigen::Array2d;
+  TaylorPiece<double> piece;
+  std::array<Pair, kOrder + 1> turned;  // (-sin theta, cos theta), which both sums need
+  std::array<double, kOrder + 2> rate;  // (j + 1) times coefficient j + 1 of theta
+  turned[0] = {-std::sin(start.theta), std::cos(start.theta)};
+  rate[0] = start.kappa;
+  piece.t[0] = start.theta;
+  const Pair force(lambda1, lambda2);
+  for (std::size_t k = 0; k <= kOrder; ++k) {
+    const double inverse = 1.0 / static_cast<double>(k + 1);
+    piece.c[k] = turned[k][1] * inverse;
+    piece.s[k] = -turned[k][0] * inverse;
+    piece.t[k + 1] = rate[k] * inverse;
+    rate[k + 1] = (turned[k] * force).sum() * inverse;
+    if (k == kOrder) break;
+    // Two sums side by side: one alone would wait for itself at every term.
+    Pair even = Pair::Zero(), odd = Pair::Zero();
+    std::size_t j = 0;
+    for (; j + 1 <= k; j += 2) {
+      even += rate[j] * turned[k - j];
+      odd += rate[j + 1] * turned[k - j - 1];
+    }
+    if (j == k) even += rate[j] * turned[0];
+    const Pair d = (even + odd) * inverse;  // (cos, sin) of order k + 1
+    turned[k + 1] = {-d[1], d[0]};
+  }
+  return piece;
+}
+
+// At distance h from the piece's start, the start being at (0, 0).
+CurvePoint evaluate_divided(const TaylorPiece<double>& p, double h) {
+  Eigen::Array4d sum = Eigen::Array4d::Zero();
+  for (std::size_t k = kTaylorOrder + 1; k-- > 0;) {
+    sum = sum * h + Eigen::Array4d(p.c[k], p.s[k], p.t[k], static_cast<double>(k + 1) * p.t[k + 1]);
+  }
+  return {sum[0] * h, sum[1] * h, sum[2], sum[3]};
+}
+
 // Reversing the sense of travel turns the tangent and flips curvature and forces.
 Elastica turned(const Elastica& e, const CurvePoint& start) {
   return {start.x, start.y, start.theta + std::numbers::pi, -start.kappa, -e.lambda1, -e.lambda2, e.length};
@@ -46,9 +89,8 @@ ElasticaCurve::ElasticaCurve(const Elastica& elastica) : elastica_(elastica) {
   pieces_.reserve(static_cast<std::size_t>(n));
   CurvePoint start{elastica.x, elastica.y, elastica.theta, elastica.kappa};
   for (int i = 0; i < n; ++i) {
-    pieces_.push_back(
-        {expand(start.theta, start.kappa, elastica.lambda1, elastica.lambda2), start.x, start.y});
-    const TaylorPoint<double> end = evaluate(pieces_.back().series, step_);
+    pieces_.push_back({expand_divided(start, elastica.lambda1, elastica.lambda2), start.x, start.y});
+    const CurvePoint end = evaluate_divided(pieces_.back().series, step_);
     start = {start.x + end.x, start.y + end.y, end.theta, end.kappa};
   }
 }
@@ -57,36 +99,30 @@ CurvePoint ElasticaCurve::at(double s) const {
   s = std::clamp(s, 0.0, elastica_.length);
   const auto last = pieces_.size() - 1;
   const auto i = step_ > 0 ? std::min(last, static_cast<std::size_t>(s / step_)) : 0;
-  const TaylorPoint<double> p = evaluate(pieces_[i].series, s - static_cast<double>(i) * step_);
-  return {pieces_[i].x0 + p.x, pieces_[i].y0 + p.y, p.theta, p.kappa};
+  const Piece& piece = pieces_[i];
+  const CurvePoint p = evaluate_divided(piece.series, s - static_cast<double>(i) * step_);
+  return {piece.x0 + p.x, piece.y0 + p.y, p.theta, p.kappa};
 }
 
 double ElasticaCurve::max_abs_curvature() const {
-  double largest = std::max(std::abs(at(0).kappa), std::abs(at(elastica_.length).kappa));
-  // |kappa| peaks inside where kappa' = -lambda1 sin + lambda2 cos changes sign; bisect each bracket. A piece
-  // turns by at most kStepOmega rad, so it holds at most one such point unless it straddles an inflection,
-  // where the quarter-steps below separate them.
-  const auto slope = [this](double s) {
-    const double theta = at(s).theta;
-    return elastica_.lambda2 * std::cos(theta) - elastica_.lambda1 * std::sin(theta);
-  };
-  const double h = step_ / 4;
-  for (std::size_t i = 0; i < 4 * pieces_.size(); ++i) {
-    double a = static_cast<double>(i) * h, b = a + h;
-    double fa = slope(a);
-    if (fa * slope(b) > 0) continue;
-    for (int k = 0; k < 40; ++k) {
-      const double m = 0.5 * (a + b), fm = slope(m);
-      if (fa * fm > 0) {
-        a = m;
-        fa = fm;
-      } else {
-        b = m;
-      }
+  const CurvePoint end = at(elastica_.length);
+  const double ends = std::max(std::abs(elastica_.kappa), std::abs(end.kappa));
+  const double l1 = elastica_.lambda1, l2 = elastica_.lambda2, force = std::hypot(l1, l2);
+  if (!(force > 0)) return ends;
+  // Turns of theta past the force's angle. |kappa| peaks there, so no inflection lies within a piece of the
+  // passage, and a piece passes the angle exactly when its ends lie on different sides.
+  const double angle = std::atan2(l2, l1);
+  const auto turns = [&](double theta) { return std::floor((theta - angle) / (2 * std::numbers::pi)); };
+  double before = turns(elastica_.theta);
+  for (const Piece& piece : pieces_) {
+    const double after = turns(&piece == &pieces_.back() ? end.theta : (&piece + 1)->series.t[0]);
+    if (after != before) {
+      const double along = l1 * std::cos(elastica_.theta) + l2 * std::sin(elastica_.theta);
+      return std::max(ends, std::sqrt(elastica_.kappa * elastica_.kappa + 2 * (force - along)));
     }
-    largest = std::max(largest, std::abs(at(0.5 * (a + b)).kappa));
+    before = after;
   }
-  return largest;
+  return ends;
 }
 
 std::vector<CurvePoint> sample(const Elastica& elastica, int n) {

@@ -20,16 +20,19 @@ struct Middle {
   double compression = 0;              // lambda1 cos theta + lambda2 sin theta
 };
 
-std::vector<Middle> cell_middles(const Elastica& e) {
-  const ElasticaCurve curve(e);
+std::vector<Middle> cell_middles(const ElasticaCurve& curve) {
+  const Elastica& e = curve.elastica();
   const double turn = curve.at(0.5 * e.length).theta, l2 = e.length * e.length;
+  // The force along and across the middle tangent, made pure.
+  const double ct = std::cos(turn), st = std::sin(turn);
+  const double along = (ct * e.lambda1 + st * e.lambda2) * l2,
+               across = (ct * e.lambda2 - st * e.lambda1) * l2;
   std::vector<Middle> middles;
   middles.reserve(kCells);
   for (int i = 0; i < kCells; ++i) {
     const CurvePoint p = curve.at(e.length * (i + 0.5) * kStep);
-    const double c = std::cos(p.theta), s = std::sin(p.theta);
-    middles.push_back({std::cos(p.theta - turn), std::sin(p.theta - turn), p.kappa * e.length,
-                       (e.lambda2 * c - e.lambda1 * s) * l2, (e.lambda1 * c + e.lambda2 * s) * l2});
+    const double c = std::cos(p.theta - turn), s = std::sin(p.theta - turn);
+    middles.push_back({c, s, p.kappa * e.length, across * c - along * s, along * c + across * s});
   }
   return middles;
 }
@@ -99,19 +102,24 @@ BlockTridiagonal<1> plane_form(const std::vector<Middle>& middles) {
 }
 
 // The form of elastica/gravity.hpp on (psi, phi) at both nodes of a cell, by its value and slope at the
-// middle.
+// middle: with twist phi' - kappa psi and bend psi' + kappa phi multiplied out.
 Eigen::Matrix4d lateral_cell(const Middle& m, const StiffnessRatios& ratios) {
-  using Row = Eigen::RowVector4d;
-  const Row psi(0.5, 0, 0.5, 0), phi(0, 0.5, 0, 0.5);
-  const Row psi_slope = Row(-1, 0, 1, 0) / kStep, phi_slope = Row(0, -1, 0, 1) / kStep;
-  const auto product = [](const Row& a, const Row& b) {
-    return Eigen::Matrix4d(0.5 * (a.transpose() * b + b.transpose() * a));
-  };
-  const Row twist = phi_slope - m.kappa * psi, bend = psi_slope + m.kappa * phi;
-  Eigen::Matrix4d form = ratios.torsion * product(twist, twist) + ratios.upright * product(bend, bend);
-  form += m.kappa * (product(psi, twist) - product(phi, bend));
-  form += m.kappa_slope * product(phi, psi) - m.compression * product(psi, psi);
-  return kStep * form;
+  const double t = ratios.torsion, u = ratios.upright, k2 = m.kappa * m.kappa;
+  // Coefficients of psi^2, phi^2, psi phi, psi phi' and phi psi'; those of psi'^2 and phi'^2 are u and t.
+  const double psi2 = (t - 1) * k2 - m.compression, phi2 = (u - 1) * k2;
+  const double psi_phi = m.kappa_slope / 8 * kStep;
+  const double psi_slope = m.kappa * (1 - 2 * t) / 4, phi_slope = m.kappa * (2 * u - 1) / 4;
+  const double psi_same = 0.25 * kStep * psi2 + u / kStep, psi_other = 0.25 * kStep * psi2 - u / kStep;
+  const double phi_same = 0.25 * kStep * phi2 + t / kStep, phi_other = 0.25 * kStep * phi2 - t / kStep;
+  // Of psi and phi at the nodes 0 and 1: both at one node, then psi at one and phi at the other.
+  const double both0 = psi_phi - psi_slope - phi_slope, both1 = psi_phi + psi_slope + phi_slope;
+  const double psi0_phi1 = psi_phi + psi_slope - phi_slope, psi1_phi0 = psi_phi - psi_slope + phi_slope;
+  Eigen::Matrix4d form;
+  form << psi_same, both0, psi_other, psi0_phi1,  //
+      both0, phi_same, psi1_phi0, phi_other,      //
+      psi_other, psi1_phi0, psi_same, both1,      //
+      psi0_phi1, phi_other, both1, phi_same;
+  return form;
 }
 
 BlockTridiagonal<2> lateral_form(const std::vector<Middle>& middles, const StiffnessRatios& ratios,
@@ -140,8 +148,9 @@ int lateral_eigenvalues_below(const std::vector<Middle>& middles, const Stiffnes
 
 PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
   require_finite(e, load.sum());
-  const std::vector<Middle> middles = cell_middles(e);
-  const double turn = ElasticaCurve(e).at(0.5 * e.length).theta, l3 = std::pow(e.length, 3);
+  const ElasticaCurve curve(e);
+  const std::vector<Middle> middles = cell_middles(curve);
+  const double turn = curve.at(0.5 * e.length).theta, l3 = std::pow(e.length, 3);
   // The load in the axes of the middle tangent.
   const Eigen::Vector2d q = l3 * (Eigen::Rotation2Dd(-turn) * load);
   // Right sides: the load's moment about the rest of the blade, and the two constraints that keep the end
@@ -181,11 +190,12 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
 
 Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
   require_finite(e, load);
-  const std::vector<Middle> middles = cell_middles(e);
+  const std::vector<Middle> middles = cell_middles(ElasticaCurve(e));
   std::vector<Eigen::Matrix2d> right(kInner, Eigen::Matrix2d::Zero());
+  const double weight = -kStep * load * std::pow(e.length, 3);
   for (std::size_t i = 0; i < kInner; ++i) {
     const double rest = 0.5 - (static_cast<double>(i) + 1) * kStep;
-    right[i].row(0) << -kStep * load * std::pow(e.length, 3) * rest, kStep;
+    right[i].row(0) << weight * rest, kStep;
   }
   const auto solved = solve<2, 2>(lateral_form(middles, ratios, 0), right);
   double loaded = 0, compliance = 0;
@@ -214,7 +224,7 @@ Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
 
 double lateral_margin(const Elastica& e, const StiffnessRatios& ratios) {
   require_finite(e, 0);
-  const std::vector<Middle> middles = cell_middles(e);
+  const std::vector<Middle> middles = cell_middles(ElasticaCurve(e));
   double bound = 0;
   for (const Middle& m : middles) {
     bound = std::max(bound, m.kappa * m.kappa + std::abs(m.kappa_slope) + std::abs(m.compression));

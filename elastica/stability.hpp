@@ -12,10 +12,11 @@
 namespace hotblade::elastica {
 
 // Smallest eigenvalue of H times length^2: dimensionless, pi^2..4 pi^2 for relaxed blades, 0 where the shape
-// is lost. Finite differences on 128 cells, error about 2e-4 relative plus 1e-6 of bisection.
+// is lost. Finite differences on 128 cells, error about 2e-4 relative plus 1e-6 at most of the search for it.
 [[nodiscard]] double stability_margin(const Elastica& elastica);
 // The same from the margin of a neighbouring shape, which saves half the work or costs two looks more.
 [[nodiscard]] double stability_margin(const Elastica& elastica, double nearby);
+[[nodiscard]] double stability_margin(const ElasticaCurve& curve);
 
 // Arc length of the first conjugate point: the longest start of the curve, extended along itself up to
 // `furthest`, that is stable between clamps ends there. Absent when there is none. Exact to 1e-9 of
