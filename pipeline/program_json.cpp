@@ -1,4 +1,6 @@
 // The canonical text of a program. Written straight into one string: a job has tens of thousands of poses.
+#include <tbb/parallel_for.h>
+
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -49,7 +51,7 @@ class Text {
 
   // An array of objects, one a line.
   template <typename Items, typename Write>
-  Text& lines(const Items& items, Write&& write) {
+  Text& lines(Items&& items, Write&& write) {
     raw("[\n");
     for (std::size_t i = 0; i < items.size(); ++i) {
       if (i > 0) raw(",\n");
@@ -187,7 +189,18 @@ std::string to_json(const Program& program) {
   write_design(out, program.design);
   write_settings(out, program.settings_json);
   write_blade(out, program.blade);
-  out.raw("\"strips\": ").lines(program.strips, write_strip).raw(",\n");
+  // A job may have hundreds of strips, each with thousands of poses.
+  std::vector<std::string> strips(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t i) {
+    Text text;
+    write_strip(text, program.strips[i]);
+    strips[i] = text.take();
+  });
+  out.raw("\"strips\": ").lines(strips, [](Text& to, std::string& text) {
+    to.raw(text);
+    std::string().swap(text);
+  });
+  out.raw(",\n");
   write_verification(out, program.verification);
   out.raw("\"overrides\": ").strings(program.overrides).raw("}\n");
   return out.take();

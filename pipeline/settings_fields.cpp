@@ -51,7 +51,8 @@ constexpr SettingField kFields[] = {
     {"fit", "between_share", "", 0.001, 1, "",
      "Share of the tolerance that the surface between ribs may be farther off than the ribs",
      [](S& s) -> Place { return &s.fit.between_share; }},
-    {"fit", "max_splits", "", 0, 1000, "", "Most splits along a rib",
+    {"fit", "max_splits", "", 0, 1000, "",
+     "Most splits along a rib, beyond those its length asks for: no strip is longer than a blade or a block",
      [](S& s) -> Place { return &s.fit.max_splits; }},
 
     {"blade", "free_lengths_mm", "mm", 50, 5000, "",

@@ -1,5 +1,7 @@
 #include "pipeline/swept_surface.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -83,7 +85,6 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
   const auto rows = grid_rows(program.strips[index], sample_mm);
   if (rows.size() < 2) return;
   const Grid grid = blade_grid(rows, sample_mm);
-  const auto base = static_cast<int>(out.vertices.size());
   for (std::size_t i = 0; i < grid.rows; ++i) {
     for (std::size_t j = 0; j < grid.columns; ++j) {
       const Eigen::Vector3d n = grid_normal(grid, i, j);
@@ -99,7 +100,7 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
   const auto columns = static_cast<int>(grid.columns);
   for (int i = 0; i + 1 < static_cast<int>(grid.rows); ++i) {
     for (int j = 0; j + 1 < columns; ++j) {
-      const int a = base + i * columns + j, b = a + 1, c = a + columns, d = c + 1;
+      const int a = i * columns + j, b = a + 1, c = a + columns, d = c + 1;
       const auto facing = [&](int p, int q, int r) {
         const auto& v = out.vertices;
         const auto at = [&](int k) { return v[static_cast<std::size_t>(k)]; };
@@ -113,6 +114,15 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
   }
 }
 
+void append(const SweptSurface& part, SweptSurface& out) {
+  const auto base = static_cast<int>(out.vertices.size());
+  out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
+  out.normals.insert(out.normals.end(), part.normals.begin(), part.normals.end());
+  out.strip_of_vertex.insert(out.strip_of_vertex.end(), part.strip_of_vertex.begin(),
+                             part.strip_of_vertex.end());
+  for (const auto& t : part.triangles) out.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+}
+
 }  // namespace
 
 double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
@@ -122,8 +132,14 @@ double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
+  std::vector<SweptSurface> parts(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(),
+                    [&](std::size_t i) { add_strip(program, i, sample_mm, parts[i]); });
   SweptSurface out;
-  for (std::size_t i = 0; i < program.strips.size(); ++i) add_strip(program, i, sample_mm, out);
+  for (SweptSurface& part : parts) {
+    append(part, out);
+    part = {};
+  }
   return out;
 }
 

@@ -5,45 +5,33 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "gpu/mesh_distance.hpp"
+#include "pipeline/near_cells.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/swept_surface.hpp"
 #include "robot/blade_section.hpp"
+#include "surface/face_links.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-using Edge = std::pair<int, int>;
-
-Edge edge(int a, int b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
-// Edges with one face, and their vertices.
+// Edges with one face, by the corner of the face that they start at, and their vertices.
 struct Border {
-  std::set<Edge> edges;
+  surface::FaceLinks links;
   std::vector<bool> vertex;
 
-  explicit Border(const surface::TriangleMesh& mesh) : vertex(mesh.vertices.size(), false) {
-    std::vector<Edge> all;
-    all.reserve(3 * mesh.triangles.size());
-    for (const auto& t : mesh.triangles) {
-      for (std::size_t i = 0; i < 3; ++i) all.push_back(edge(t[i], t[(i + 1) % 3]));
+  explicit Border(const surface::TriangleMesh& mesh)
+      : links(surface::link_faces(mesh.triangles)), vertex(mesh.vertices.size(), false) {
+    for (std::size_t c = 0; c < links.beyond.size(); ++c) {
+      if (!edge(c)) continue;
+      const auto& t = mesh.triangles[c / 3];
+      vertex[static_cast<std::size_t>(t[c % 3])] = vertex[static_cast<std::size_t>(t[(c + 1) % 3])] = true;
     }
-    std::sort(all.begin(), all.end());
-    for (std::size_t i = 0; i < all.size();) {
-      std::size_t j = i;
-      while (j < all.size() && all[j] == all[i]) ++j;
-      if (j == i + 1) {
-        edges.insert(all[i]);
-        vertex[static_cast<std::size_t>(all[i].first)] = vertex[static_cast<std::size_t>(all[i].second)] =
-            true;
-      }
-      i = j;
-    }
+  }
+  [[nodiscard]] bool edge(std::size_t corner) const {
+    return links.beyond[corner] == surface::FaceLinks::kNone;
   }
 };
 
@@ -73,7 +61,8 @@ bool on_border(const surface::TriangleMesh& mesh, const Border& border, const gp
     if (share[i] > 1 - kOnEdge) return border.vertex[static_cast<std::size_t>(t[i])];
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    if (share[i] < kOnEdge && border.edges.count(edge(t[(i + 1) % 3], t[(i + 2) % 3])) > 0) return true;
+    if (share[i] < kOnEdge && border.edge(3 * static_cast<std::size_t>(nearest.triangle) + (i + 1) % 3))
+      return true;
   }
   return false;
 }
@@ -114,17 +103,19 @@ DesignSamples sample_design(const surface::TriangleMesh& mesh, double sample_mm)
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
 double clamp_mismatch_mm(const Program& program) {
   constexpr double kMmPerRad = 1000;
-  double worst = 0;
-  for (const Strip& strip : program.strips) {
-    for (const BladePose& pose : strip.poses) {
+  std::vector<double> worst(program.strips.size(), 0);
+  tbb::parallel_for(std::size_t{0}, worst.size(), [&](std::size_t i) {
+    for (const BladePose& pose : program.strips[i].poses) {
       const ClampPair planned = clamps(pose.blade, pose.frame);
       for (const auto& [is, should] : {std::pair{pose.a, planned.a}, std::pair{pose.b, planned.b}}) {
         const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
-        if (!(off <= worst)) worst = off;
+        if (!(off <= worst[i])) worst[i] = off;
       }
     }
-  }
-  return worst;
+  });
+  return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end(), [](double p, double q) {
+    return p < q || std::isnan(q);
+  });
 }
 
 std::vector<BranchReport> follow_branches(const Program& program, double min_margin) {
@@ -188,6 +179,35 @@ class Statistics {
   std::vector<double> all_;
   double sum_ = 0, sum_sq_ = 0;
 };
+
+// Samples of both surfaces together, about: on larger designs they lie farther apart, so that memory stays
+// bounded (about 1.5 GB).
+constexpr double kMostSamples = 8e6;
+
+double bounded(double sample_mm, double area_mm2) {
+  return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
+}
+
+// Design samples within `far` of the cut, more or less, and the area of all others.
+double keep_near(const SweptSurface& cut, double sample_mm, double far_mm, DesignSamples& samples) {
+  // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
+  // little.
+  constexpr double kLeastCellMm = 100;
+  const NearCells near(cut.vertices, std::max(kLeastCellMm, far_mm + 2 * sample_mm));
+  double left_out = 0;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < samples.points.size(); ++i) {
+    if (near.holds(samples.points[i])) {
+      samples.points[kept] = samples.points[i];
+      samples.areas[kept++] = samples.areas[i];
+    } else {
+      left_out += samples.areas[i];
+    }
+  }
+  samples.points.resize(kept);
+  samples.areas.resize(kept);
+  return left_out;
+}
 
 // One comparison of a cut with the design: its steps and what they share.
 class CutMeasurement {
@@ -258,10 +278,13 @@ class CutMeasurement {
   }
 
   void design_to_cut() {
-    const DesignSamples samples = sample_design(mesh_, options_.sample_mm);
+    const double far = options_.far * options_.tolerance_mm;
+    const double sample_mm = bounded(options_.sample_mm, report_.area_mm2);
+    DesignSamples samples = sample_design(mesh_, sample_mm);
+    report_.design_samples = samples.points.size();
+    report_.uncut_mm2 = keep_near(cut_, sample_mm, far, samples);
     const std::vector<gpu::Nearest> on_cut = to_cut_.query(samples.points);
     report_.to_cut = to_cut_.used();
-    const double far = options_.far * options_.tolerance_mm;
     for (std::size_t i = 0; i < samples.points.size(); ++i) {
       const double distance = on_cut[i].distance;
       const bool uncut =
@@ -272,7 +295,6 @@ class CutMeasurement {
         add(distance, samples.points[i], strip_of(on_cut[i].triangle));
       }
     }
-    report_.design_samples = samples.points.size();
   }
 
   void count_touches(const BladeTouches& touches) {
@@ -328,7 +350,8 @@ VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches, const
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                     const VerifyOptions& options) {
   const std::vector<BranchReport> branches = follow_branches(program, options.min_margin);
-  VerifyReport report = measure(swept_surface(program, options.sample_mm), {}, program, design, options);
+  VerifyReport report = measure(swept_surface(program, bounded(options.sample_mm, design.health.area_mm2)),
+                                {}, program, design, options);
   report.branches = branches;
   report.clamp_mismatch_mm = clamp_mismatch_mm(program);
   report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;

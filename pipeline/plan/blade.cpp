@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "elastica/stability.hpp"
 
@@ -36,7 +37,12 @@ bool segments_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
   return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
 }
 
-bool crosses_itself(const std::vector<Eigen::Vector2d>& q) {
+// Whether the polyline does. A curve that crosses itself closes a loop with one corner, which turns by more
+// than half a turn: one that turns less in all need not be searched.
+bool crosses_itself(const std::vector<Eigen::Vector2d>& q, double turning) {
+  // A little less than half a turn: samples miss some of the turning where the curve's sense changes.
+  constexpr double kHalfTurn = 0.95 * std::numbers::pi;
+  if (turning < kHalfTurn) return false;
   for (std::size_t i = 0; i + 1 < q.size(); ++i) {
     for (std::size_t j = i + 2; j + 1 < q.size(); ++j) {
       if (segments_cross(q[i], q[i + 1], q[j], q[j + 1])) return true;
@@ -83,6 +89,9 @@ double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
          sag.in_plane_mm;
 }
 
+// Between ribs the clamps pass the block a little nearer than at them: by a percent on ribs 300 mm apart.
+constexpr double kClearanceReserve = 1.04;
+
 RibCheck check_rib(const PlacedRib& placed, double length, double share, const Settings& settings) {
   const RibFit& rib = placed.rib;
   const StockRect& rect = placed.rect;
@@ -97,21 +106,20 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   const double rate = elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
   constexpr double kWinds = 100;
   if (rate * length > kWinds) return {kCurvature, 1 / rate};
-  const Elastica blade = extended(e, length, share);
-  const elastica::ElasticaCurve curve(blade);
+  const elastica::ElasticaCurve curve(extended(e, length, share));
   c.curvature = curve.max_abs_curvature();
   if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
   c.clearance = std::min(rect.distance(a.position()), rect.distance(b.position()));
-  if (c.clearance < settings.stock.clearance_mm) return {kClearance, c.clearance};
+  if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
   const double s0 = share * spare;
-  const FreeParts free = examine_free_parts(blade, s0, s0 + rib.elastica.length, rect);
+  const FreeParts free = examine_free_parts(curve, s0, s0 + rib.elastica.length, rect);
   if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
   if (free.crosses_itself) return {kCrossing, 1};
-  c.margin = elastica::stability_margin(blade);
+  c.margin = elastica::stability_margin(curve);
   if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
-  const double sag = sag_error_mm(blade, s0, placed, settings.blade);
+  const double sag = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
   if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {kSag, sag};
   return c;
 }
@@ -149,7 +157,7 @@ Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
               "",
               "clamp clearance to the stock",
               c.value,
-              settings.stock.clearance_mm,
+              kClearanceReserve * settings.stock.clearance_mm,
               "mm",
               "add a longer blade to blade.free_lengths_mm or lower stock.border_mm"};
     case kReentry:
@@ -260,20 +268,26 @@ StockRect Block::seen_from(const Frame& plane) const {
   return {low, high, {turned(plane.origin - centre), turned(plane.x), turned(plane.y)}};
 }
 
-FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
-  const elastica::ElasticaCurve curve(blade);
+FreeParts examine_free_parts(const elastica::ElasticaCurve& blade, double s0, double s1,
+                             const StockRect& rect) {
+  const double length = blade.elastica().length;
   std::vector<Eigen::Vector2d> all, part;
+  std::vector<int> free_in_stock;
+  double turning = 0, before = blade.elastica().theta;
   for (int i = 0; i < kBladeSamples; ++i) {
-    all.push_back(curve.at(blade.length * i / (kBladeSamples - 1)).position());
-    part.push_back(curve.at(s0 + (s1 - s0) * i / (kBladeSamples - 1)).position());
+    const double s = length * i / (kBladeSamples - 1);
+    const elastica::CurvePoint p = blade.at(s);
+    all.push_back(p.position());
+    turning += std::abs(p.theta - before);
+    before = p.theta;
+    if ((s < s0 || s > s1) && rect.distance(all.back()) <= 0) free_in_stock.push_back(i);
   }
-  FreeParts free{crosses_itself(all), 0};
-  for (int i = 0; i < kBladeSamples; ++i) {
-    const double s = blade.length * i / (kBladeSamples - 1);
-    const Eigen::Vector2d& q = all[static_cast<std::size_t>(i)];
-    if ((s < s0 || s > s1) && rect.distance(q) <= 0)
-      free.depth_mm = std::max(free.depth_mm, depth_behind(q, part));
-  }
+  FreeParts free{crosses_itself(all, turning), 0};
+  if (free_in_stock.empty()) return free;
+  for (int i = 0; i < kBladeSamples; ++i)
+    part.push_back(blade.at(s0 + (s1 - s0) * i / (kBladeSamples - 1)).position());
+  for (const int i : free_in_stock)
+    free.depth_mm = std::max(free.depth_mm, depth_behind(all[static_cast<std::size_t>(i)], part));
   return free;
 }
 

@@ -62,7 +62,7 @@ struct FreeParts {
   // none.
   double depth_mm = 0;
 };
-[[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
+[[nodiscard]] FreeParts examine_free_parts(const elastica::ElasticaCurve& blade, double s0, double s1,
                                            const StockRect& rect);
 // Deeper is a cut into the part; less is the sampling of the blade's curve.
 inline constexpr double kFreePartDepthMm = 0.1;

@@ -33,12 +33,13 @@ double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
 PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const Block& block,
                      const robot::BladeSection& section) {
   PoseCheck c;
+  const elastica::ElasticaCurve curve(pose.blade);
   c.loads = robot::blade_loads(pose.blade, section);
   c.curvature = 1 / c.loads.smallest_radius_mm;
   c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
   c.cuts = pose.foam.has_value();
   const double s0 = c.cuts ? (*pose.foam)[0] : 0, s1 = c.cuts ? (*pose.foam)[1] : pose.blade.length;
-  const FreeParts free = examine_free_parts(pose.blade, s0, s1, block.seen_from(pose.frame));
+  const FreeParts free = examine_free_parts(curve, s0, s1, block.seen_from(pose.frame));
   c.crosses = free.crosses_itself;
   if (c.cuts) c.depth = free.depth_mm;
   c.sag = robot::blade_sag(pose.blade, section, down_in_plane(strip.design_to_cell, pose.frame), s0, s1);

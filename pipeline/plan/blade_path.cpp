@@ -144,8 +144,11 @@ Pose clamp_pose(const elastica::CurvePoint& p, const Frame& frame) {
 }  // namespace
 
 ClampPair clamps(const Elastica& blade, const Frame& frame) {
-  const elastica::ElasticaCurve curve(blade);
-  return {clamp_pose(curve.at(0), frame), clamp_pose(curve.at(blade.length), frame)};
+  return clamps(elastica::ElasticaCurve(blade), frame);
+}
+
+ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame) {
+  return {clamp_pose(blade.at(0), frame), clamp_pose(blade.at(blade.elastica().length), frame)};
 }
 
 BladePath make_path(const StripPlan& strip, const Settings& settings) {

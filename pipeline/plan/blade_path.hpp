@@ -43,5 +43,6 @@ struct ClampPair {
   Pose a, b;
 };
 [[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
+[[nodiscard]] ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame);
 
 }  // namespace hotblade::pipeline

@@ -3,7 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
+
+#include "surface/face_links.hpp"
 
 namespace hotblade::pipeline {
 
@@ -37,26 +38,25 @@ double interpolation_mm(const Program& program) {
 }  // namespace
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh) {
-  std::map<std::pair<int, int>, std::vector<Side>> sides;
-  for (const auto& t : mesh.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::Vector3d a = mesh.vertices[static_cast<std::size_t>(t[i])],
-                            b = mesh.vertices[static_cast<std::size_t>(t[(i + 1) % 3])],
-                            c = mesh.vertices[static_cast<std::size_t>(t[(i + 2) % 3])];
-      const Eigen::Vector3d n = (b - a).cross(c - a);
-      const double length = (b - a).norm();
-      if (!(length > 0) || !(n.norm() > 0)) continue;
-      sides[{std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])}].push_back(
-          {n.normalized(), n.norm() / length});
-    }
-  }
+  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
+  // The face of a corner, seen from the corner's edge.
+  const auto side = [&](std::size_t corner) -> Side {
+    const auto& t = mesh.triangles[corner / 3];
+    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i % 3])]; };
+    const Eigen::Vector3d a = at(corner % 3), b = at(corner % 3 + 1), c = at(corner % 3 + 2);
+    const Eigen::Vector3d n = (b - a).cross(c - a);
+    const double length = (b - a).norm();
+    if (!(length > 0) || !(n.norm() > 0)) return {};
+    return {n.normalized(), n.norm() / length};
+  };
   std::vector<double> chords;
-  for (const auto& [key, pair] : sides) {
-    if (pair.size() != 2) continue;
-    const double angle =
-        std::atan2(pair[0].normal.cross(pair[1].normal).norm(), pair[0].normal.dot(pair[1].normal));
+  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
+    if (links.beyond[c] < static_cast<int>(c)) continue;  // none, or met from the other face
+    const Side p = side(c), q = side(static_cast<std::size_t>(links.beyond[c]));
+    if (!(p.height > 0) || !(q.height > 0)) continue;
+    const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));
     // An arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.
-    chords.push_back(0.5 * (pair[0].height + pair[1].height) * angle / 8);
+    chords.push_back(0.5 * (p.height + q.height) * angle / 8);
   }
   if (chords.empty()) return 0;
   const auto nth =

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -18,16 +19,17 @@ namespace hotblade::pipeline {
 namespace {
 
 // Blade points between the foam's ends whose speed the feed limits.
-constexpr int kFeedPoints = 17;
+constexpr std::size_t kFeedPoints = 17;
 
 PathSample path_sample(const BladeShape& shape, const StripPlan& strip) {
   const Frame frame = strip.swept_plane(shape.offset_mm);
-  const ClampPair pair = clamps(shape.blade, frame);
+  const elastica::ElasticaCurve curve(shape.blade);
+  const ClampPair pair = clamps(curve, frame);
   PathSample sample{pair.a, pair.b, {}};
   if (!shape.in_foam) return sample;
-  const elastica::ElasticaCurve curve(shape.blade);
-  for (int i = 0; i < kFeedPoints; ++i) {
-    const auto q = curve.at(shape.foam0 + (shape.foam1 - shape.foam0) * i / (kFeedPoints - 1));
+  for (std::size_t i = 0; i < kFeedPoints; ++i) {
+    const double share = static_cast<double>(i) / (kFeedPoints - 1);
+    const auto q = curve.at(shape.foam0 + (shape.foam1 - shape.foam0) * share);
     sample.in_foam.push_back(frame.point(q.x, q.y));
   }
   return sample;
@@ -102,10 +104,11 @@ BladePose make_pose(const BladeShape& shape, const StripPlan& strip, double t, c
   pose.frame = strip.swept_plane(shape.offset_mm);
   pose.blade = shape.blade;
   if (phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
-  const ClampPair pair = clamps(shape.blade, pose.frame);
+  const elastica::ElasticaCurve curve(shape.blade);
+  const ClampPair pair = clamps(curve, pose.frame);
   pose.a = pair.a;
   pose.b = pair.b;
-  pose.margin = elastica::stability_margin(shape.blade);
+  pose.margin = elastica::stability_margin(curve);
   return pose;
 }
 
@@ -226,17 +229,22 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
 
 // Slowest blade point in foam over the cut; the time law starts and stops outside the block.
 double slowest_feed(const std::vector<BladePose>& poses) {
+  std::vector<std::array<Eigen::Vector3d, kFeedPoints>> in_foam(poses.size());
+  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
+    const BladePose& pose = poses[i];
+    if (!pose.foam) return;
+    const elastica::ElasticaCurve curve(pose.blade);
+    const auto [s0, s1] = *pose.foam;
+    for (std::size_t k = 0; k < kFeedPoints; ++k) {
+      const auto q = curve.at(s0 + static_cast<double>(k) / (kFeedPoints - 1) * (s1 - s0));
+      in_foam[i][k] = pose.frame.point(q.x, q.y);
+    }
+  });
   double slowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    const BladePose &p = poses[i - 1], &q = poses[i];
-    if (!p.foam || !q.foam) continue;
-    const elastica::ElasticaCurve a(p.blade), b(q.blade);
-    for (int k = 0; k < kFeedPoints; ++k) {
-      const double u = static_cast<double>(k) / (kFeedPoints - 1);
-      const auto x = a.at((*p.foam)[0] + u * ((*p.foam)[1] - (*p.foam)[0]));
-      const auto y = b.at((*q.foam)[0] + u * ((*q.foam)[1] - (*q.foam)[0]));
-      const double d = (q.frame.point(y.x, y.y) - p.frame.point(x.x, x.y)).norm();
-      slowest = std::min(slowest, d / (q.t - p.t));
+    if (!poses[i - 1].foam || !poses[i].foam) continue;
+    for (std::size_t k = 0; k < kFeedPoints; ++k) {
+      slowest = std::min(slowest, (in_foam[i][k] - in_foam[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t));
     }
   }
   return std::isfinite(slowest) ? slowest : 0;

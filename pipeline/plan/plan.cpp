@@ -1,11 +1,13 @@
 #include "pipeline/plan/plan.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
@@ -77,7 +79,7 @@ Rib make_rib(const RibFit& fit, const StripPlan& strip, const std::string& id) {
   return rib;
 }
 
-Strip make_strip(const StripPlan& plan, const BladeMotion& motion) {
+Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses) {
   Strip strip;
   strip.id = plan.id;
   strip.blade_length_mm = plan.blade_length_mm;
@@ -86,7 +88,7 @@ Strip make_strip(const StripPlan& plan, const BladeMotion& motion) {
   for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
     strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i)));
   }
-  strip.poses = motion.poses;
+  strip.poses = std::move(poses);
   return strip;
 }
 
@@ -178,6 +180,37 @@ PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
   return posed;
 }
 
+// Strips are posed side by side and handed over in their order.
+void pose_strips(const StripLayout& layout, const Settings& settings, const PlanHooks& hooks,
+                 PlanResult& result) {
+  struct Done {
+    Strip strip;
+    StripFacts facts;
+    std::vector<Refusal> refusals;
+    std::vector<std::string> warnings;
+  };
+  const std::size_t count = layout.strips.size();
+  std::vector<Done> done(count);
+  std::mutex telling;
+  std::size_t told = 0;
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    check_interrupt(hooks);
+    PosedStrip posed = pose_strip(layout.strips[i], settings);
+    done[i].facts = facts_of(posed.strip, posed.motion, settings);
+    done[i].refusals = std::move(posed.motion.refusals);
+    done[i].warnings = std::move(posed.motion.warnings);
+    done[i].strip = make_strip(posed.strip, std::move(posed.motion.poses));
+    const std::scoped_lock lock(telling);
+    hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(++told) / static_cast<double>(count));
+  });
+  for (Done& d : done) {
+    result.program.strips.push_back(std::move(d.strip));
+    result.strips.push_back(std::move(d.facts));
+    std::move(d.refusals.begin(), d.refusals.end(), std::back_inserter(result.refusals));
+    std::move(d.warnings.begin(), d.warnings.end(), std::back_inserter(result.warnings));
+  }
+}
+
 // Slices, fits, poses and verifies at one rib spacing.
 void plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                Stopwatch& watch, PlanResult& result) {
@@ -196,15 +229,7 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
   result.refusals = layout.refusals;
   result.warnings.insert(result.warnings.end(), layout.warnings.begin(), layout.warnings.end());
   watch.lap("fit");
-  for (std::size_t i = 0; i < layout.strips.size(); ++i) {
-    hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(i) / static_cast<double>(layout.strips.size()));
-    check_interrupt(hooks);
-    const auto [strip, motion] = pose_strip(layout.strips[i], settings);
-    result.program.strips.push_back(make_strip(strip, motion));
-    result.strips.push_back(facts_of(strip, motion, settings));
-    result.refusals.insert(result.refusals.end(), motion.refusals.begin(), motion.refusals.end());
-    result.warnings.insert(result.warnings.end(), motion.warnings.begin(), motion.warnings.end());
-  }
+  pose_strips(layout, settings, hooks, result);
   watch.lap("pose");
   hooks.progress("verify", 0.8);
   check_interrupt(hooks);
@@ -259,6 +284,17 @@ void judge(const Settings& settings, PlanResult& result) {
   }
 }
 
+// Ribs follow the facets of the file, not the surface that they stand for.
+void warn_of_facets(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
+  const double chord = mesh_chord_mm(design.mesh);
+  const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
+  if (chord <= allowed) return;
+  result.warnings.push_back(fmt::format(
+      "design: height of the facets' chords ({:.3g} mm, limit {:.3g} mm): mesh the design finer, or "
+      "ribs are bent and split to follow its facets",
+      chord, allowed));
+}
+
 PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
   PoseErrors share;
   for (const StripFacts& f : strips) {
@@ -301,6 +337,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
     plan_once(design, settings, hooks, watch, result);
   }
   judge(settings, result);
+  warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;
   v.deviation_mm = result.verification.deviation;

@@ -277,9 +277,7 @@ class RunLayout {
 
   // Longer ribs than any blade or block need no fit to be told.
   [[nodiscard]] bool may_serve(double u0, double u1) const {
-    double longest = 0;
-    for (const RibTarget& rib : targets_) longest = std::max(longest, (u1 - u0) * rib.s.back());
-    return longest < settings_.blade.free_lengths_mm.back();
+    return (u1 - u0) * longest_rib_mm() < settings_.blade.free_lengths_mm.back();
   }
 
   bool split() {
@@ -291,16 +289,28 @@ class RunLayout {
       listen(attempt);
       return std::nullopt;
     };
-    const Split found = split_ribs(test, {steps(), settings_.fit.max_splits + 1});
+    const Split found = split_ribs(test, {steps(), least_pieces() + settings_.fit.max_splits});
     return !found.lines.empty() && (cut(found.lines) || cut(found.farthest));
+  }
+
+  // Pieces that the longest rib needs for its length alone: no strip is longer than a blade or a block.
+  [[nodiscard]] int least_pieces() const {
+    const auto& stock = settings_.stock.max_size_mm;
+    const double most =
+        std::min(settings_.blade.free_lengths_mm.back(), *std::max_element(stock.begin(), stock.end()));
+    return static_cast<int>(std::ceil(longest_rib_mm() / most));
+  }
+
+  [[nodiscard]] double longest_rib_mm() const {
+    double longest = 0;
+    for (const RibTarget& rib : targets_) longest = std::max(longest, rib.s.back());
+    return longest;
   }
 
   // Lines about 20 mm apart are finer than a seam needs to be placed; 24 steps do for short ribs.
   [[nodiscard]] int steps() const {
     constexpr double kStepMm = 20;
-    double longest = 0;
-    for (const RibTarget& rib : targets_) longest = std::max(longest, rib.s.back());
-    return std::clamp(static_cast<int>(longest / kStepMm), 24, 2400);
+    return std::clamp(static_cast<int>(longest_rib_mm() / kStepMm), 24, 2400);
   }
 
   // Adds ribs where the surface between them is off; false when it is near enough everywhere.

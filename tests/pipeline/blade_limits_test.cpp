@@ -94,7 +94,7 @@ TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
   const Ended ended = plan(arc(400, 0.6), {"blade.free_lengths_mm=[250]", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(ended.err,
-              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 40 mm\\)"));
+              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 41.6 mm\\)"));
 }
 
 TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {

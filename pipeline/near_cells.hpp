@@ -1,0 +1,27 @@
+// Which cells of a grid hold points or lie next to a cell that does: a quick answer to "is anything near?".
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace hotblade::pipeline {
+
+class NearCells {
+ public:
+  // Cells of edge `near_mm` > 0 around finite points (std::logic_error).
+  NearCells(std::span<const Eigen::Vector3d> points, double near_mm);
+
+  // True wherever a point lies within near_mm; may be true up to 2 sqrt(3) near_mm away.
+  [[nodiscard]] bool holds(const Eigen::Vector3d& p) const;
+
+ private:
+  using Cell = std::array<std::int64_t, 3>;
+  [[nodiscard]] Cell cell(const Eigen::Vector3d& p) const;
+  double edge_mm_;
+  std::vector<Cell> cells_;  // sorted, each once
+};
+
+}  // namespace hotblade::pipeline
