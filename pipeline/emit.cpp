@@ -88,6 +88,8 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"duration_s", f.duration_s},
           {"cut_s", f.cut_s},
           {"feed_slowest_mm_s", f.slowest_feed_mm_s},
+          {"plane_turn_rad", f.plane_turn_rad},
+          {"off_plane_mm", f.off_plane_mm},
           {"stock_volume_mm3", f.stock_volume_mm3},
           {"foam_kept_share", foam_kept_share(strip)},
           {"stock_size_mm", vector_json(strip.stock.size_mm)},
@@ -98,7 +100,10 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
 Json ranking_json(const std::vector<DirectionScore>& ranking) {
   Json list = Json::array();
   for (const DirectionScore& d : ranking) {
+    Json axis;
+    if (d.fan) axis = {{"point", vector_json(d.fan->point)}, {"direction", vector_json(d.fan->direction)}};
     list.push_back({{"normal", vector_json(d.normal)},
+                    {"fan_axis", axis},
                     {"strips", d.strips},
                     {"estimated", d.estimated},
                     {"deviation_mm", d.deviation_mm},

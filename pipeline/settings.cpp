@@ -99,14 +99,17 @@ struct Reader {
     return values;
   }
 
-  std::array<double, 3> triple() const {
-    const std::string wanted = "a list of 3 numbers";
+  template <std::size_t N>
+  std::array<double, N> tuple() const {
+    const std::string wanted = "a list of " + std::to_string(N) + " numbers";
     const std::vector<double> values = numbers(wanted);
-    if (values.size() != 3) {
+    if (values.size() != N) {
       fail(where,
            full_key(field) + " (" + std::to_string(values.size()) + " numbers, must be " + wanted + ")");
     }
-    return {values[0], values[1], values[2]};
+    std::array<double, N> fixed;
+    std::copy(values.begin(), values.end(), fixed.begin());
+    return fixed;
   }
 
   void operator()(double* place) const { *place = number(node, "a number"); }
@@ -123,8 +126,11 @@ struct Reader {
     *place = *text;
   }
   void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
-  void operator()(std::array<double, 3>* place) const { *place = triple(); }
-  void operator()(std::optional<std::array<double, 3>>* place) const { *place = triple(); }
+  void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
+  template <std::size_t N>
+  void operator()(std::optional<std::array<double, N>>* place) const {
+    *place = tuple<N>();
+  }
 };
 
 // ---- checking ----
@@ -154,10 +160,12 @@ struct RangeCheck {
     }
     for (const double value : *v) check(value);
   }
-  void operator()(const std::array<double, 3>* v) const {
+  template <std::size_t N>
+  void operator()(const std::array<double, N>* v) const {
     for (const double value : *v) check(value);
   }
-  void operator()(const std::optional<std::array<double, 3>>* v) const {
+  template <std::size_t N>
+  void operator()(const std::optional<std::array<double, N>>* v) const {
     if (v->has_value()) (*this)(&**v);
   }
 };
@@ -180,6 +188,18 @@ void check_together(const Settings& s, const Origins& origins) {
   };
   has_length("slice.direction", s.slice.direction, "leave it out to have it searched");
   has_length("design.facing", s.design.facing, "leave it out to cut all faces");
+  if (s.slice.fan_axis) {
+    const auto& a = *s.slice.fan_axis;
+    if (std::max({std::abs(a[3]), std::abs(a[4]), std::abs(a[5])}) < kMinDirection) {
+      fail_key(origins, "slice.fan_axis",
+               "(direction zero, must have a component of at least " + number_text(kMinDirection) +
+                   "): the last three of its six numbers");
+    }
+    if (s.slice.direction) {
+      fail_key(origins, "slice.fan_axis",
+               "(given with slice.direction, must stand alone): planes are parallel or turn about an axis");
+    }
+  }
   at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.width_mm", s.blade.width_mm);
   if (s.blade.kerf_mm < s.blade.thickness_mm) {
     fail_key(origins, "blade.kerf_mm",

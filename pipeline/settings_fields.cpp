@@ -39,6 +39,10 @@ constexpr SettingField kFields[] = {
     {"slice", "direction", "", -1000, 1000, "",
      "Normal of the rib planes in the design frame, of any length; absent: searched",
      [](S& s) -> Place { return &s.slice.direction; }},
+    {"slice", "fan_axis", "mm", -1e6, 1e6, "",
+     "Line that the rib planes turn about instead, in the design frame: a point x, y, z, then a direction of "
+     "any length",
+     [](S& s) -> Place { return &s.slice.fan_axis; }},
     {"slice", "spacing_mm", "mm", 0.5, 500, "",
      "Largest distance between the sections that ribs are chosen from",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
@@ -140,7 +144,8 @@ struct TomlText {
   std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
   std::optional<std::string> operator()(const std::array<double, 3>* v) const { return list_text(*v); }
-  std::optional<std::string> operator()(const std::optional<std::array<double, 3>>* v) const {
+  template <std::size_t N>
+  std::optional<std::string> operator()(const std::optional<std::array<double, N>>* v) const {
     return v->has_value() ? std::optional(list_text(**v)) : std::nullopt;
   }
 };
@@ -195,8 +200,10 @@ std::string range_text(const SettingField& field) {
   }
   const std::string range = number_text(field.min) + " to " + number_text(field.max);
   if (std::holds_alternative<double*>(place) || std::holds_alternative<int*>(place)) return range;
-  const bool list = std::holds_alternative<std::vector<double>*>(place);
-  return std::string(list ? "1 to 100 numbers" : "3 numbers") + ", each " + range;
+  const char* count = "3 numbers";
+  if (std::holds_alternative<std::vector<double>*>(place)) count = "1 to 100 numbers";
+  if (std::holds_alternative<std::optional<std::array<double, 6>>*>(place)) count = "6 numbers";
+  return std::string(count) + ", each " + range;
 }
 
 }  // namespace hotblade::pipeline

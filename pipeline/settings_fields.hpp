@@ -15,8 +15,9 @@
 namespace hotblade::pipeline {
 
 // A place inside a Settings value.
-using SettingPlace = std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
-                                  std::optional<std::array<double, 3>>*>;
+using SettingPlace =
+    std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
+                 std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
 
 inline constexpr std::string_view kAnyText = "*";
 

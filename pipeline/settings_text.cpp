@@ -9,7 +9,8 @@ namespace {
 constexpr const char* kAbsent = "absent";
 
 struct ToJson {
-  nlohmann::ordered_json operator()(const std::optional<std::array<double, 3>>* v) const {
+  template <std::size_t N>
+  nlohmann::ordered_json operator()(const std::optional<std::array<double, N>>* v) const {
     return v->has_value() ? nlohmann::ordered_json(**v) : nlohmann::ordered_json(nullptr);
   }
   template <typename T>

@@ -100,6 +100,14 @@ Vector3d ragged(double u, double v) {
   return {u, y, 90 - 90 * ((y - 300) / 330) * ((y - 300) / 330) + 25 * std::sin(pi * u / 800)};
 }
 
+// An arch bent round a corner: 400 mm span, its rise 80 to 100 mm, from 300 to 700 mm off the z axis, about
+// which it turns by 69 degrees. u runs at 500 mm off the axis.
+Vector3d corner(double u, double v) {
+  const double turn = (u - 300) / 500, out = 300 + v, across = (v - 200) / 200;
+  const double rise = 80 + 20 * std::sin(pi * u / 600);
+  return {out * std::sin(turn), out * std::cos(turn), rise * (1 - across * across)};
+}
+
 bool has_cell(const SampleSurface& s, int i, int j) {
   return s.has == nullptr || s.has(s.u_mm * (i + 0.5) / s.u_cells, s.v_mm * (j + 0.5) / s.v_cells);
 }
@@ -132,6 +140,7 @@ std::vector<SampleSurface> sample_surfaces() {
       {"branch", "Panel that parts into two arms, 900 mm long", 900, 610, 45, 61, branch, 0.05, 150, 1, "mm",
        beside_the_gap},
       {"ragged", "Arch with ragged borders, 800 x 600 mm", 800, 600, 60, 50, ragged, 0.13, 150},
+      {"corner", "Arch of 400 mm span bent round a corner of 69 degrees", 600, 400, 60, 44, corner, 0.1, 150},
   };
 }
 

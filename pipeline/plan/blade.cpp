@@ -73,7 +73,9 @@ constexpr double kSagShare = 0.25;
 // A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
 struct PlacedRib {
   const RibFit& rib;
-  StockRect rect;
+  // Of its own plane and, where planes turn, half-way to its neighbours': the block's corners come nearer
+  // there.
+  std::vector<StockRect> rects;
   Eigen::Vector3d down;
 };
 
@@ -94,7 +96,6 @@ constexpr double kClearanceReserve = 1.04;
 
 RibCheck check_rib(const PlacedRib& placed, double length, double share, const Settings& settings) {
   const RibFit& rib = placed.rib;
-  const StockRect& rect = placed.rect;
   RibCheck c;
   const double sharpest = max_curvature_per_mm(settings.blade);
   const double own = elastica::ElasticaCurve(rib.elastica).max_abs_curvature();
@@ -111,10 +112,12 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
-  c.clearance = std::min(rect.distance(a.position()), rect.distance(b.position()));
+  c.clearance = std::numeric_limits<double>::infinity();
+  for (const StockRect& rect : placed.rects)
+    c.clearance = std::min({c.clearance, rect.distance(a.position()), rect.distance(b.position())});
   if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
   const double s0 = share * spare;
-  const FreeParts free = examine_free_parts(curve, s0, s0 + rib.elastica.length, rect);
+  const FreeParts free = examine_free_parts(curve, s0, s0 + rib.elastica.length, placed.rects.front());
   if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
   if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(curve);
@@ -331,14 +334,17 @@ Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes, const S
 BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
                          const Settings& settings) {
   std::vector<PlacedRib> placed;
-  for (const RibFit& rib : ribs) {
-    const Frame plane = axes.plane(rib.offset_mm);
-    // Level planes see gravity along their normals exactly.
-    const Eigen::Vector3d down = block.tilted
-                                     ? Eigen::Vector3d(block.sweep.dot(plane.x), block.sweep.dot(plane.y),
-                                                       block.sweep.dot(plane.normal()))
-                                     : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
-    placed.push_back({rib, block.seen_from(plane), down});
+  for (std::size_t i = 0; i < ribs.size(); ++i) {
+    const double offset = ribs[i].offset_mm;
+    const Frame plane = axes.plane(offset);
+    PlacedRib& rib =
+        placed.emplace_back(PlacedRib{ribs[i], {block.seen_from(plane)}, -Eigen::Vector3d::UnitZ()});
+    if (!block.tilted) continue;  // level planes see gravity along their normals exactly
+    const Eigen::Vector3d& down = block.sweep;
+    rib.down = {down.dot(plane.x), down.dot(plane.y), down.dot(plane.normal())};
+    if (i > 0) rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i - 1].offset_mm))));
+    if (i + 1 < ribs.size())
+      rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
   }
   BladeReport report;
   int furthest = -1;

@@ -75,7 +75,7 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
           {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
           {"joint_fit", std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
-          {"interpolation", interpolation_mm(program)},
+          {"interpolation", interpolation_mm(program) + errors.off_plane_mm},
           {"quantisation", kQuantisationMm},
           {"gravity_droop", errors.droop_mm},
           {"gravity_in_plane", errors.in_plane_mm},

@@ -17,6 +17,7 @@ struct PoseErrors {
   double in_plane_mm = 0;   // by the first-order change of the shape in a tilted plane
   double clamp_mm = 0;      // by the clamps' errors times the sensitivity of the shape
   double joint_fit_mm = 0;  // the ribs' largest deviation above that of each rib's own fit
+  double off_plane_mm = 0;  // between waypoints whose planes are not parallel
 };
 
 // Height of the mesh's chords over the surface it stands for, from the angle between neighbouring faces: 99%

@@ -21,11 +21,11 @@ constexpr double kUncoveredWeight = 100;
 // A blade that has turned this far over a rib has left the block by its sides.
 constexpr double kTurnPerStrip = 2;
 
-double extent(const surface::TriangleMesh& mesh, const Eigen::Vector3d& n) {
-  double low = n.dot(mesh.vertices.front()), high = low;
+double extent(const surface::TriangleMesh& mesh, const surface::PlaneFamily& planes) {
+  double low = planes.offset(mesh.vertices.front()), high = low;
   for (const Eigen::Vector3d& p : mesh.vertices) {
-    low = std::min(low, n.dot(p));
-    high = std::max(high, n.dot(p));
+    low = std::min(low, planes.offset(p));
+    high = std::max(high, planes.offset(p));
   }
   return high - low;
 }
@@ -37,11 +37,13 @@ struct Coarse {
   double slab_mm = 0;
 };
 
-Coarse coarse_targets(const surface::DesignSurface& design, const Eigen::Vector3d& n, int planes,
+Coarse coarse_targets(const surface::DesignSurface& design, const DirectionScore& of, int planes,
                       const Settings& settings) {
   surface::SliceOptions options;
-  options.normal = n;
-  const double wide = extent(design.mesh, n);
+  options.normal = of.normal;
+  options.fan = of.fan;
+  const double wide = extent(
+      design.mesh, of.fan ? fan_about(design.mesh, *of.fan) : surface::PlaneFamily::parallel(of.normal));
   if (!(wide > 2 * planes * options.end_inset_mm)) return {};
   // Rounding must not add a plane.
   options.spacing_mm = (1 + 1e-9) * wide / planes;
@@ -53,6 +55,15 @@ Coarse coarse_targets(const surface::DesignSurface& design, const Eigen::Vector3
 // of the largest on a rib.
 double area_between(double length_a, double length_b, double distance, double slope) {
   return 0.5 * (length_a + length_b) * distance / std::cos(0.5 * slope);
+}
+
+// How far a rib's points move for each mm of offset, on average: less than 1 where planes turn.
+double mean_rate(const ChainTarget& chain, const RibTarget& rib) {
+  if (!chain.planes.turns()) return 1;
+  double sum = 0;
+  for (std::size_t i = 1; i < rib.points.size(); ++i)
+    sum += (rib.s[i] - rib.s[i - 1]) * chain.rate(0.5 * (rib.points[i - 1] + rib.points[i]));
+  return sum / rib.s.back();
 }
 
 double turning(const RibTarget& rib) {
@@ -103,13 +114,14 @@ void finish(DirectionScore& result, double covered_mm2, const surface::DesignSur
 
 // Strips by length, turning and extent along the sweep alone.
 DirectionScore estimate(const surface::DesignSurface& design, const Eigen::Vector3d& n,
-                        const Settings& settings) {
+                        const Settings& settings, const std::optional<surface::FanAxis>& fan = {}) {
   DirectionScore result{n};
+  result.fan = fan;
   double area = 0;
   const double longest = settings.blade.free_lengths_mm.back() - 2 * settings.stock.clearance_mm;
   const double block =
       *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end());
-  const Coarse coarse = coarse_targets(design, n, kEstimatePlanes, settings);
+  const Coarse coarse = coarse_targets(design, result, kEstimatePlanes, settings);
   result.raggedness = raggedness(coarse.targets);
   result.steepness = steepness(coarse.targets);
   for (const ChainTarget& chain : coarse.targets.chains) {
@@ -117,7 +129,8 @@ DirectionScore estimate(const surface::DesignSurface& design, const Eigen::Vecto
     for (const RibTarget& rib : chain.ribs) {
       pieces = std::max(
           {pieces, rib.s.back() / std::max(1.0, std::min(longest, block)), turning(rib) / kTurnPerStrip});
-      area += area_between(rib.s.back(), rib.s.back(), coarse.slab_mm, rib.max_slope_rad);
+      area +=
+          mean_rate(chain, rib) * area_between(rib.s.back(), rib.s.back(), coarse.slab_mm, rib.max_slope_rad);
     }
     const double sweep = coarse.slab_mm + chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
     result.strips += static_cast<std::size_t>(std::ceil(pieces) * std::ceil(sweep / block));
@@ -131,7 +144,7 @@ DirectionScore plan_coarsely(const surface::DesignSurface& design, const Eigen::
   DirectionScore result{n};
   result.estimated = false;
   double area = 0;
-  const Coarse coarse = coarse_targets(design, n, kCoarsePlanes, settings);
+  const Coarse coarse = coarse_targets(design, result, kCoarsePlanes, settings);
   result.raggedness = raggedness(coarse.targets);
   result.steepness = steepness(coarse.targets);
   const StripLayout layout = lay_out_strips(coarse.targets, settings);
@@ -159,6 +172,11 @@ void sort_by_score(std::vector<DirectionScore>& ranking, std::size_t count) {
 }  // namespace
 
 std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design, const Settings& settings) {
+  if (settings.slice.fan_axis) {
+    const auto& a = *settings.slice.fan_axis;
+    const surface::FanAxis axis{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
+    return {estimate(design, fan_about(design.mesh, axis).normal(0), settings, axis)};
+  }
   if (settings.slice.direction) {
     const auto& d = *settings.slice.direction;
     return {estimate(design, Eigen::Vector3d(d[0], d[1], d[2]).normalized(), settings)};

@@ -12,6 +12,7 @@
 #include "elastica/stability.hpp"
 #include "pipeline/plan/blade_check.hpp"
 #include "pipeline/plan/blade_path.hpp"
+#include "pipeline/plan/clamp_plane.hpp"
 #include "pipeline/plan/time_law.hpp"
 
 namespace hotblade::pipeline {
@@ -214,6 +215,8 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   // Registers count time in u32 microseconds.
   constexpr double kLongest_s = 4294.0;
   limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
+  limit("distance of the clamps from a common plane", motion.off_plane_mm, kMaxOffPlaneMm, "mm",
+        "lower motion.waypoint_s or motion.feed_mm_s");
   const auto at_least = [&](const std::string& name, double value, double bound, const char* unit,
                             const char* hint) {
     if (!(value >= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
@@ -223,8 +226,11 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
            "raise motion.waypoint_s");
   at_least("clamp height above the table", m.lowest, settings.stock.clearance_mm, "mm",
            "raise machine.plinth_mm");
-  at_least("feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",
-           "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
+  at_least(
+      "feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",
+      strip.planes.turns()
+          ? "the blade would melt too wide there: move slice.fan_axis away or lower motion.min_feed_mm_s"
+          : "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
 }
 
 // Slowest blade point in foam over the cut; the time law starts and stops outside the block.
@@ -266,6 +272,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
     if (motion.poses[i].phase == "cut") motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
   motion.slowest_feed_mm_s = slowest_feed(motion.poses);
+  if (strip.planes.turns()) motion.off_plane_mm = off_plane_mm(motion.poses);
   check_limits(strip, settings, motion);
   check_blade(strip, settings, motion);
   return motion;

@@ -17,6 +17,7 @@ namespace hotblade::pipeline {
 struct BladeMotion {
   std::vector<BladePose> poses;
   double duration_s = 0, cut_s = 0;
+  double off_plane_mm = 0;  // how far the clamps leave a common plane between waypoints, where planes turn
   double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
   // Over all poses.
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;

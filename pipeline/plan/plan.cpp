@@ -132,6 +132,9 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   // The twist tilts the section, whose edges move by half its width.
   f.droop_error_mm = f.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * motion.twist_rad;
   f.stock_volume_mm3 = plan.stock.size_mm.prod();
+  f.plane_turn_rad =
+      plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
+  f.off_plane_mm = motion.off_plane_mm;
   return f;
 }
 
@@ -219,6 +222,7 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
   result.warnings.clear();
   surface::SliceOptions options;
   options.normal = result.ranking.front().normal;
+  options.fan = result.ranking.front().fan;
   options.spacing_mm = result.spacing_mm;
   const surface::RibGraph graph = slice(design, options);
   result.warnings = graph.warnings;
@@ -302,6 +306,7 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
     share.in_plane_mm = std::max(share.in_plane_mm, f.in_plane_sag_mm);
     share.clamp_mm = std::max(share.clamp_mm, f.clamp_error_mm);
     share.joint_fit_mm = std::max(share.joint_fit_mm, f.joint_fit_mm);
+    share.off_plane_mm = std::max(share.off_plane_mm, f.off_plane_mm);
   }
   return share;
 }
@@ -323,7 +328,11 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.settings_json = to_json(settings).dump();
   Stopwatch watch(result.times);
   hooks.progress("direction", 0.05);
-  result.ranking = rank_directions(design, settings);
+  try {
+    result.ranking = rank_directions(design, settings);
+  } catch (const surface::FanError& error) {
+    throw CommandError(Exit::kNotCuttable, error.what());
+  }
   watch.lap("direction");
   hooks.progress("slice", 0.25);
   check_interrupt(hooks);

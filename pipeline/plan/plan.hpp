@@ -38,6 +38,8 @@ struct StripFacts {
   }
   std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
   double stock_volume_mm3 = 0;
+  double plane_turn_rad = 0;  // between the first and the last rib's plane; 0: they are parallel
+  double off_plane_mm = 0;    // how far the clamps leave a common plane between waypoints
 };
 
 // along_a, across_a, turn_a, along_b, across_b, turn_b.
@@ -68,8 +70,9 @@ struct PlanHooks {
   gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
 };
 
-// Plans with the design's health already checked (no blockers). Rib spacing is halved, at most three times,
-// while the deviation between the ribs is over the tolerance.
+// Plans with the design's health already checked (no blockers). Throws CommandError (4) when slice.fan_axis
+// does not go with the design. Rib spacing is halved, at most three times, while the deviation between the
+// ribs is over the tolerance.
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
                               const PlanHooks& hooks);
 

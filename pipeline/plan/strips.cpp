@@ -163,16 +163,18 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
   return attempt;
 }
 
-// Runs of ribs along the sweep that fit the stock's longest edge; neighbouring runs share a rib.
+// Runs of ribs along the sweep that fit the stock's longest edge, `least` of them or more; neighbouring runs
+// share a rib.
 std::vector<std::pair<std::size_t, std::size_t>> sweep_runs(const ChainTarget& chain,
-                                                            const Settings& settings) {
+                                                            const Settings& settings, std::size_t least = 1) {
   const double most =
       *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end()) -
       2 * settings.stock.border_mm;
   if (!(most > 0)) return {{0, chain.ribs.size() - 1}};  // refused later, by its block's size
   const double extent = chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
   const auto count =
-      std::min(chain.ribs.size() - 1, static_cast<std::size_t>(std::max(1.0, std::ceil(extent / most))));
+      std::min(chain.ribs.size() - 1,
+               std::max(least, static_cast<std::size_t>(std::max(1.0, std::ceil(extent / most)))));
   std::vector<std::pair<std::size_t, std::size_t>> runs;
   for (std::size_t i = 0; i < count; ++i) {
     runs.emplace_back((chain.ribs.size() - 1) * i / count, (chain.ribs.size() - 1) * (i + 1) / count);
@@ -337,6 +339,54 @@ class RunLayout {
   bool fitted_ = false, hopeless_ = false;
 };
 
+// A run of a chain's sections, to be laid out on its own.
+using Run = std::pair<const ChainTarget*, std::span<const RibTarget>>;
+
+void add_runs(const ChainTarget& chain, const Settings& settings, std::size_t least, std::vector<Run>& runs) {
+  for (const auto& [first, last] : sweep_runs(chain, settings, least)) {
+    runs.emplace_back(&chain, std::span(chain.ribs).subspan(first, last - first + 1));
+  }
+}
+
+std::vector<StripLayout> lay_out_runs(const std::vector<Run>& runs, const Settings& settings) {
+  std::vector<StripLayout> parts(runs.size());
+  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+    parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
+  });
+  return parts;
+}
+
+// A fan's blocks lie with their middle planes level: more runs tilt the other planes less, so that the blade
+// sags less in them, and fewer splits along the ribs may do. A few numbers of runs are tried; those without a
+// refusal and then with the fewest strips are taken, more runs among equals.
+std::vector<StripLayout> lay_out_fan(const ChainTarget& chain, const Settings& settings) {
+  constexpr double kMostTurnRad = 1.6;  // a quarter turn: the box about a wider piece is nearly all waste
+  constexpr std::size_t kTries = 5;
+  const double turn =
+      chain.planes.angle(chain.ribs.back().offset_mm) - chain.planes.angle(chain.ribs.front().offset_mm);
+  const auto least = static_cast<std::size_t>(std::ceil(turn / kMostTurnRad));
+  std::vector<StripLayout> best;
+  std::pair<std::size_t, std::size_t> fewest;  // refusals, strips
+  for (std::size_t i = 0, count = least; i < kTries; ++i, ++count) {
+    std::vector<Run> runs;
+    add_runs(chain, settings, count, runs);
+    if (i > 0 && runs.size() < count) break;  // no more sections to split at
+    count = std::max(count, runs.size());
+    std::vector<StripLayout> parts = lay_out_runs(runs, settings);
+    std::pair<std::size_t, std::size_t> is{0, 0};
+    for (const StripLayout& part : parts) {
+      is.first += part.refusals.size();
+      is.second += part.strips.size();
+    }
+    if (best.empty() || is <= fewest) {
+      best = std::move(parts);
+      fewest = is;
+    }
+    if (fewest.first == 0 && fewest.second <= runs.size()) break;  // more runs are more strips
+  }
+  return best;
+}
+
 }  // namespace
 
 Frame StripPlan::swept_plane(double offset_mm) const {
@@ -361,16 +411,16 @@ StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings
   StripLayout layout;
   layout.refusals = targets.refusals;
   layout.warnings = targets.warnings;
-  std::vector<std::pair<const ChainTarget*, std::span<const RibTarget>>> runs;
+  std::vector<Run> runs;
+  for (const ChainTarget& chain : targets.chains) add_runs(chain, settings, 1, runs);
+  const bool fan = !targets.chains.empty() && targets.chains.front().planes.turns();
+  std::vector<StripLayout> parts;
+  if (!fan) parts = lay_out_runs(runs, settings);
   for (const ChainTarget& chain : targets.chains) {
-    for (const auto& [first, last] : sweep_runs(chain, settings)) {
-      runs.emplace_back(&chain, std::span(chain.ribs).subspan(first, last - first + 1));
-    }
+    if (!fan) break;
+    std::vector<StripLayout> more = lay_out_fan(chain, settings);
+    std::move(more.begin(), more.end(), std::back_inserter(parts));
   }
-  std::vector<StripLayout> parts(runs.size());
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-    parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
-  });
   int number = 1;
   for (StripLayout& part : parts) {
     name_strips(part, number);

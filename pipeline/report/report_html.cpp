@@ -214,7 +214,10 @@ std::string ranking_section(const PlanResult& result) {
         n.x(), n.y(), n.z(), d.strips, 100 * d.covered_share, d.score,
         d.estimated ? "estimated" : "planned coarsely");
   }
-  html += "</table><p class=\"note\">The first one is taken; slice.direction fixes another.";
+  html +=
+      result.ranking.front().fan
+          ? "</table><p class=\"note\">The planes turn about slice.fan_axis; this is the middle one's normal."
+          : "</table><p class=\"note\">The first one is taken; slice.direction fixes another.";
   if (shown < result.ranking.size())
     html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
   return html + "</p>\n";

@@ -156,6 +156,8 @@ TEST(Settings, EveryNumberIsCheckedForRangeAndFiniteness) {
     std::string before, after;
     if (info.range.starts_with("3 numbers")) {
       before = "[200, 200, ", after = "]";
+    } else if (info.range.starts_with("6 numbers")) {
+      before = "[200, 200, 200, 200, 200, ", after = "]";
     } else if (info.range.starts_with("1 to 100 numbers")) {
       before = "[", after = "]";
     } else if (info.range.find(" to ") == std::string::npos) {
@@ -178,6 +180,10 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_THAT(set_error("blade.free_lengths_mm=[400, 400]"), HasSubstr("not ascending"));
   EXPECT_THAT(set_error("blade.free_lengths_mm=[]"), HasSubstr("0 numbers"));
   EXPECT_THAT(set_error("slice.direction=[0, 0, 0]"), HasSubstr("zero"));
+  EXPECT_THAT(set_error("slice.fan_axis=[1, 2, 3, 0, 0, 0]"), HasSubstr("direction zero"));
+  EXPECT_THAT(set_error("slice.fan_axis=[1, 2, 3]"), HasSubstr("3 numbers, must be a list of 6 numbers"));
+  EXPECT_THAT(usage_error({{}, {"slice.direction=[1, 0, 0]", "slice.fan_axis=[0, 0, 0, 0, 0, 1]"}, {}}),
+              HasSubstr("given with slice.direction"));
   EXPECT_THAT(set_error("motion.min_feed_mm_s=8"), HasSubstr("at most motion.feed_mm_s, 7"));
   EXPECT_THAT(set_error("motion.feed_mm_s=101"), HasSubstr("at most motion.travel_mm_s, 100"));
   EXPECT_THAT(set_error("machine.envelope_mm=[4000, 4000, 100]"), HasSubstr("machine.plinth_mm (150"));
@@ -202,7 +208,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   Settings settings;
   settings.design.units = "in";
   settings.design.tolerance_mm = 1.0 / 3.0;
-  settings.slice.direction = {0.1, -1.0 / 7.0, 1};
+  settings.slice.fan_axis = {0.1, -1.0 / 7.0, 1, 0, 2, 1e-3};
   settings.blade.free_lengths_mm = {333.3333333333333, 1000};
   settings.fit.max_splits = 7;
   const std::string text = to_toml(settings);
@@ -210,7 +216,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   EXPECT_EQ(to_toml(back), text);
   EXPECT_EQ(to_json(back), to_json(settings));
   EXPECT_EQ(back.design.tolerance_mm, settings.design.tolerance_mm);
-  EXPECT_EQ(back.slice.direction, settings.slice.direction);
+  EXPECT_EQ(back.slice.fan_axis, settings.slice.fan_axis);
 }
 
 TEST(Settings, JsonHoldsEverySectionAndKey) {
