@@ -116,10 +116,15 @@ void add_strip(const Program& program, std::size_t index, double sample_mm, Swep
 
 void append(const SweptSurface& part, SweptSurface& out) {
   const auto base = static_cast<int>(out.vertices.size());
-  out.vertices.insert(out.vertices.end(), part.vertices.begin(), part.vertices.end());
-  out.normals.insert(out.normals.end(), part.normals.begin(), part.normals.end());
-  out.strip_of_vertex.insert(out.strip_of_vertex.end(), part.strip_of_vertex.begin(),
-                             part.strip_of_vertex.end());
+  const auto add = [&](auto member) {
+    (out.*member).insert((out.*member).end(), (part.*member).begin(), (part.*member).end());
+  };
+  add(&SweptSurface::vertices);
+  add(&SweptSurface::plane_normals);
+  add(&SweptSurface::normals);
+  add(&SweptSurface::strip_of_vertex);
+  add(&SweptSurface::pose_of_vertex);
+  add(&SweptSurface::curvature_per_mm);
   for (const auto& t : part.triangles) out.triangles.push_back({base + t[0], base + t[1], base + t[2]});
 }
 
