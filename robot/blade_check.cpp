@@ -48,6 +48,7 @@ BladeCheck::BladeCheck(const protocol::BladeData& blade, const BladeCheckOptions
     : on_(options.equilibrium), branch_(blade.length_mm(), limits_of(blade, options)) {}
 
 LimitCode BladeCheck::next(const Waypoint& w) {
+  if (!on_) return LimitCode::kNone;
   if (started_) {
     constexpr double kHalfway = 0.5;
     const LimitCode between =

@@ -28,6 +28,7 @@ class BladeCheck {
   BladeCheck() = default;  // checks nothing
   BladeCheck(const protocol::BladeData& blade, const BladeCheckOptions& options);
 
+  [[nodiscard]] bool checks() const { return on_; }
   // The next waypoint of a stream, and the pose halfway to it: between two waypoints in one plane each the
   // interpolated clamps are farthest out of one about there. The way in between is followed for snaps.
   [[nodiscard]] LimitCode next(const Waypoint& waypoint);

@@ -209,7 +209,8 @@ void Controller::sample_due_poses() {
 
 // The pose on the path, with the blade's shape; the limit that the blade breaks there.
 LimitCode Controller::write_pose() {
-  if (job_.executed == 0) return LimitCode::kNone;
+  const bool asked_for = sink_ != nullptr || job_.moved_blade.checks();
+  if (job_.executed == 0 || !asked_for) return LimitCode::kNone;
   const HeldPose now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
   const LimitCode code = job_.moved_blade.move_to(now.a, now.b);
   if (sink_ != nullptr) {
