@@ -55,6 +55,12 @@ double bend_between(const Elastica& p, const Elastica& q) {
          0.5 * (std::abs(p.lambda1 - q.lambda1) + std::abs(p.lambda2 - q.lambda2)) * l * l;
 }
 
+double curvature_bound(const Elastica& e) {
+  const double force = std::hypot(e.lambda1, e.lambda2);
+  const double along = e.lambda1 * std::cos(e.theta) + e.lambda2 * std::sin(e.theta);
+  return std::sqrt(e.kappa * e.kappa + 2 * std::max(0.0, force - along));
+}
+
 BladeBranch::Relative BladeBranch::relative(const Pose& a, const Pose& b) const {
   const Eigen::Matrix3d to_a = a.q.toRotationMatrix().transpose();
   const Eigen::Vector3d d = to_a * (b.p - a.p);
@@ -131,9 +137,12 @@ double BladeBranch::exact_margin() {
   return margin_;
 }
 
+double BladeBranch::largest_curvature_per_mm() const {
+  return elastica::ElasticaCurve(shape_).max_abs_curvature();
+}
+
 BladeFinding BladeBranch::check_limits() {
   constexpr int kEvery = 16;
-  curvature_ = elastica::ElasticaCurve(shape_).max_abs_curvature();
   ++poses_since_margin_;
   const double l = length_mm_, force = std::hypot(shape_.lambda1, shape_.lambda2) * l * l;
   const double limit = limits_.min_margin,
@@ -141,8 +150,11 @@ BladeFinding BladeBranch::check_limits() {
   const bool first = margin_shape_.length <= 0;
   const bool known = margin_ - drop >= limit && limit <= kMarginBoundHolds;
   if (first || poses_since_margin_ >= kEvery || !known) exact_margin();
-  if (!(curvature_ <= limits_.max_curvature_per_mm * (1 + kCurvatureSlack)))
-    return {BladeStatus::kYields, 1 / curvature_, 1 / limits_.max_curvature_per_mm};
+  const double most = limits_.max_curvature_per_mm * (1 + kCurvatureSlack);
+  if (!(curvature_bound(shape_) <= most)) {
+    const double curvature = largest_curvature_per_mm();
+    if (!(curvature <= most)) return {BladeStatus::kYields, 1 / curvature, 1 / limits_.max_curvature_per_mm};
+  }
   if (!(margin_ >= limits_.min_margin)) return {BladeStatus::kUnsafe, margin_, limits_.min_margin};
   return {};
 }

@@ -47,9 +47,10 @@ class BladeBranch {
   // Moves the clamps on; the first pose must be a flat arc. After a snap or beyond its reach the blade is
   // lost: every later call says the same. After the other findings it can be followed on.
   //
-  // Curvature is checked at every pose, stability by its index all the way between two of them. The margin's
-  // value costs more than the shape: it is computed again as soon as the shape has changed by what could
-  // bring it to the limit (kMarginPerBend), and at every sixteenth pose.
+  // Curvature is checked at every pose, exactly where its bound does not settle it, stability by its index
+  // all the way between two of them. The margin's value costs more than the shape: it is computed again as
+  // soon as the shape has changed by what could bring it to the limit (kMarginPerBend), and at every
+  // sixteenth pose.
   BladeFinding move_to(const Pose& a, const Pose& b);
 
   [[nodiscard]] bool lost() const { return lost_.status != BladeStatus::kHeld; }
@@ -58,7 +59,7 @@ class BladeBranch {
   // The blade is pulled straight within the clamps' rounding: its force along the chord cannot be known, and
   // it is taken to be free of it.
   [[nodiscard]] bool taut() const { return taut_; }
-  [[nodiscard]] double largest_curvature_per_mm() const { return curvature_; }
+  [[nodiscard]] double largest_curvature_per_mm() const;
   // Of the last shape it was computed for; exact_margin() computes it for the present one.
   [[nodiscard]] double margin() const { return margin_; }
   double exact_margin();
@@ -81,7 +82,6 @@ class BladeBranch {
   bool started_ = false, taut_ = false;
   elastica::Elastica shape_;
   double theta_ = 0;  // of clamp B against clamp A, not modulo 2 pi
-  double curvature_ = 0;
   double margin_ = 0;
   elastica::Elastica margin_shape_;  // that the margin was computed for
   int poses_since_margin_ = 0;
@@ -96,5 +96,10 @@ inline constexpr double kMarginPerBend = 40, kMarginBoundHolds = 20;
 
 // Size of the change from one shape to another of the same length, both in the axes of their clamp A.
 [[nodiscard]] double bend_between(const elastica::Elastica& p, const elastica::Elastica& q);
+
+// |kappa| is nowhere above this: kappa^2 / 2 - lambda1 cos theta - lambda2 sin theta is the same all along an
+// elastica, so kappa^2 is largest where the tangent points along the force, whether or not it does so
+// somewhere. Exact for circular arcs.
+[[nodiscard]] double curvature_bound(const elastica::Elastica& e);
 
 }  // namespace hotblade::robot

@@ -46,6 +46,30 @@ TEST(BladeBranch, FollowsACircularArcAsItsEndsCloseIn) {
   }
 }
 
+TEST(BladeBranch, TheCurvatureBoundIsNeverBelowTheCurvatureAndIsReached) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int reached = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double l = kBladeLength_mm;
+    const Elastica e{5,
+                     -3,
+                     3 * unit(random),
+                     4 * unit(random) / l,
+                     30 * unit(random) / (l * l),
+                     30 * unit(random) / (l * l),
+                     l};
+    const double largest = elastica::ElasticaCurve(e).max_abs_curvature(), bound = curvature_bound(e);
+    constexpr double kRounding = 1e-9;  // of the bisection and the series
+    ASSERT_GE(bound * (1 + kRounding), largest) << i;
+    if (largest >= bound * (1 - kRounding)) ++reached;
+  }
+  // Many pass the direction of the force.
+  EXPECT_GT(reached, 200);
+  const Elastica arc{0, 0, 1, -0.01, 0, 0, kBladeLength_mm};
+  EXPECT_DOUBLE_EQ(curvature_bound(arc), 0.01);
+}
+
 TEST(BladeBranch, TheShapeHoldsBothClampsToRounding) {
   BladeBranch branch(kBladeLength_mm, kLimits);
   Elastica planned = flat();
