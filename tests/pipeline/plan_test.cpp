@@ -42,14 +42,13 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, PlanSample,
-                         ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5},
-                                           Sample{"hypar", 1, 0.3}, Sample{"bump", 3, 0.5},
-                                           Sample{"saddle", 1, 0.5}, Sample{"vase", 6, 0.3},
-                                           Sample{"window", 4, 0.6}, Sample{"branch", 3, 0.3}),
-                         [](const ::testing::TestParamInfo<Sample>& sample) {
-                           return std::string(sample.param.name);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, PlanSample,
+    ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5}, Sample{"hypar", 1, 0.3},
+                      Sample{"bump", 3, 0.5}, Sample{"saddle", 1, 0.5}, Sample{"vase", 6, 0.3},
+                      Sample{"window", 4, 0.6}, Sample{"branch", 3, 0.3}, Sample{"ragged", 1, 0.3},
+                      Sample{"wave_wall", 6, 0.6}, Sample{"corner", 6, 0.5}),
+    [](const ::testing::TestParamInfo<Sample>& sample) { return std::string(sample.param.name); });
 
 TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
   std::string texts[2];
@@ -173,8 +172,9 @@ TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
   settings.design.tolerance_mm = 0.5;
   settings.machine.plinth_mm = 500;
   const PlanResult result = plan(leaning, settings, {});
-  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(),
-                                 [](const Refusal& r) { return r.limit.find("sag of the blade") != std::string::npos; });
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("sag of the blade") != std::string::npos;
+  });
   EXPECT_TRUE(named);
   EXPECT_EQ(result.program.verification.status, "refused");
 }
