@@ -80,9 +80,10 @@ Cover cover(std::vector<Arc> arcs) {
 
 }  // namespace
 
-PlaneFamily PlaneFamily::parallel(const Vector3d& normal) {
+PlaneFamily PlaneFamily::parallel(const Vector3d& normal, const Vector3d& centre) {
   PlaneFamily family;
   family.normal_ = normal;
+  family.centre_ = centre;
   return family;
 }
 
@@ -106,7 +107,7 @@ PlaneFamily PlaneFamily::fan(const FanAxis& axis, const Vector3d& reference, dou
 }
 
 double PlaneFamily::offset(const Vector3d& p) const {
-  if (!turns()) return normal_.dot(p);
+  if (!turns()) return normal_.dot(p - centre_);
   const Vector3d d = p - centre_;
   return radius_mm_ * std::atan2(normal_.dot(d), reference_.dot(d));
 }
@@ -141,9 +142,19 @@ std::string PlaneFamily::describe(double offset_mm) const {
     std::snprintf(text.data(), text.size(), "%.3f degrees about the axis",
                   angle(offset_mm) * 180 / std::numbers::pi);
   } else {
-    std::snprintf(text.data(), text.size(), "normal . p = %.3f mm", offset_mm);
+    std::snprintf(text.data(), text.size(), "normal . p = %.3f mm", normal_.dot(centre_) + offset_mm);
   }
   return text.data();
+}
+
+PlaneFamily parallel_about(const TriangleMesh& mesh, const Vector3d& normal) {
+  if (mesh.vertices.empty()) throw std::logic_error("parallel_about: the design has no vertices");
+  Vector3d low = mesh.vertices.front(), high = low;
+  for (const Vector3d& p : mesh.vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return PlaneFamily::parallel(normal.normalized(), low + 0.5 * (high - low));
 }
 
 PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {

@@ -21,14 +21,15 @@ struct FanError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Parallel: plane k is { p : normal . p = offset }. Fan: offset is the angle about the axis times a fixed
-// radius, that of the outermost point of the design, so that offsets are distances between the planes there.
-// A direction that is carried along by the planes is given at offset 0 and `turned` to others.
+// Parallel: plane k is { p : normal . (p - centre) = offset }. Fan: offset is the angle about the axis times
+// a fixed radius, that of the outermost point of the design, so that offsets are distances between the planes
+// there. A direction that is carried along by the planes is given at offset 0 and `turned` to others.
 class PlaneFamily {
  public:
   PlaneFamily() = default;  // parallel planes square to x
-  // `normal` is a unit vector.
-  [[nodiscard]] static PlaneFamily parallel(const Eigen::Vector3d& normal);
+  // `normal` is a unit vector; offset 0 goes through `centre`.
+  [[nodiscard]] static PlaneFamily parallel(const Eigen::Vector3d& normal,
+                                            const Eigen::Vector3d& centre = Eigen::Vector3d::Zero());
   // Offset 0 is the half plane towards `reference`, a direction that need not be square to the axis; offsets
   // grow right-handed about the axis. Throws std::logic_error when an argument is not finite, the radius not
   // positive, or the reference along the axis.
@@ -37,7 +38,8 @@ class PlaneFamily {
 
   [[nodiscard]] bool turns() const { return radius_mm_ > 0; }
   [[nodiscard]] double radius_mm() const { return radius_mm_; }  // 0: parallel
-  // A point of every plane: on the axis, or the origin, which stands for none, of parallel planes.
+  // On the axis: a point of every plane; of parallel planes a point of the one at offset 0. In-plane
+  // coordinates are measured from it.
   [[nodiscard]] const Eigen::Vector3d& centre() const { return centre_; }
   [[nodiscard]] const Eigen::Vector3d& axis() const { return axis_; }  // unit; zero: parallel
 
@@ -61,6 +63,10 @@ class PlaneFamily {
   Eigen::Vector3d axis_ = Eigen::Vector3d::Zero(), reference_ = Eigen::Vector3d::Zero();
   double radius_mm_ = 0;
 };
+
+// Parallel planes for this design: offset 0 in the middle of its bounding box, so that offsets and in-plane
+// coordinates move with the design and have the same digits wherever it lies.
+[[nodiscard]] PlaneFamily parallel_about(const TriangleMesh& mesh, const Eigen::Vector3d& normal);
 
 // The fan about an axis for this design: offset 0 in the middle of the angle that the design takes up, the
 // radius that of its outermost vertex. Throws FanError when the axis crosses the design or comes nearer to it

@@ -188,7 +188,7 @@ std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& 
 RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   check(design, options);
   const PlaneFamily planes =
-      options.fan ? fan_about(design.mesh, *options.fan) : PlaneFamily::parallel(options.normal.normalized());
+      options.fan ? fan_about(design.mesh, *options.fan) : parallel_about(design.mesh, options.normal);
   const auto [u, v] = plane_axes(planes.normal(0));
   std::vector<double> offsets = spread_planes(design.mesh, planes, options);
   if (offsets.empty()) {

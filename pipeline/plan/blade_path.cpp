@@ -76,7 +76,7 @@ Forming form(const BladeShape& shape, double min_margin) {
 // Of parallel planes: where the block ends on the waste side.
 double stock_top_mm(const StripPlan& strip) {
   const Frame& block = strip.stock.frame;
-  return (block.origin + strip.stock.size_mm.y() * block.y).dot(strip.y);
+  return (block.origin + strip.stock.size_mm.y() * block.y - strip.planes.centre()).dot(strip.y);
 }
 
 // How far the block reaches beyond the plane at an offset: against and along the sweep and to the waste side.

@@ -6,12 +6,12 @@
 namespace hotblade::pipeline {
 
 Frame RibAxes::plane(double offset_mm) const {
-  if (!planes.turns()) return {offset_mm * sweep, x, y};
+  if (!planes.turns()) return {planes.centre() + offset_mm * sweep, x, y};
   return {planes.centre(), planes.turned(x, offset_mm), planes.turned(y, offset_mm)};
 }
 
 double RibAxes::offset(const Frame& frame) const {
-  if (!planes.turns()) return frame.origin.dot(sweep);
+  if (!planes.turns()) return (frame.origin - planes.centre()).dot(sweep);
   const Eigen::Vector3d normal =
       x.cross(y).dot(sweep) > 0 ? frame.normal() : Eigen::Vector3d(-frame.normal());
   const double angle = std::atan2(planes.axis().dot(sweep.cross(normal)), sweep.dot(normal));

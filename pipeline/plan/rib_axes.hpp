@@ -6,13 +6,13 @@
 
 namespace hotblade::pipeline {
 
-// A rib's point (u, v) lies at u x + v y in its plane. The directions are those of the plane at offset 0;
-// parallel planes keep them, a fan turns them. x cross y = +-sweep, which points to larger offsets.
+// A rib's point (u, v) lies at u x + v y from its plane's origin. The directions are those of the plane at
+// offset 0; parallel planes keep them, a fan turns them. x cross y = +-sweep, which points to larger offsets.
 struct RibAxes {
   surface::PlaneFamily planes;
   Eigen::Vector3d sweep{0, 0, 0}, x{0, 0, 0}, y{0, 0, 0};
 
-  // Axes x, y there; origin on the line along the sweep through the design's origin, or on the fan's axis.
+  // Axes x, y there; origin on the line along the sweep through the planes' centre, or on the fan's axis.
   [[nodiscard]] Frame plane(double offset_mm) const;
   // Of a frame with these axes, wherever its origin lies in its plane.
   [[nodiscard]] double offset(const Frame& frame) const;

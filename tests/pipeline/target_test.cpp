@@ -32,7 +32,7 @@ TEST(MakeTargets, MovesTheTargetByHalfTheBandAlongTheDesignsNormal) {
     const Eigen::Vector3d normal(-std::sin(slope), 0, std::cos(slope));
     for (const RibTarget& rib : chain.ribs) {
       for (const Eigen::Vector2d& q : rib.points) {
-        const Eigen::Vector3d p = q.x() * chain.x + q.y() * chain.y + rib.offset_mm * chain.sweep;
+        const Eigen::Vector3d p = chain.plane(rib.offset_mm).point(q.x(), q.y());
         EXPECT_NEAR(p.dot(normal), 0.5 * (1.0 + 8.0 * std::sin(slope)), 1e-9) << slope;
       }
     }

@@ -45,7 +45,8 @@ void expect_same_sections(const TriangleMesh& mesh, const Eigen::Vector3d& norma
   const Eigen::Vector3d n = graph.planes.normal(0);
   for (const Section& section : graph.sections) {
     std::vector<std::vector<Kernel::Point_3>> polylines;
-    slicer(Kernel::Plane_3(n.x(), n.y(), n.z(), -section.offset_mm), std::back_inserter(polylines));
+    const double height = n.dot(graph.planes.centre()) + section.offset_mm;
+    slicer(Kernel::Plane_3(n.x(), n.y(), n.z(), -height), std::back_inserter(polylines));
     std::erase_if(polylines, [](const auto& line) { return line.size() < 2; });
     double length = 0;
     for (const SectionPiece& piece : section.pieces) length += piece.length_mm;

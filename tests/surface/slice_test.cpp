@@ -63,6 +63,11 @@ std::vector<std::size_t> chain_sizes(const RibGraph& graph) {
   return sizes;
 }
 
+// Along the normal, from the design frame's origin.
+double height(const RibGraph& graph, const Section& section) {
+  return section.offset_mm + graph.planes.normal(0).dot(graph.planes.centre());
+}
+
 // Every piece in one chain; a chain's ribs in consecutive sections, of one sense, the first from the side `u`
 // grows.
 void expect_sound_chains(const RibGraph& graph) {
@@ -88,9 +93,25 @@ TEST(Slice, SpreadsThePlanesEvenlyFromInsetToInset) {
   ASSERT_THAT(g.sections, SizeIs(8));  // ceil(199 / 30) + 1
   EXPECT_EQ(g.planes.normal(0), Vector3d::UnitX());
   for (std::size_t k = 0; k < 8; ++k) {
-    EXPECT_NEAR(g.sections[k].offset_mm, 0.5 + 199.0 * static_cast<double>(k) / 7, 1e-12);
+    EXPECT_NEAR(height(g, g.sections[k]), 0.5 + 199.0 * static_cast<double>(k) / 7, 1e-12);
   }
   EXPECT_THAT(slice(d, along(Vector3d::UnitX(), 1e6)).sections, SizeIs(2));
+}
+
+TEST(Slice, MeasuresFromTheDesignsMiddleWhereverItLies) {
+  const TriangleMesh mesh = dome(400, 150, 30);
+  const Vector3d normal(3, 1, -0.4), by(1e6, -3e6, 2e6);
+  TriangleMesh far = mesh;
+  for (Vector3d& p : far.vertices) p += by;
+  const RibGraph a = slice(from_mesh(mesh), along(normal)), b = slice(from_mesh(far), along(normal));
+  // Coordinates of up to 4e6 mm are multiples of 2^-31 mm: a vertex is off by half of that, the middle by
+  // twice as much (the box's corners and its own rounding), an offset by the square root of 3 times both
+  // together.
+  const double rounding = 6 * std::ldexp(1, -32);
+  EXPECT_LE((b.planes.centre() - a.planes.centre() - by).cwiseAbs().maxCoeff(), rounding);
+  ASSERT_EQ(a.sections.size(), b.sections.size());
+  for (std::size_t k = 0; k < a.sections.size(); ++k)
+    EXPECT_NEAR(a.sections[k].offset_mm, b.sections[k].offset_mm, rounding);
 }
 
 TEST(Slice, CutsAPlateIntoStraightEqualRibs) {
@@ -124,7 +145,7 @@ TEST(Slice, CutsExactlyThroughVertices) {
     const auto& points = section.pieces[0].points;
     ASSERT_THAT(points, SizeIs(6));
     for (std::size_t i = 0; i < 6; ++i) {
-      EXPECT_EQ(points[i].p, Vector3d(section.offset_mm, 20.0 * static_cast<double>(i), 0));
+      EXPECT_EQ(points[i].p, Vector3d(height(g, section), 20.0 * static_cast<double>(i), 0));
     }
   }
   EXPECT_THAT(chain_sizes(g), ::testing::ElementsAre(9U));
@@ -135,7 +156,7 @@ TEST(Slice, CutsDiagonallyThroughVertices) {
   const RibGraph g = slice(from_mesh(grid(8, 8, square)), along(Vector3d(1, 1, 0), 5, std::sqrt(2.0) * 5));
   for (const Section& section : g.sections) {
     ASSERT_THAT(section.pieces, SizeIs(1));
-    const double from_corner = std::min(section.offset_mm, 80 * std::sqrt(2.0) - section.offset_mm);
+    const double from_corner = std::min(height(g, section), 80 * std::sqrt(2.0) - height(g, section));
     EXPECT_NEAR(section.pieces[0].length_mm, 2 * from_corner, 1e-10);
   }
   expect_sound_chains(g);
@@ -146,7 +167,7 @@ TEST(Slice, PutsPointsOnThePlaneAndOnTheMesh) {
   const Vector3d normal = Vector3d(3, 1, -0.4).normalized();
   const RibGraph g = slice(from_mesh(mesh), along(normal));
   for_each_point(g, [&](const Section& section, const SectionPoint& q) {
-    EXPECT_NEAR(normal.dot(q.p), section.offset_mm, 1e-11);
+    EXPECT_NEAR(normal.dot(q.p), height(g, section), 1e-11);
     EXPECT_LT(distance_to_edges(mesh, q.p), 1e-11);
     EXPECT_NEAR(q.normal.norm(), 1, 1e-14);
   });
@@ -199,7 +220,7 @@ TEST(Slice, NormalsConvergeWithTheSquareOfTheMeshSize) {
 TEST(Slice, LengthsOnADomeAreThoseOfCircularArcs) {
   const RibGraph g = slice(from_mesh(dome(400, 150, 300)), along(Vector3d::UnitX(), 50));
   for (const Section& section : g.sections) {
-    const double r = std::sqrt(400 * 400 - section.offset_mm * section.offset_mm);
+    const double r = std::sqrt(400 * 400 - height(g, section) * height(g, section));
     EXPECT_NEAR(section.pieces.at(0).length_mm, 2 * r * std::asin(150 / r), 1e-3);
   }
 }
@@ -249,7 +270,7 @@ TEST(Slice, FollowsTheContoursOfABump) {
   const RibGraph g = slice(from_mesh(grid(160, 160, bump)), along(Vector3d::UnitZ(), 10, 5));
   EXPECT_THAT(chain_sizes(g), ::testing::ElementsAre(g.sections.size(), g.sections.size()));
   for (const Section& section : g.sections) {
-    const double r = std::sqrt(-8000 * std::log(section.offset_mm / 150));
+    const double r = std::sqrt(-8000 * std::log(height(g, section) / 150));
     // Chords of at most 3.6 mm miss the surface by up to 0.06 mm in height where it is steepest bent (1/27
     // mm), that is 0.1 mm in radius at the slope of 0.58 there.
     EXPECT_NEAR(section.pieces.at(0).length_mm + section.pieces.at(1).length_mm, 2 * std::numbers::pi * r,
@@ -277,8 +298,8 @@ TEST(Slice, ReachesUpToTheEdgesOfAWindow) {
   expect_sound_chains(g);
   ASSERT_THAT(g.chains, SizeIs(4));
   const auto reach = [&](const Chain& c) {
-    return std::pair(g.sections[static_cast<std::size_t>(c.ribs.front().section)].offset_mm,
-                     g.sections[static_cast<std::size_t>(c.ribs.back().section)].offset_mm);
+    return std::pair(height(g, g.sections[static_cast<std::size_t>(c.ribs.front().section)]),
+                     height(g, g.sections[static_cast<std::size_t>(c.ribs.back().section)]));
   };
   // The window is open from x = 70 to 130; the planes next to its edges lie 0.05 mm off.
   const std::pair<double, double> expected[] = {
