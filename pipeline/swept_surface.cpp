@@ -23,7 +23,16 @@ std::array<Eigen::Vector3d, 3> marks_of(const BladePose& pose) {
   return marks;
 }
 
-// Poses with foam, one whenever an end or the middle has moved by `sample_mm`; first and last included.
+// Of both ends and the middle the farthest.
+double moved_mm(const std::array<Eigen::Vector3d, 3>& from, const std::array<Eigen::Vector3d, 3>& to) {
+  double moved = 0;
+  for (std::size_t i = 0; i < 3; ++i) moved = std::max(moved, (to[i] - from[i]).norm());
+  return moved;
+}
+
+// Poses with foam, one whenever an end or the middle has moved by `sample_mm`; first and last included. The
+// last one takes the place of one less than half of that before it: the surface's slope is measured between
+// rows, and over a hundredth of a millimetre the registers' micrometre would decide it.
 std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
   std::vector<const BladePose*> rows;
   std::array<Eigen::Vector3d, 3> last;
@@ -32,15 +41,15 @@ std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
   for (const BladePose& pose : strip.poses) {
     if (!pose.foam) continue;
     const auto marks = marks_of(pose);
-    double moved = 0;
-    for (std::size_t i = 0; i < 3 && !rows.empty(); ++i) moved = std::max(moved, (marks[i] - last[i]).norm());
-    if (rows.empty() || moved >= sample_mm) {
+    if (rows.empty() || moved_mm(last, marks) >= sample_mm) {
       rows.push_back(&pose);
       last = marks;
     }
     previous = &pose;
   }
-  if (previous && !rows.empty() && rows.back() != previous) rows.push_back(previous);
+  if (rows.empty() || rows.back() == previous) return rows;
+  if (rows.size() > 1 && moved_mm(last, marks_of(*previous)) < 0.5 * sample_mm) rows.pop_back();
+  rows.push_back(previous);
   return rows;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "pipeline/plan/plan.hpp"
@@ -33,6 +34,27 @@ TEST(SweptSurface, FacesTheWaste) {
     const auto at = [&](std::size_t i) { return cut.vertices[static_cast<std::size_t>(t[i])]; };
     EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).dot(cut.normals[static_cast<std::size_t>(t[0])]), 0);
   }
+}
+
+TEST(SweptSurface, AMicrometreAtTheEndDoesNotTiltIt) {
+  Program program = cylinder_plan().program;
+  std::vector<BladePose>& poses = program.strips[0].poses;
+  const auto last = std::find_if(poses.rbegin(), poses.rend(), [](const BladePose& p) { return p.foam; });
+  ASSERT_NE(last, poses.rend());
+  // A hundredth of a millimetre on along the sweep, and one off: what registers and a log's rate make of an
+  // end.
+  BladePose pose = *last;
+  pose.frame.origin += 1e-2 * Eigen::Vector3d::UnitX() + 1e-3 * Eigen::Vector3d::UnitZ();
+  pose.t += 1e-3;
+  poses.insert(last.base(), pose);
+  double reach = 0;
+  const SweptSurface cut = swept_surface(program);
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    // A micrometre over half a sample of 2.5 mm, and the facets' own slope.
+    EXPECT_LT(std::abs(cut.normals[i].x()), 2e-3);
+    reach = std::max(reach, cut.vertices[i].x());
+  }
+  EXPECT_NEAR(reach, pose.frame.origin.x(), 1e-2);
 }
 
 TEST(Verify, MeasuresADesignMovedAway) {
