@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <tuple>
 
+#include "surface/end_planes.hpp"
 #include "surface/event_planes.hpp"
 #include "surface/place_text.hpp"
 #include "surface/rib_links.hpp"
@@ -51,20 +51,9 @@ std::array<Eigen::Vector3d, 2> plane_axes(const Eigen::Vector3d& normal) {
   return {u, normal.cross(u)};
 }
 
-std::vector<double> spread_planes(const TriangleMesh& mesh, const PlaneFamily& planes,
-                                  const SliceOptions& options) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const auto& t : mesh.triangles) {
-    for (const int v : t) {
-      const double h = planes.offset(mesh.vertices[static_cast<std::size_t>(v)]);
-      low = std::min(low, h);
-      high = std::max(high, h);
-    }
-  }
-  low += options.end_inset_mm;
-  high -= options.end_inset_mm;
+std::vector<double> spread_planes(double low, double high, double spacing_mm) {
   if (!(high > low)) return {};
-  const double steps = std::max(1.0, std::ceil((high - low) / options.spacing_mm));
+  const double steps = std::max(1.0, std::ceil((high - low) / spacing_mm));
   if (steps >= kMostPlanes) {
     throw std::logic_error("slice: too many planes (" + std::to_string(steps + 1) +
                            ", limit 100000): make spacing_mm larger");
@@ -183,6 +172,11 @@ std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& 
   return link_pieces(std::move(sections), spacing);
 }
 
+void move_section(Section& section, const PlaneFamily& planes, double offset_mm) {
+  for (SectionPiece& piece : section.pieces) move_to_plane(piece, planes, section.offset_mm, offset_mm);
+  section.offset_mm = offset_mm;
+}
+
 }  // namespace
 
 RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
@@ -190,7 +184,8 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   const PlaneFamily planes =
       options.fan ? fan_about(design.mesh, *options.fan) : parallel_about(design.mesh, options.normal);
   const auto [u, v] = plane_axes(planes.normal(0));
-  std::vector<double> offsets = spread_planes(design.mesh, planes, options);
+  const EndPlanes ends = end_planes(design.mesh, planes, options);
+  std::vector<double> offsets = spread_planes(ends.taken[0], ends.taken[1], options.spacing_mm);
   if (offsets.empty()) {
     RibGraph flat;
     flat.planes = planes;
@@ -209,6 +204,8 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   }
   cut_loops_open(nodes, planes, offsets, u, v);
   RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v).build();
+  move_section(graph.sections.front(), planes, ends.at[0]);
+  move_section(graph.sections.back(), planes, ends.at[1]);
   graph.warnings = std::move(warnings);
   return graph;
 }

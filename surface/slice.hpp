@@ -61,11 +61,14 @@ struct SliceOptions {
   double min_piece_mm = 5;     // shorter pieces are dropped, with a warning
 };
 
-// Section planes are spread evenly from the first to the last; where chains end or begin on the way, planes
-// are added as far below and above the place as the first and last plane lie inside the design. Closed loops
-// are cut open into two open pieces where the loop is extreme across its longest extent, at the same side in
-// every section. Throws std::logic_error when options are not finite or the design's health has blockers, and
-// FanError when the fan's axis and the design do not go together.
+// Section planes are spread evenly from the first to the last. Where a border runs so nearly along the first
+// or the last that it leaves only a part of a section, the section a little further in is taken and moved
+// along the surface to that plane, so that its ribs say what the strip's end needs (surface/end_planes.hpp).
+// Where chains end or begin on the way, planes are added as far below and above the place as the first and
+// last plane lie inside the design. Closed loops are cut open into two open pieces where the loop is extreme
+// across its longest extent, at the same side in every section. Throws std::logic_error when options are not
+// finite or the design's health has blockers, and FanError when the fan's axis and the design do not go
+// together.
 [[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
 
 }  // namespace hotblade::surface

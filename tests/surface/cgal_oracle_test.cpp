@@ -44,6 +44,8 @@ void expect_same_sections(const TriangleMesh& mesh, const Eigen::Vector3d& norma
   const RibGraph graph = slice(from_mesh(mesh), options);
   const Eigen::Vector3d n = graph.planes.normal(0);
   for (const Section& section : graph.sections) {
+    // The first and the last may be taken a little further in (surface/end_planes.hpp).
+    if (&section == &graph.sections.front() || &section == &graph.sections.back()) continue;
     std::vector<std::vector<Kernel::Point_3>> polylines;
     const double height = n.dot(graph.planes.centre()) + section.offset_mm;
     slicer(Kernel::Plane_3(n.x(), n.y(), n.z(), -height), std::back_inserter(polylines));

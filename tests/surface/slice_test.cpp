@@ -114,6 +114,35 @@ TEST(Slice, MeasuresFromTheDesignsMiddleWhereverItLies) {
     EXPECT_NEAR(a.sections[k].offset_mm, b.sections[k].offset_mm, rounding);
 }
 
+TEST(Slice, TakesWholeSectionsWhereABorderRunsNearlyAlongThePlanes) {
+  // Borders that wave by 0.3 mm along the sweep; the first plane, 0.05 mm inside, meets a part of them only.
+  const auto wavy = [](double s, double t) {
+    const double x = 200 * s + 0.15 * (1 - 2 * s) * std::sin(9 * t);
+    return Vector3d(x, 100 * t, 30 * std::sin(x / 100 + t));
+  };
+  const RibGraph g = slice(from_mesh(grid(60, 90, wavy)), along(Vector3d::UnitX()));
+  ASSERT_THAT(g.chains, SizeIs(1));
+  ASSERT_THAT(g.chains[0].ribs, SizeIs(g.sections.size()));
+  EXPECT_NEAR(height(g, g.sections.front()), -0.15 + 0.05, 1e-3);
+  EXPECT_NEAR(height(g, g.sections.back()), 200.15 - 0.05, 1e-3);
+  for (const std::size_t end : {std::size_t{0}, g.sections.size() - 1}) {
+    const SectionPiece& is = rib(g, g.chains[0].ribs[end]);
+    const double x = height(g, g.sections[end]);
+    EXPECT_LT(is.points.front().p.y(), 0.5);
+    EXPECT_GT(is.points.back().p.y(), 99.5);
+    double length = 0;
+    for (std::size_t i = 0; i < is.points.size(); ++i) {
+      const Vector3d& p = is.points[i].p;
+      EXPECT_NEAR(p.x(), x, 1e-9);
+      // On the surface, gone on beyond its border by 0.3 mm at most: its curvature over that is nothing,
+      // chords of 3.4 mm are 0.002 mm high, and a border's normals are known to first order.
+      EXPECT_NEAR(p.z(), 30 * std::sin(x / 100 + p.y() / 100), 0.01);
+      if (i > 0) length += (p - is.points[i - 1].p).norm();
+    }
+    EXPECT_NEAR(is.length_mm, length, 1e-9);
+  }
+}
+
 TEST(Slice, CutsAPlateIntoStraightEqualRibs) {
   const RibGraph g = slice(from_mesh(grid(13, 7, plate)), along(Vector3d::UnitX()));
   ASSERT_THAT(g.chains, SizeIs(1));
