@@ -67,7 +67,7 @@ struct MotionSettings {
   double waypoint_s = 0.05;  // 0.005 to 0.05
   double preheat_s = 2;
   double approach_mm = 60;  // the blade is formed this far above the stock
-  double lead_mm = 20;      // lead_in and lead_out run this far outside the stock
+  double lead_mm = 0;       // lead_in and lead_out run this far outside the stock; 0: as far as needed
 };
 
 struct MachineSettings {

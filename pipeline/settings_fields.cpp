@@ -116,7 +116,9 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.motion.preheat_s; }},
     {"motion", "approach_mm", "mm", 0, 2000, "", "The blade is bent into shape this far above the stock",
      [](S& s) -> Place { return &s.motion.approach_mm; }},
-    {"motion", "lead_mm", "mm", 0, 500, "", "The cut starts and ends this far outside the stock",
+    {"motion", "lead_mm", "mm", 0, 500, "",
+     "The cut starts and ends this far outside the stock; 0 takes 20, and as far as the clamps need it to "
+     "end",
      [](S& s) -> Place { return &s.motion.lead_mm; }},
 
     {"machine", "envelope_mm", "mm", 100, 100000, "",

@@ -11,6 +11,7 @@
 #include "elastica/continuation.hpp"
 #include "elastica/sensitivity.hpp"
 #include "pipeline/plan/blade.hpp"
+#include "pipeline/plan/blade_path.hpp"
 #include "pipeline/plan/clamp_margins.hpp"
 
 namespace hotblade::pipeline {
@@ -24,19 +25,13 @@ struct PoseCheck {
   robot::BladeSag sag;
 };
 
-double distance_to_block(const Eigen::Vector3d& p, const Stock& stock) {
-  const Eigen::Vector3d d = p - stock.frame.origin;
-  const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-  return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
-}
-
 PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const Block& block,
                      const robot::BladeSection& section) {
   PoseCheck c;
   const elastica::ElasticaCurve curve(pose.blade);
   c.loads = robot::blade_loads(pose.blade, section);
   c.curvature = 1 / c.loads.smallest_radius_mm;
-  c.clearance = std::min(distance_to_block(pose.a.p, strip.stock), distance_to_block(pose.b.p, strip.stock));
+  c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.stock);
   c.cuts = pose.foam.has_value();
   const double s0 = c.cuts ? (*pose.foam)[0] : 0, s1 = c.cuts ? (*pose.foam)[1] : pose.blade.length;
   const FreeParts free = examine_free_parts(curve, s0, s1, block.seen_from(pose.frame));
@@ -158,6 +153,8 @@ class Refuser {
                                 bound, unit, hint});
   }
 
+  [[nodiscard]] const std::string& phase(std::size_t i) const { return motion_.poses[i].phase; }
+
  private:
   [[nodiscard]] std::string rib_name(const BladePose& pose) const {
     const double offset = strip_.offset(pose.frame);
@@ -192,8 +189,11 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
   const std::size_t near =
       first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
   if (!(checks[near].clearance >= stock.clearance_mm)) {
-    refuse(near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
-           "add a longer blade to blade.free_lengths_mm");
+    refuse(
+        near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
+        refuse.phase(near) == "retract"
+            ? "raise motion.lead_mm to stock.clearance_mm or leave it out, which takes as much as is needed"
+            : "add a longer blade to blade.free_lengths_mm");
   }
   const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
   if (!(checks[deep].depth <= kFreePartDepthMm)) {

@@ -132,6 +132,48 @@ BladeShape in_air(BladeShape shape, double offset_mm) {
   return shape;
 }
 
+// The blade withdraws beside the block, shape and all, and is flattened there; u in [0, 1] is the way of
+// both.
+BladeShape withdrawn(const Forming& last, double aside_mm, double u) {
+  BladeShape shape = u <= 0.5 ? last.worked : last.at(2 - 2 * u);
+  shape.blade.y += std::min(1.0, 2 * u) * aside_mm;
+  return shape;
+}
+
+// Where a strip's way out of the block ends along the sweep, and how far to the side it then goes.
+struct WayOut {
+  double end_mm = 0, aside_mm = 0;
+};
+
+// Feed and blade settle over this way.
+constexpr double kLeastLeadMm = 20;
+
+WayOut way_out(const StripPlan& strip, Forming& last, double behind_mm, const Settings& settings) {
+  // As the block lies on one side of the blade's plane, a lead of the clearance keeps the clamps clear
+  // wherever they pass below it. A little more is for rounding.
+  constexpr double kReserve = 1.01;
+  const double given = settings.motion.lead_mm, clear = settings.stock.clearance_mm;
+  const auto with_lead = [&](double lead) -> WayOut {
+    const double end = strip.ribs.back().offset_mm + behind_mm + lead;
+    last.worked.offset_mm = end;
+    return {end, way_out_mm(strip, last, end, settings.stock)};
+  };
+  const WayOut out = with_lead(given > 0 ? given : kLeastLeadMm);
+  if (given > 0 || clear <= kLeastLeadMm) return out;
+  constexpr int kLooks = 64;
+  for (int i = 0; i <= kLooks; ++i) {
+    const BladeShape shape = withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks);
+    if (clamp_clearance_mm(clamps(shape.blade, strip.swept_plane(out.end_mm)), strip.stock) <
+        kReserve * clear)
+      return with_lead(kReserve * clear);
+  }
+  return out;
+}
+
+double lead_in_mm(const MotionSettings& motion) {
+  return motion.lead_mm > 0 ? motion.lead_mm : std::min(kLeastLeadMm, motion.approach_mm);
+}
+
 Pose clamp_pose(const elastica::CurvePoint& p, const Frame& frame) {
   const Eigen::Vector2d t = p.tangent();
   const Eigen::Vector3d tangent = t.x() * frame.x + t.y() * frame.y;
@@ -151,6 +193,15 @@ ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame) {
   return {clamp_pose(blade.at(0), frame), clamp_pose(blade.at(blade.elastica().length), frame)};
 }
 
+double clamp_clearance_mm(const ClampPair& pair, const Stock& stock) {
+  const auto away = [&](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d d = p - stock.frame.origin;
+    const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+    return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
+  };
+  return std::min(away(pair.a.p), away(pair.b.p));
+}
+
 BladePath make_path(const StripPlan& strip, const Settings& settings) {
   const auto spline = std::make_shared<RibSpline>(strip.ribs);
   BladePath path;
@@ -158,17 +209,13 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   marks.first_rib_mm = strip.ribs.front().offset_mm;
   marks.last_rib_mm = strip.ribs.back().offset_mm;
   const auto [before, behind] = ends_of_block(strip, settings.stock.border_mm);
-  marks.start_mm = marks.first_rib_mm - (before + settings.motion.lead_mm);
-  marks.end_mm = marks.last_rib_mm + (behind + settings.motion.lead_mm);
+  marks.start_mm = marks.first_rib_mm - (before + lead_in_mm(settings.motion));
   const double above = marks.first_rib_mm - before - settings.motion.approach_mm;
   const double min_margin = settings.blade.min_margin;
   const Forming first = form(in_air(shape_at(strip, *spline, marks.first_rib_mm), above), min_margin);
-  const Forming last = form(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.end_mm), min_margin);
-  const double aside = way_out_mm(strip, last, marks.end_mm, settings.stock);
-  const auto moved = [](BladeShape shape, double by) {
-    shape.blade.y += by;
-    return shape;
-  };
+  Forming last = form(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.last_rib_mm), min_margin);
+  const WayOut out = way_out(strip, last, behind, settings);
+  marks.end_mm = out.end_mm;
   path.stretches.push_back({"form", false, 200, [first](double u) { return first.at(u); }});
   path.stretches.push_back({"approach", true, 50, [first, marks, above](double u) {
                               return in_air(first.worked, above + u * (marks.start_mm - above));
@@ -179,10 +226,10 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
                                               marks.start_mm + u * (marks.end_mm - marks.start_mm));
                             }});
   path.stretches.push_back(
-      {"retract", false, 50, [last, moved, aside](double u) { return moved(last.worked, u * aside); }});
-  path.stretches.push_back(
-      {"retract", false, 200, [last, moved, aside](double u) { return moved(last.at(1 - u), aside); }});
-  if (auto travel = travel_home(strip, moved(last.at(0), aside), first.at(0), settings))
+      {"retract", false, 50, [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 * u); }});
+  path.stretches.push_back({"retract", false, 200,
+                            [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 + 0.5 * u); }});
+  if (auto travel = travel_home(strip, withdrawn(last, out.aside_mm, 1), first.at(0), settings))
     path.stretches.push_back(std::move(*travel));
   return path;
 }

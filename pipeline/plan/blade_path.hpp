@@ -31,7 +31,8 @@ struct SweepMarks {
 };
 
 struct BladePath {
-  std::vector<Stretch> stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform, travel
+  std::vector<Stretch>
+      stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform, travel
   SweepMarks marks;
 };
 
@@ -44,5 +45,7 @@ struct ClampPair {
 };
 [[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
 [[nodiscard]] ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame);
+// Of the nearer clamp from the block; 0 inside.
+[[nodiscard]] double clamp_clearance_mm(const ClampPair& pair, const Stock& stock);
 
 }  // namespace hotblade::pipeline

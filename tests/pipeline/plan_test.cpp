@@ -160,6 +160,31 @@ TEST(Plan, WithoutPreheatStillGivesAReadableProgram) {
   EXPECT_NO_THROW((void)parse_program(to_json(result.program), "program.json"));
 }
 
+// Bent by 137 degrees: the clamps hang below the block's sides, and pass below it when the blade withdraws.
+surface::DesignSurface half_tube() {
+  return grid_design("half_tube", 8, 160, [](double u, double v) {
+    const double phi = 2.4 * (v - 0.5);
+    return Eigen::Vector3d(200 * u, 150 * std::sin(phi), 150 * std::cos(phi));
+  });
+}
+
+TEST(Plan, TakesALeadThatKeepsTheClampsClearWhenTheBladeWithdraws) {
+  Settings settings = along_x();
+  const PlanResult result = plan(half_tube(), settings, {});
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+  for (const StripFacts& f : result.strips) EXPECT_GE(f.clamp_clearance_mm, settings.stock.clearance_mm);
+}
+
+TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {
+  Settings settings = along_x();
+  settings.motion.lead_mm = 20;
+  const PlanResult result = plan(half_tube(), settings, {});
+  const bool said = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return describe(r).find("raise motion.lead_mm to stock.clearance_mm") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
+}
+
 TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
   // The cylinder leans along the sweep, so that sag out of the rib plane moves the surface.
   const auto leaning = grid_design("leaning", 60, 60, [](double u, double v) {
