@@ -1,12 +1,9 @@
 // Writes the sample designs: make_samples DIRECTORY
 // or one of them in a finer mesh:   make_samples FILE.obj NAME TRIANGLES
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <optional>
 #include <string>
 
 #include "samples/sample_surfaces.hpp"
@@ -23,24 +20,12 @@ bool written(const std::filesystem::path& file, const SampleSurface& surface) {
   return static_cast<bool>(out);
 }
 
-// The sample with its cells divided evenly until it has about this many triangles.
-std::optional<SampleSurface> refined(const std::string& name, double triangles) {
-  for (SampleSurface& surface : hotblade::samples::sample_surfaces()) {
-    if (surface.name != name) continue;
-    const double by = std::sqrt(triangles / static_cast<double>(triangle_count(surface)));
-    surface.u_cells = std::max(1, static_cast<int>(std::lround(by * surface.u_cells)));
-    surface.v_cells = std::max(1, static_cast<int>(std::lround(by * surface.v_cells)));
-    return surface;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc == 4) {
     const double triangles = std::atof(argv[3]);
-    const auto surface = refined(argv[2], triangles);
+    const auto surface = hotblade::samples::refined(argv[2], triangles);
     if (!surface || !(triangles >= 2 && triangles <= 1e8)) {
       std::cerr << argv[2] << ", " << argv[3] << ": no such sample or count (2 to 100000000)\n";
       return 2;

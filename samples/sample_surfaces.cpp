@@ -152,6 +152,18 @@ std::size_t triangle_count(const SampleSurface& s) {
   return 2 * cells;
 }
 
+std::optional<SampleSurface> refined(const std::string& name, double triangles) {
+  for (SampleSurface& surface : sample_surfaces()) {
+    if (surface.name != name) continue;
+    const double by = std::sqrt(triangles / static_cast<double>(triangle_count(surface)));
+    surface.u_cells = std::max(1, static_cast<int>(std::lround(by * surface.u_cells)));
+    surface.v_cells = std::max(1, static_cast<int>(std::lround(by * surface.v_cells)));
+    surface.chord_mm /= by * by;
+    return surface;
+  }
+  return std::nullopt;
+}
+
 std::string obj_text(const SampleSurface& s) {
   const double unit_mm = std::string_view(s.units) == "m" ? 1000 : 1;
   std::string text =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct SampleSurface {
 
 // Triangles that the mesh of a sample has.
 [[nodiscard]] std::size_t triangle_count(const SampleSurface& surface);
+
+// A sample with its cells divided evenly until it has about this many triangles; nothing when there is none
+// of that name. The chords' height shrinks in proportion to the triangles' area.
+[[nodiscard]] std::optional<SampleSurface> refined(const std::string& name, double triangles);
 
 // The OBJ text of a sample: vertices to 1e-6 of the unit, each place once, faces counter-clockwise seen from
 // the side of u x v.
