@@ -169,6 +169,7 @@ std::string report_json(const PlanResult& result) {
   report["uncut_mm2"] = v.uncut_mm2;
   report["uncut_share"] = result.verification.uncut_share();
   report["samples"] = {{"cut", result.verification.cut_samples},
+                       {"beyond_design", result.verification.beyond_samples},
                        {"design", result.verification.design_samples}};
   report["budget_mm"] = Json::object();
   for (const auto& [name, mm] : v.budget_mm) report["budget_mm"][name] = mm;

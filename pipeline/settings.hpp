@@ -31,7 +31,8 @@ struct SliceSettings {
   std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
   // Rib planes turn about this line instead: a point of it (mm) and its direction, design frame.
   std::optional<std::array<double, 6>> fan_axis;
-  double spacing_mm = 20;  // largest distance between the sections that ribs are chosen from
+  double spacing_mm = 20;       // largest distance between the sections that ribs are chosen from
+  std::string gaps = "bridge";  // or apart: may one blade cut both sides of a window?
 };
 
 struct FitSettings {

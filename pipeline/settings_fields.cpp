@@ -46,6 +46,9 @@ constexpr SettingField kFields[] = {
     {"slice", "spacing_mm", "mm", 0.5, 500, "",
      "Largest distance between the sections that ribs are chosen from",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
+    {"slice", "gaps", "", 0, 0, "bridge|apart",
+     "Windows and notches: one strip across them where it serves both sides, or a block for each side",
+     [](S& s) -> Place { return &s.slice.gaps; }},
 
     {"fit", "lambda_threshold", "", 0, 10, "",
      "Ribs with a larger lambda-residual are projected before the fit",

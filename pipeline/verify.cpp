@@ -265,7 +265,12 @@ class CutMeasurement {
       double distance = on_design[i].distance;
       const Eigen::Vector3d n = facet(mesh_, on_design[i].triangle).normal();
       if (on_border(mesh_, border_, on_design[i])) {
-        distance = std::abs(n.dot(cut_.vertices[i] - on_design[i].point));
+        const Eigen::Vector3d d = cut_.vertices[i] - on_design[i].point;
+        distance = std::abs(n.dot(d));
+        if ((d - n.dot(d) * n).norm() > near()) {
+          ++report_.beyond_samples;
+          continue;
+        }
       }
       const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
       const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);

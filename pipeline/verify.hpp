@@ -1,7 +1,8 @@
 // The verify stage: the surface a program cuts against the design, both ways.
 //
 // Cut to design: every sample of the as-cut surface. A sample whose nearest design point lies on the design's
-// border has run past the edge; only its distance across the design's plane there counts. Design to cut:
+// border has run past the edge; only its distance across the design's plane there counts, and nothing of it
+// farther than `reach` tolerances past the edge: there is no design to compare it with. Design to cut:
 // every sample of the design; it counts as uncut area, not as deviation, when it lies farther than `reach`
 // tolerances from the cut and its nearest cut point is on the cut's edge, or farther than `far` tolerances
 // from every cut.
@@ -57,6 +58,7 @@ struct VerifyReport {
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
+  std::size_t beyond_samples = 0;      // of the cut: past the design's edge, in a window for example
   bool within_tolerance = false;       // deviation and uncut share both
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip

@@ -110,7 +110,8 @@ class Linker {
         below_.push_back(m.surface_below);
         above_.push_back(m.surface_above);
         stations_.push_back(stations(m.piece));
-        nodes_.push_back({static_cast<int>(k), std::move(m.piece)});
+        nodes_.push_back({static_cast<int>(k), std::move(m.piece), RibNode::kNone, RibNode::kNone,
+                          m.surface_below, m.surface_above});
       }
     }
     first_.push_back(nodes_.size());
@@ -272,10 +273,11 @@ void cut_loops_open(std::vector<RibNode>& nodes, const PlaneFamily& planes, std:
     for (const int n : stack) {
       const LoopInPlane in = in_plane(nodes[static_cast<std::size_t>(n)]);
       auto [there, back] = halve(*in.loop, std::cos(angle) * in.u + std::sin(angle) * in.v);
-      nodes[static_cast<std::size_t>(n)].piece = std::move(there);
+      RibNode& node = nodes[static_cast<std::size_t>(n)];
+      node.piece = std::move(there);
+      node.surface_below = node.surface_above = RibNode::kNone;
       const int twin = static_cast<int>(nodes.size());
-      nodes.push_back(
-          {nodes[static_cast<std::size_t>(n)].section, std::move(back), RibNode::kNone, previous});
+      nodes.push_back({node.section, std::move(back), RibNode::kNone, previous});
       if (previous != RibNode::kNone) nodes[static_cast<std::size_t>(previous)].next = twin;
       previous = twin;
     }

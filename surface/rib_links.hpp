@@ -13,6 +13,8 @@ struct RibNode {
   int section = 0;
   SectionPiece piece;
   int next = kNone, previous = kNone;
+  // As in MarchedPiece; kNone of a loop's halves.
+  int surface_below = kNone, surface_above = kNone;
 };
 
 // Links pieces that are each other's best match in neighbouring sections, open to open and loop to loop.

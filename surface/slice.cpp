@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <tuple>
 
+#include "surface/bridges.hpp"
 #include "surface/end_planes.hpp"
 #include "surface/event_planes.hpp"
 #include "surface/place_text.hpp"
@@ -98,8 +100,8 @@ class Graph {
  public:
   // u, v span the plane at offset 0.
   Graph(std::vector<RibNode> nodes, const PlaneFamily& planes, const std::vector<double>& offsets,
-        const Eigen::Vector3d& u, const Eigen::Vector3d& v)
-      : nodes_(std::move(nodes)), planes_(planes), offsets_(offsets), u_(u), v_(v) {}
+        const Eigen::Vector3d& u, const Eigen::Vector3d& v, double spacing_mm)
+      : nodes_(std::move(nodes)), planes_(planes), offsets_(offsets), u_(u), v_(v), spacing_mm_(spacing_mm) {}
 
   RibGraph build() {
     turn_chains();
@@ -108,6 +110,7 @@ class Graph {
     for (const double offset : offsets_) graph.sections.push_back({offset, {}});
     const std::vector<std::size_t> order = ordered();
     std::vector<RibRef> place(nodes_.size());
+    std::vector<int> chain_of(nodes_.size());
     for (const std::size_t n : order) {
       auto& pieces = graph.sections[static_cast<std::size_t>(nodes_[n].section)].pieces;
       place[n] = {nodes_[n].section, static_cast<int>(pieces.size())};
@@ -118,8 +121,10 @@ class Graph {
       Chain& chain = graph.chains.emplace_back();
       for (int m = static_cast<int>(n); m != RibNode::kNone; m = nodes_[static_cast<std::size_t>(m)].next) {
         chain.ribs.push_back(place[static_cast<std::size_t>(m)]);
+        chain_of[static_cast<std::size_t>(m)] = static_cast<int>(graph.chains.size()) - 1;
       }
     }
+    graph.bridges = find_bridges(graph, joined(chain_of), spacing_mm_);
     return graph;
   }
 
@@ -136,6 +141,24 @@ class Graph {
         std::reverse(points.begin(), points.end());
       }
     }
+  }
+
+  // Chains with pieces in neighbouring sections that the same surface lies between.
+  [[nodiscard]] std::vector<std::array<int, 2>> joined(const std::vector<int>& chain_of) const {
+    std::multimap<std::pair<int, int>, int> below;  // section and surface below it, to chain
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      if (nodes_[n].surface_below != RibNode::kNone)
+        below.insert({{nodes_[n].section, nodes_[n].surface_below}, chain_of[n]});
+    }
+    std::vector<std::array<int, 2>> pairs;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      if (nodes_[n].surface_above == RibNode::kNone) continue;
+      const auto [from, to] = below.equal_range({nodes_[n].section + 1, nodes_[n].surface_above});
+      for (auto b = from; b != to; ++b) {
+        if (b->second != chain_of[n]) pairs.push_back({chain_of[n], b->second});
+      }
+    }
+    return pairs;
   }
 
   [[nodiscard]] Eigen::Vector3d in_plane(const Eigen::Vector3d& at_zero, const RibNode& node) const {
@@ -162,6 +185,7 @@ class Graph {
   PlaneFamily planes_;
   std::vector<double> offsets_;
   Eigen::Vector3d u_, v_;
+  double spacing_mm_;
 };
 
 std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& planes,
@@ -203,7 +227,7 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
     nodes = linked_pieces(design.mesh, planes, offsets, spacing, options, unsaid);
   }
   cut_loops_open(nodes, planes, offsets, u, v);
-  RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v).build();
+  RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v, spacing).build();
   move_section(graph.sections.front(), planes, ends.at[0]);
   move_section(graph.sections.back(), planes, ends.at[1]);
   graph.warnings = std::move(warnings);

@@ -45,10 +45,18 @@ struct Chain {
   std::vector<RibRef> ribs;
 };
 
+// Chains that the surface joins where they begin or end, side by side in their sections with gaps between
+// them: a window, a notch, two arms. One blade could cut them together, through the waste in the gaps.
+struct Bridge {
+  std::vector<int> chains;                // indices, ascending
+  std::vector<std::vector<RibRef>> ribs;  // of consecutive sections: the pieces in order along the section
+};
+
 struct RibGraph {
   PlaneFamily planes;
   std::vector<Section> sections;
   std::vector<Chain> chains;          // disjoint; ordered by first section, then position along the section
+  std::vector<Bridge> bridges;        // disjoint; ordered by first chain
   std::vector<std::string> warnings;  // pieces dropped because they were too short, with place and length
 };
 

@@ -198,8 +198,7 @@ AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& exe
     report.strip = worst.id;
     report.rib = nearest_rib(worst, report.cut.deviation.at);
   }
-  const AsCutBudget budget =
-      as_cut_budget(program, executed, design, report.cut.half_band_mm, options.backend);
+  const AsCutBudget budget = as_cut_budget(program, executed, design, report.cut.half_band_mm, options);
   report.budget_mm = budget.lines_mm;
   report.not_in_budget = budget.missing;
   report.shape_mismatch_mm = budget.shape_mismatch_mm;
@@ -226,7 +225,10 @@ std::string to_json(const AsCutReport& report, const VerifyOptions& options) {
   json["budget_sum_mm"] = report.budget_sum_mm();
   json["not_in_budget"] = report.not_in_budget;
   json["shape_mismatch_mm"] = report.shape_mismatch_mm;
-  json["samples"] = {{"cut", c.cut_samples}, {"design", c.design_samples}, {"touches", report.touch_samples}};
+  json["samples"] = {{"cut", c.cut_samples},
+                     {"beyond_design", c.beyond_samples},
+                     {"design", c.design_samples},
+                     {"touches", report.touch_samples}};
   json["hot_poses"] = report.hot_poses;
   json["executed_s"] = report.executed_s;
   return json.dump(2);

@@ -24,7 +24,9 @@ class RibMeasure {
   RibMeasure(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
       : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices, mesh_.triangles, backend) {}
 
-  [[nodiscard]] double deviation_mm(const Points& points, const Eigen::Vector3d& plane_normal) const {
+  // Of what lies on the design or no farther than `reach_mm` past its border.
+  [[nodiscard]] double deviation_mm(const Points& points, const Eigen::Vector3d& plane_normal,
+                                    double reach_mm) const {
     double worst = 0;
     const std::vector<gpu::Nearest> nearest = to_design_.query(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -32,7 +34,9 @@ class RibMeasure {
       const auto at = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(t[k])]; };
       const Eigen::Vector3d n = (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized();
       // Across the design's plane: a rib may end a little beyond the border.
-      const double across = std::abs(n.dot(points[i] - nearest[i].point));
+      const Eigen::Vector3d d = points[i] - nearest[i].point;
+      const double across = std::abs(n.dot(d));
+      if ((d - n.dot(d) * n).norm() > reach_mm) continue;
       worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normal)));
     }
     return worst;
@@ -48,9 +52,11 @@ struct RibErrors {
   double section_mm = 0, curve_mm = 0, fit_mm = 0;
 };
 
-RibErrors rib_errors(const Program& program, const surface::DesignSurface& design, gpu::Backend backend) {
+RibErrors rib_errors(const Program& program, const surface::DesignSurface& design,
+                     const VerifyOptions& options) {
   constexpr int kSamples = 129;
-  const RibMeasure measure(program, design, backend);
+  const RibMeasure measure(program, design, options.backend);
+  const double reach_mm = options.reach * options.tolerance_mm;
   RibErrors errors;
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) {
@@ -59,8 +65,8 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
       for (const auto& q : elastica::sample(rib.elastica, kSamples))
         curve.push_back(rib.frame.point(q.x, q.y));
       const Eigen::Vector3d normal = rib.frame.normal();
-      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, normal));
-      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, normal));
+      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, normal, reach_mm));
+      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, normal, reach_mm));
       errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
     }
   }
@@ -161,7 +167,8 @@ double share_of_step(const BladePose& from, const BladePose& to, double path_s) 
 }
 
 AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStrip>& executed,
-                          const surface::DesignSurface& design, double half_band_mm, gpu::Backend backend) {
+                          const surface::DesignSurface& design, double half_band_mm,
+                          const VerifyOptions& options) {
   AsCutBudget budget;
   const auto planned = [&](const std::string& name) {
     for (const auto& [line, mm] : program.verification.budget_mm) {
@@ -170,7 +177,7 @@ AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStri
     budget.missing.push_back(name);
     return 0.0;
   };
-  const RibErrors ribs = rib_errors(program, design, backend);
+  const RibErrors ribs = rib_errors(program, design, options);
   MotionErrors motion;
   for (std::size_t i = 0; i < executed.size(); ++i) {
     add_motion_errors(program.strips[i], executed[i], motion);

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "gpu/backend.hpp"
 #include "pipeline/program.hpp"
+#include "pipeline/verify.hpp"
 #include "surface/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -29,7 +29,7 @@ struct AsCutBudget {
 
 [[nodiscard]] AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStrip>& executed,
                                         const surface::DesignSurface& design, double half_band_mm,
-                                        gpu::Backend backend);
+                                        const VerifyOptions& options);
 
 // How far a place on the path, s, lies between two poses of the program, 0 to 1.
 [[nodiscard]] double share_of_step(const BladePose& from, const BladePose& to, double path_s);

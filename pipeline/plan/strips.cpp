@@ -341,6 +341,17 @@ class RunLayout {
 
 // A run of a chain's sections, to be laid out on its own.
 using Run = std::pair<const ChainTarget*, std::span<const RibTarget>>;
+using Parts = std::vector<StripLayout>;
+
+// Refusals, then strips: fewer are better.
+std::pair<std::size_t, std::size_t> cost(const Parts& parts) {
+  std::pair<std::size_t, std::size_t> cost{0, 0};
+  for (const StripLayout& part : parts) {
+    cost.first += part.refusals.size();
+    cost.second += part.strips.size();
+  }
+  return cost;
+}
 
 void add_runs(const ChainTarget& chain, const Settings& settings, std::size_t least, std::vector<Run>& runs) {
   for (const auto& [first, last] : sweep_runs(chain, settings, least)) {
@@ -348,8 +359,8 @@ void add_runs(const ChainTarget& chain, const Settings& settings, std::size_t le
   }
 }
 
-std::vector<StripLayout> lay_out_runs(const std::vector<Run>& runs, const Settings& settings) {
-  std::vector<StripLayout> parts(runs.size());
+Parts lay_out_runs(const std::vector<Run>& runs, const Settings& settings) {
+  Parts parts(runs.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
     parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
   });
@@ -359,25 +370,21 @@ std::vector<StripLayout> lay_out_runs(const std::vector<Run>& runs, const Settin
 // A fan's blocks lie with their middle planes level: more runs tilt the other planes less, so that the blade
 // sags less in them, and fewer splits along the ribs may do. A few numbers of runs are tried; those without a
 // refusal and then with the fewest strips are taken, more runs among equals.
-std::vector<StripLayout> lay_out_fan(const ChainTarget& chain, const Settings& settings) {
+Parts lay_out_fan(const ChainTarget& chain, const Settings& settings) {
   constexpr double kMostTurnRad = 1.6;  // a quarter turn: the box about a wider piece is nearly all waste
   constexpr std::size_t kTries = 5;
   const double turn =
       chain.planes.angle(chain.ribs.back().offset_mm) - chain.planes.angle(chain.ribs.front().offset_mm);
   const auto least = static_cast<std::size_t>(std::ceil(turn / kMostTurnRad));
-  std::vector<StripLayout> best;
+  Parts best;
   std::pair<std::size_t, std::size_t> fewest;  // refusals, strips
   for (std::size_t i = 0, count = least; i < kTries; ++i, ++count) {
     std::vector<Run> runs;
     add_runs(chain, settings, count, runs);
     if (i > 0 && runs.size() < count) break;  // no more sections to split at
     count = std::max(count, runs.size());
-    std::vector<StripLayout> parts = lay_out_runs(runs, settings);
-    std::pair<std::size_t, std::size_t> is{0, 0};
-    for (const StripLayout& part : parts) {
-      is.first += part.refusals.size();
-      is.second += part.strips.size();
-    }
+    Parts parts = lay_out_runs(runs, settings);
+    const auto is = cost(parts);
     if (best.empty() || is <= fewest) {
       best = std::move(parts);
       fewest = is;
@@ -386,6 +393,80 @@ std::vector<StripLayout> lay_out_fan(const ChainTarget& chain, const Settings& s
   }
   return best;
 }
+
+// Every chain on its own, in their order.
+std::vector<Parts> lay_out_chains(const std::vector<const ChainTarget*>& chains, const Settings& settings) {
+  std::vector<Parts> by_chain(chains.size());
+  std::vector<Run> runs;
+  std::vector<std::size_t> chain_of;
+  for (std::size_t c = 0; c < chains.size(); ++c) {
+    if (chains[c]->planes.turns()) {
+      by_chain[c] = lay_out_fan(*chains[c], settings);
+    } else {
+      add_runs(*chains[c], settings, 1, runs);
+    }
+    chain_of.resize(runs.size(), c);
+  }
+  Parts parts = lay_out_runs(runs, settings);
+  for (std::size_t i = 0; i < parts.size(); ++i) by_chain[chain_of[i]].push_back(std::move(parts[i]));
+  return by_chain;
+}
+
+// Chains of the targets, laid out across gaps where that takes fewer strips than the chains beside the gaps
+// on their own. Those are laid out only where they may be as few.
+class ChainLayout {
+ public:
+  ChainLayout(const TargetReport& targets, const Settings& settings)
+      : targets_(targets), settings_(settings), by_chain_(targets.chains.size()) {}
+
+  std::vector<Parts> run() {
+    std::vector<const ChainTarget*> whole;
+    for (const BridgeTarget& bridge : targets_.bridges) whole.push_back(&bridge.target);
+    std::vector<Parts> bridged = lay_out_chains(whole, settings_);
+    std::vector<char> bridged_over(by_chain_.size(), 0);
+    for (std::size_t b = 0; b < bridged.size(); ++b) {
+      const std::vector<std::size_t>& chains = targets_.bridges[b].chains;
+      const auto [refused, strips] = cost(bridged[b]);
+      const bool fewest = refused == 0 && strips < chains.size();  // each chain takes one at least
+      for (const std::size_t c : chains) bridged_over[c] = fewest ? 1 : 0;
+    }
+    lay_out_apart(bridged_over);
+    for (std::size_t b = 0; b < bridged.size(); ++b) {
+      const std::vector<std::size_t>& chains = targets_.bridges[b].chains;
+      if (bridged_over[chains.front()] == 0 && cost(bridged[b]) >= cost_of(chains)) continue;
+      for (const std::size_t c : chains) by_chain_[c].clear();
+      by_chain_[chains.front()] = std::move(bridged[b]);
+    }
+    return std::move(by_chain_);
+  }
+
+ private:
+  void lay_out_apart(const std::vector<char>& bridged_over) {
+    std::vector<const ChainTarget*> chains;
+    std::vector<std::size_t> place;
+    for (std::size_t c = 0; c < by_chain_.size(); ++c) {
+      if (bridged_over[c] != 0) continue;
+      chains.push_back(&targets_.chains[c]);
+      place.push_back(c);
+    }
+    std::vector<Parts> laid = lay_out_chains(chains, settings_);
+    for (std::size_t i = 0; i < laid.size(); ++i) by_chain_[place[i]] = std::move(laid[i]);
+  }
+
+  [[nodiscard]] std::pair<std::size_t, std::size_t> cost_of(const std::vector<std::size_t>& chains) const {
+    std::pair<std::size_t, std::size_t> sum{0, 0};
+    for (const std::size_t c : chains) {
+      const auto [refused, strips] = cost(by_chain_[c]);
+      sum.first += refused;
+      sum.second += strips;
+    }
+    return sum;
+  }
+
+  const TargetReport& targets_;
+  const Settings& settings_;
+  std::vector<Parts> by_chain_;
+};
 
 }  // namespace
 
@@ -411,21 +492,13 @@ StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings
   StripLayout layout;
   layout.refusals = targets.refusals;
   layout.warnings = targets.warnings;
-  std::vector<Run> runs;
-  for (const ChainTarget& chain : targets.chains) add_runs(chain, settings, 1, runs);
-  const bool fan = !targets.chains.empty() && targets.chains.front().planes.turns();
-  std::vector<StripLayout> parts;
-  if (!fan) parts = lay_out_runs(runs, settings);
-  for (const ChainTarget& chain : targets.chains) {
-    if (!fan) break;
-    std::vector<StripLayout> more = lay_out_fan(chain, settings);
-    std::move(more.begin(), more.end(), std::back_inserter(parts));
-  }
   int number = 1;
-  for (StripLayout& part : parts) {
-    name_strips(part, number);
-    std::move(part.strips.begin(), part.strips.end(), std::back_inserter(layout.strips));
-    std::move(part.refusals.begin(), part.refusals.end(), std::back_inserter(layout.refusals));
+  for (Parts& parts : ChainLayout(targets, settings).run()) {
+    for (StripLayout& part : parts) {
+      name_strips(part, number);
+      std::move(part.strips.begin(), part.strips.end(), std::back_inserter(layout.strips));
+      std::move(part.refusals.begin(), part.refusals.end(), std::back_inserter(layout.refusals));
+    }
   }
   return layout;
 }

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "pipeline/plan/bridge.hpp"
 
 namespace hotblade::pipeline {
 
@@ -149,6 +152,56 @@ void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, cons
   }
 }
 
+// One rib of the pieces of a section and what fills the gaps between them; nothing when they cannot be
+// filled.
+std::optional<RibTarget> bridged_rib(const surface::RibGraph& graph, const std::vector<surface::RibRef>& refs,
+                                     const ChainTarget& axes, double waste, const Settings& settings) {
+  std::optional<RibTarget> whole;
+  for (const surface::RibRef& ref : refs) {
+    const surface::Section& section = graph.sections[static_cast<std::size_t>(ref.section)];
+    RibTarget part = offset_rib(section.pieces[static_cast<std::size_t>(ref.piece)], section.offset_mm, axes,
+                                waste, settings);
+    if (part.max_slope_rad > kMaxSlopeRad || part.points.size() < 2) return std::nullopt;
+    if (!whole) {
+      whole = std::move(part);
+      continue;
+    }
+    auto fill = fill_gap(whole->points, part.points);
+    if (!fill) return std::nullopt;
+    fill->insert(fill->end(), part.points.begin(), part.points.end());
+    for (const Eigen::Vector2d& q : *fill) {
+      const double step = (q - whole->points.back()).norm();
+      if (!(step > 0)) continue;
+      whole->s.push_back(whole->s.back() + step);
+      whole->points.push_back(q);
+    }
+    whole->max_slope_rad = std::max(whole->max_slope_rad, part.max_slope_rad);
+  }
+  return whole;
+}
+
+// `target_of` names the one target of each chain of the graph that has just one.
+void add_bridge(const surface::RibGraph& graph, const surface::Bridge& bridge, const Settings& settings,
+                const std::vector<std::optional<std::size_t>>& target_of, TargetReport& report) {
+  BridgeTarget out;
+  surface::Chain all;
+  for (const auto& refs : bridge.ribs) all.ribs.insert(all.ribs.end(), refs.begin(), refs.end());
+  const WasteSide side = waste_side(graph, all, settings.design.keep);
+  if (!set_axes(graph, all, side.sign, out.target)) return;
+  out.target.place = place_of(graph, all);
+  for (const int chain : bridge.chains) {
+    const auto& target = target_of[static_cast<std::size_t>(chain)];
+    if (!target) return;
+    out.chains.push_back(*target);
+  }
+  for (const auto& refs : bridge.ribs) {
+    auto rib = bridged_rib(graph, refs, out.target, side.sign, settings);
+    if (!rib) return;
+    out.target.ribs.push_back(std::move(*rib));
+  }
+  report.bridges.push_back(std::move(out));
+}
+
 }  // namespace
 
 double melted_band_mm(const Settings& settings, double along) {
@@ -157,12 +210,22 @@ double melted_band_mm(const Settings& settings, double along) {
 
 TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings) {
   TargetReport report;
+  std::vector<std::optional<std::size_t>> target_of;
   for (const surface::Chain& chain : graph.chains) {
+    const std::size_t before = report.chains.size(), refused = report.refusals.size();
+    target_of.emplace_back();
     if (chain.ribs.size() >= 2) {
       add_chain(graph, chain, settings, report);
+      const bool whole = report.chains.size() == before + 1 && report.refusals.size() == refused &&
+                         report.chains.back().ribs.size() == chain.ribs.size();
+      if (whole) target_of.back() = before;
     } else {
       report.warnings.push_back(place_of(graph, chain) + ": a single rib makes no strip, left out");
     }
+  }
+  if (settings.slice.gaps == "bridge") {
+    for (const surface::Bridge& bridge : graph.bridges)
+      add_bridge(graph, bridge, settings, target_of, report);
   }
   return report;
 }

@@ -31,8 +31,15 @@ struct ChainTarget : RibAxes {
   std::string place;  // where in the design, for messages
 };
 
+// Chains with gaps between them as one, the gaps filled (plan/bridge.hpp).
+struct BridgeTarget {
+  ChainTarget target;
+  std::vector<std::size_t> chains;  // of TargetReport, ascending: what it may stand for
+};
+
 struct TargetReport {
   std::vector<ChainTarget> chains;
+  std::vector<BridgeTarget> bridges;
   std::vector<Refusal> refusals;      // chains that cannot be targeted at all, with the reason
   std::vector<std::string> warnings;  // ribs left out
 };

@@ -177,8 +177,11 @@ std::string deviation_section(const PlanResult& result) {
   if (v.cut_samples == 0) return "";
   std::string html = fmt::format(
       "<h2>Deviation</h2><p>{} samples of the cut against the design, {} of the design against the "
-      "cut.</p>\n",
-      v.cut_samples, v.design_samples);
+      "cut.{}</p>\n",
+      v.cut_samples - v.beyond_samples, v.design_samples,
+      v.beyond_samples == 0 ? ""
+                            : fmt::format(" {} samples of the cut lie beyond the design's border, in waste.",
+                                          v.beyond_samples));
   html += histogram_svg(v.histogram, result.program.verification.tolerance_mm);
   std::string heads, cells;
   for (const auto& [percent, mm] : v.percentiles_mm) {

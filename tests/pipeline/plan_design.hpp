@@ -13,9 +13,10 @@
 
 namespace hotblade::pipeline {
 
-// A grid surface over [0, 1]^2, written as an OBJ and read back.
+// A grid surface over [0, 1]^2, written as an OBJ and read back; `keep` says which cells have faces.
 inline surface::DesignSurface grid_design(const std::string& name, int nu, int nv,
-                                          const std::function<Eigen::Vector3d(double, double)>& p) {
+                                          const std::function<Eigen::Vector3d(double, double)>& p,
+                                          const std::function<bool(int, int)>& keep = {}) {
   const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory / (name + ".obj");
   {
@@ -29,6 +30,7 @@ inline surface::DesignSurface grid_design(const std::string& name, int nu, int n
     }
     for (int i = 0; i < nu; ++i) {
       for (int j = 0; j < nv; ++j) {
+        if (keep && !keep(i, j)) continue;
         const int a = i * (nv + 1) + j + 1, c = a + nv + 1;
         out << "f " << a << " " << c << " " << c + 1 << "\nf " << a << " " << c + 1 << " " << a + 1 << "\n";
       }
