@@ -152,11 +152,15 @@ MidState mid_state(const Elastica& e) {
           e.length};
 }
 
-Elastica from_mid_state(const MidState& m) {
+Elastica half_from_middle(const MidState& m) {
   const double c = std::cos(m.theta), s = std::sin(m.theta);
-  const Elastica middle{
-      m.x, m.y, m.theta, m.kappa, c * m.tension1 - s * m.tension2, s * m.tension1 + c * m.tension2, 0};
-  return segment(middle, -0.5 * m.length, 0.5 * m.length);
+  return {
+      m.x,           m.y, m.theta, m.kappa, c * m.tension1 - s * m.tension2, s * m.tension1 + c * m.tension2,
+      0.5 * m.length};
+}
+
+Elastica from_mid_state(const MidState& m) {
+  return segment(half_from_middle(m), -0.5 * m.length, 0.5 * m.length);
 }
 
 double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& e) {

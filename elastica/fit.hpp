@@ -20,6 +20,8 @@ struct MidState {
 
 [[nodiscard]] MidState mid_state(const Elastica& elastica);
 [[nodiscard]] Elastica from_mid_state(const MidState& mid);
+// The later half: the curve from its middle to its end.
+[[nodiscard]] Elastica half_from_middle(const MidState& mid);
 
 struct FitOptions {
   // Pull of the tensions (times length^2: pure numbers) towards zero, where the curve is a circular arc; in

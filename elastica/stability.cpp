@@ -172,6 +172,7 @@ double smallest_eigenvalue(const ElasticaCurve& curve, double nearby) {
   // says whether it is the smallest one, and halving goes on where it is not.
   Values v = start_vector(d);
   double sigma = low, last = high;
+  bool third_power = false;  // sigma is a quotient itself
   while (high - low > slack(low, high)) {
     const Shifted shifted(d, sigma);
     (shifted.eigenvalues_below() > 0 ? high : low) = sigma;
@@ -180,6 +181,7 @@ double smallest_eigenvalue(const ElasticaCurve& curve, double nearby) {
     if (!(size > 0) || !std::isfinite(size)) {
       v = start_vector(d);
       sigma = 0.5 * (low + high);
+      third_power = false;
       continue;
     }
     scale(v, 1 / size);
@@ -190,9 +192,10 @@ double smallest_eigenvalue(const ElasticaCurve& curve, double nearby) {
       before = v[i];
     }
     const double quotient = energy + before * before * kCells * kCells;
-    const bool settled = std::abs(quotient - last) < kNearlySettled * (1 + std::abs(quotient));
+    const bool settled = third_power && std::abs(quotient - last) < kNearlySettled * (1 + std::abs(quotient));
     last = quotient;
-    if (!(quotient > low && quotient < high + slack(quotient, high))) {
+    third_power = quotient > low && quotient < high + slack(quotient, high);
+    if (!third_power) {
       sigma = 0.5 * (low + high);
       continue;
     }
@@ -201,11 +204,13 @@ double smallest_eigenvalue(const ElasticaCurve& curve, double nearby) {
       if (below <= low || Shifted(d, below).eigenvalues_below() == 0) return quotient;
       high = below;
       sigma = 0.5 * (low + high);
+      third_power = false;
       continue;
     }
     sigma = quotient;
   }
-  return 0.5 * (low + high);
+  // A quotient there is far closer than both are to each other.
+  return last > low - slack(last, low) && last < high + slack(last, high) ? last : 0.5 * (low + high);
 }
 
 }  // namespace

@@ -24,19 +24,22 @@ HB_INLINE HB_REAL hb_elastica_curvature(const hb_elastica_field* f, const hb_ela
   return HB_FMA(f->l2, p->x, HB_FMA(-f->l1, p->y, f->k));
 }
 
-HB_INLINE void hb_elastica_step(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
+/* Returns what the tangent turns by. */
+HB_INLINE HB_REAL hb_elastica_turn(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
   HB_REAL c[HB_STEP_ORDER + 1], s[HB_STEP_ORDER + 1];
   HB_REAL rate[HB_STEP_ORDER + 1]; /* (j + 1) times the coefficient j + 1 of theta */
   const HB_REAL t1 = f->l1 * (h * h), t2 = f->l2 * (h * h);
-  HB_REAL x = p->c, y = p->s, cos = p->c, sin = p->s;
+  HB_REAL x = p->c, y = p->s, cos = p->c, sin = p->s, turn;
   c[0] = p->c;
   s[0] = p->s;
   rate[0] = h * hb_elastica_curvature(f, p);
+  turn = rate[0];
 #pragma GCC unroll 16
   for (int k = 0; k < HB_STEP_ORDER; ++k) {
     const HB_REAL per = HB_BROADCAST(1.0 / (k + 1)), next = HB_BROADCAST(1.0 / (k + 2));
     HB_REAL dc = rate[0] * s[k], ds = rate[0] * c[k];
     rate[k + 1] = HB_FMA(t2, c[k], -(t1 * s[k])) * per;
+    turn = HB_FMA(rate[k + 1], next, turn);
 #pragma GCC unroll 16
     for (int j = 1; j <= k; ++j) {
       dc = HB_FMA(rate[j], s[k - j], dc);
@@ -53,17 +56,27 @@ HB_INLINE void hb_elastica_step(const hb_elastica_field* f, HB_REAL h, hb_elasti
   p->y = HB_FMA(y, h, p->y);
   p->c = cos;
   p->s = sin;
+  return turn;
+}
+
+HB_INLINE void hb_elastica_step(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
+  (void)hb_elastica_turn(f, h, p);
 }
 
 /* Along the curve by h, forwards or back. A lane that has arrived stays where it is, bit for bit, while
  * others go on. */
-HB_INLINE void hb_elastica_move(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
-  HB_REAL left = h;
+HB_INLINE HB_REAL hb_elastica_move_turning(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
+  HB_REAL left = h, turn = HB_BROADCAST(0.0);
   do {
     const HB_REAL step = HB_MAX(HB_MIN(left, f->most_step), -f->most_step);
     left = left - step;
-    hb_elastica_step(f, step, p);
+    turn += hb_elastica_turn(f, step, p);
   } while (HB_ANY(HB_ABS(left) > HB_BROADCAST(0.0)));
+  return turn;
+}
+
+HB_INLINE void hb_elastica_move(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
+  (void)hb_elastica_move_turning(f, h, p);
 }
 
 #endif
