@@ -1,13 +1,14 @@
 #include "surface/self_crossings.hpp"
 
-#include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <limits>
 #include <vector>
 
+#include "surface/near_faces.hpp"
 #include "surface/place_text.hpp"
 
 namespace hotblade::surface {
@@ -17,7 +18,6 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Point2 = Kernel::Point_2;
 using Triangle = std::array<Point, 3>;
-using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, int, CGAL::Box_intersection_d::ID_EXPLICIT>;
 using Signs = std::array<CGAL::Sign, 3>;
 
 std::size_t count(const Signs& signs, CGAL::Sign wanted) {
@@ -97,7 +97,9 @@ bool cross(const Triangle& t, const Triangle& u) {
 
 class Faces {
  public:
-  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh) {
+    for (const Eigen::Vector3d& p : mesh.vertices) largest_ = std::max(largest_, p.lpNorm<Eigen::Infinity>());
+  }
 
   [[nodiscard]] Triangle triangle(int f) const {
     Triangle t;
@@ -108,13 +110,29 @@ class Faces {
     return t;
   }
 
-  [[nodiscard]] Box box(int f) const {
-    Box box(f);
+  // Told in plain numbers, without a doubt: a plane parts the faces, or, where they share a corner or an
+  // edge, parts them but for that. True of nearly all neighbours of a surface, flat ones among them, whose
+  // exact predicates would fail their filters. False: not known.
+  [[nodiscard]] bool surely_apart(int f, int g) const {
+    const auto &t = mesh_.triangles[static_cast<std::size_t>(f)],
+               &u = mesh_.triangles[static_cast<std::size_t>(g)];
+    // Shared corners last.
+    std::array<int, 3> own_t{}, own_u{};
+    std::size_t count = 0, shared = 3, count_u = 0, shared_u = 3;
+    for (const int v : t) own_t[v == u[0] || v == u[1] || v == u[2] ? --shared : count++] = v;
+    for (const int v : u) own_u[v == t[0] || v == t[1] || v == t[2] ? --shared_u : count_u++] = v;
+    if (count == 0 || count != count_u) return false;
+    const Eigen::Vector3d& origin = vertex(own_t[2]);
+    std::array<Eigen::Vector3d, 3> a, b;
     for (std::size_t i = 0; i < 3; ++i) {
-      Eigen::Vector3d p = corner(f, i);
-      box.extend(p.data());
+      a[i] = vertex(own_t[i]) - origin;
+      b[i] = vertex(own_u[i]) - origin;
     }
-    return box;
+    if (count == 1) return edge_parted(a[0], b[0], a[1]);
+    if (count == 3) return parted(b[0] + b[1] + b[2] - a[0] - a[1] - a[2], a, b, 3);
+    // Long and short edges at the corner: their directions alone tell then.
+    return parted(b[0] + b[1] - a[0] - a[1], a, b, 2) ||
+           parted(b[0].normalized() + b[1].normalized() - a[0].normalized() - a[1].normalized(), a, b, 2);
   }
 
   // The middle of what the boxes of both faces have in common: a place to look at.
@@ -124,6 +142,38 @@ class Faces {
   }
 
  private:
+  [[nodiscard]] const Eigen::Vector3d& vertex(int v) const {
+    return mesh_.vertices[static_cast<std::size_t>(v)];
+  }
+  // A difference of coordinates is off by half an ulp of itself, and so is each of the five operations of a
+  // product's sum: together less than this times the largest coordinate and the sum of |across|.
+  static constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+
+  // Do the first `own` corners of a lie below those of b along `across`, by more than rounding, and with two
+  // of them on both sides of the shared corner at the origin?
+  [[nodiscard]] bool parted(const Eigen::Vector3d& across, const std::array<Eigen::Vector3d, 3>& a,
+                            const std::array<Eigen::Vector3d, 3>& b, std::size_t own) const {
+    double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
+    for (std::size_t i = 0; i < own; ++i) {
+      highest = std::max(highest, across.dot(a[i]));
+      lowest = std::min(lowest, across.dot(b[i]));
+    }
+    const double doubt = kRounding * largest_ * across.lpNorm<1>();
+    return own == 3 ? highest + doubt < lowest : highest + doubt < 0 && doubt < lowest;
+  }
+
+  // The same for an edge from the origin and the corners a and b beyond it on either side.
+  [[nodiscard]] bool edge_parted(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                 const Eigen::Vector3d& edge) const {
+    const double squared = edge.squaredNorm();
+    const Eigen::Vector3d d = b - a, across = squared * d - d.dot(edge) * edge;
+    // What rounding leaves of it along the edge: the plane meets the edge's line at this slope, and may lie
+    // on its wrong side as far out as a corner is; 1 + r^2 is more than r.
+    const double along = across.dot(edge), reach = std::max(a.squaredNorm(), b.squaredNorm()) / squared;
+    const double doubt = kRounding * largest_ * across.lpNorm<1>() + std::abs(along) * (2 + reach);
+    return across.dot(a) + doubt < std::min(0.0, along) && std::max(0.0, along) + doubt < across.dot(b);
+  }
+
   [[nodiscard]] const Eigen::Vector3d& corner(int f, std::size_t i) const {
     return mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[static_cast<std::size_t>(f)][i])];
   }
@@ -133,21 +183,25 @@ class Faces {
     return box;
   }
   const TriangleMesh& mesh_;
+  double largest_ = 0;  // coordinate
 };
 
 }  // namespace
 
 SelfCrossings find_self_crossings(const TriangleMesh& mesh) {
   const Faces faces(mesh);
-  std::vector<Box> boxes;
-  boxes.reserve(mesh.triangles.size());
-  for (int f = 0; f < static_cast<int>(mesh.triangles.size()); ++f) boxes.push_back(faces.box(f));
-  SelfCrossings result;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-    if (!cross(faces.triangle(a.info()), faces.triangle(b.info()))) return;
-    const std::array<int, 2> pair{std::min(a.info(), b.info()), std::max(a.info(), b.info())};
-    if (result.pairs++ == 0 || pair < result.faces) result.faces = pair;
+  const NearFaces near(mesh);
+  std::vector<SelfCrossings> found(near.portions());
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    near.visit(i, [&](int f, int g) {
+      if (faces.surely_apart(f, g) || !cross(faces.triangle(f), faces.triangle(g))) return;
+      found[i].count({std::min(f, g), std::max(f, g)}, 1);
+    });
   });
+  SelfCrossings result;
+  for (const SelfCrossings& part : found) {
+    if (part.pairs > 0) result.count(part.faces, part.pairs);
+  }
   if (result.pairs > 0) result.at = faces.between(result.faces[0], result.faces[1]);
   return result;
 }

@@ -17,9 +17,14 @@ struct SelfCrossings {
   // The pair of the lowest numbers, and where it crosses, in mm. Meaningless when there is none.
   std::array<int, 2> faces{-1, -1};
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  // Adds pairs, of which `pair` has the lowest numbers.
+  void count(const std::array<int, 2>& pair, std::size_t more) {
+    if (pairs == 0 || pair < faces) faces = pair;
+    pairs += more;
+  }
 };
 
-// Boxes first, then exact predicates (CGAL).
+// Boxes first (near_faces.hpp), then a plane between the faces in plain numbers, then exact predicates (CGAL).
 [[nodiscard]] SelfCrossings find_self_crossings(const TriangleMesh& mesh);
 
 // What to tell about them, with place and lines of the file; empty when there are none.

@@ -92,6 +92,34 @@ TEST(SelfCrossings, AgreeWithExactIntersectionsOnSmallGrids) {
   EXPECT_GT(found, 500u);  // the meshes do cross
 }
 
+// Flat but for rounding, and askew: neighbours at every angle, folded back on each other, long needles among
+// them. What plain numbers tell must be what exact ones say of these very coordinates.
+TEST(SelfCrossings, AgreeWithExactIntersectionsWhereFacesAreNearlyFlat) {
+  std::mt19937 random(12);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  std::uniform_real_distribution<double> unit(-1, 1);
+  std::size_t found = 0;
+  for (int k = 0; k < 60; ++k) {
+    TriangleMesh mesh = random_soup(random, 12, 12, 4);
+    const double thick = std::pow(10.0, -4 * (k % 5)), wide = k % 2 == 0 ? 1 : 1e-5,
+                 far = k % 3 == 0 ? 1e5 : 0;
+    for (Eigen::Vector3d& p : mesh.vertices) {
+      p = turn * Eigen::Vector3d(p.x(), wide * p.y(), thick * wide * p.z() + 1e-13 * unit(random));
+      p.array() += far;
+    }
+    std::erase_if(mesh.triangles, [&](const auto& t) {
+      const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+      const Eigen::Vector3d a = at(1) - at(0), b = at(2) - at(0);
+      return a.cross(b).norm() <= 1e-9 * a.norm() * b.norm();
+    });
+    const SelfCrossings crossings = find_self_crossings(mesh);
+    ASSERT_EQ(crossings.pairs, crossings_by_oracle(mesh)) << k;
+    found += crossings.pairs;
+  }
+  EXPECT_GT(found, 300u);
+}
+
 TEST(SelfCrossings, AreNoneOnSurfacesThatOnlyTouchThemselves) {
   EXPECT_EQ(find_self_crossings(dome(500, 300, 12)).pairs, 0u);
   EXPECT_EQ(find_self_crossings(tube(100, 300, 24, 6)).pairs, 0u);
