@@ -27,11 +27,12 @@ int piece_count(const Elastica& e) {
   return std::max(1, static_cast<int>(pieces));
 }
 
+using Pair = Eigen::Array2d;
+
 // taylor.hpp's series with every cos and sin coefficient of order k divided by k + 1: those of x and y, and
 // no divisions in evaluations, of which a curve sees hundreds.
 TaylorPiece<double> expand_divided(const CurvePoint& start, double lambda1, double lambda2) {
   constexpr std::size_t kOrder = kTaylorOrder;
-  using Pair = Eigen::Array2d;
   TaylorPiece<double> piece;
   std::array<Pair, kOrder + 1> turned;  // (-sin theta, cos theta), which both sums need
   std::array<double, kOrder + 2> rate;  // (j + 1) times coefficient j + 1 of theta
@@ -60,13 +61,29 @@ TaylorPiece<double> expand_divided(const CurvePoint& start, double lambda1, doub
   return piece;
 }
 
+// Sum of coefficient k times h^k, k = 0 .. kTaylorOrder: even and odd powers side by side in h^2, which
+// halves the chain of operations that wait for each other and loads the coefficients as they lie.
+template <typename CoefficientPair>
+double power_sum(const CoefficientPair& pair, double last, double h) {
+  static_assert(kTaylorOrder % 2 == 0, "the last power is even");
+  const double h2 = h * h;
+  Pair sum(last, 0);
+  for (std::size_t k = kTaylorOrder; k >= 2; k -= 2) sum = sum * h2 + pair(k - 2);
+  return sum[0] + h * sum[1];
+}
+
 // At distance h from the piece's start, the start being at (0, 0).
 CurvePoint evaluate_divided(const TaylorPiece<double>& p, double h) {
-  Eigen::Array4d sum = Eigen::Array4d::Zero();
-  for (std::size_t k = kTaylorOrder + 1; k-- > 0;) {
-    sum = sum * h + Eigen::Array4d(p.c[k], p.s[k], p.t[k], static_cast<double>(k + 1) * p.t[k + 1]);
-  }
-  return {sum[0] * h, sum[1] * h, sum[2], sum[3]};
+  constexpr std::size_t kLast = kTaylorOrder;
+  const auto plain = [](const double* coefficients) {
+    return [coefficients](std::size_t k) -> Pair { return Eigen::Map<const Pair>(coefficients + k); };
+  };
+  const auto rate = [&p](std::size_t k) -> Pair {
+    const auto order = static_cast<double>(k);
+    return Eigen::Map<const Pair>(p.t + k + 1) * Pair(order + 1, order + 2);
+  };
+  return {h * power_sum(plain(p.c), p.c[kLast], h), h * power_sum(plain(p.s), p.s[kLast], h),
+          power_sum(plain(p.t), p.t[kLast], h), power_sum(rate, (kLast + 1.0) * p.t[kLast + 1], h)};
 }
 
 // Reversing the sense of travel turns the tangent and flips curvature and forces.
