@@ -2,7 +2,8 @@
 //
 // The distance to the nearest fold is searched for at some poses and bounded from below at the others: it
 // falls by no more than the clamps move (elastica/clamp_margin.hpp). Between two searched poses the bound is
-// at least kMarginShare of the smaller of both; the distance to the straight blade is exact at every pose.
+// at least kMarginShare of the smaller of both, or of kFarFromFoldMm; the distance to the straight blade is
+// exact at every pose. Searches look farther than kFarFromFoldMm: what is not near for long needs few.
 #pragma once
 
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace hotblade::pipeline {
 
-// Folds farther away are not looked for: fifty times what clamps err, a quarter of it for the coarsest.
+// Folds farther away are not told apart: fifty times what clamps err, a quarter of it for the coarsest.
 inline constexpr double kFarFromFoldMm = 20;
 inline constexpr double kMarginShare = 0.7;
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "elastica/clamp_margin.hpp"
@@ -42,6 +43,44 @@ TEST(ClampMargins, BoundTheMarginOfEveryPoseFromBelow) {
   }
   EXPECT_EQ(margins.front().fold_mm, kFarFromFoldMm);
   EXPECT_LT(margins.back().fold_mm, 1.5);
+}
+
+// Formed to a stronger arc and on to an S, and back again: folds come near from afar, and go.
+std::vector<BladePose> there_and_back() {
+  using elastica::follow;
+  const elastica::ClampPair arc{{0, 0, 0.3}, {780, 0, -0.3}}, bow{{0, 0, 0.9}, {690, 0, -0.9}},
+      wave{{0, 0, 0.9}, {690, 60, 0.35}};
+  std::vector<BladePose> poses;
+  elastica::Elastica shape = follow({0, 0, 0.3, -0.6 / kLength, 0, 0, kLength}, arc).shape.elastica;
+  const auto between = [](const elastica::ClampPose& p, const elastica::ClampPose& q, double t) {
+    return elastica::ClampPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y),
+                               p.theta + t * (q.theta - p.theta)};
+  };
+  const std::array way{arc, bow, wave, bow, arc};
+  constexpr int kSteps = 60;
+  for (std::size_t leg = 1; leg < way.size(); ++leg) {
+    for (int i = 0; i < kSteps; ++i) {
+      const double t = static_cast<double>(i) / kSteps;
+      const auto moved =
+          follow(shape, {between(way[leg - 1].a, way[leg].a, t), between(way[leg - 1].b, way[leg].b, t)});
+      EXPECT_EQ(moved.status, elastica::FollowStatus::kFollowed);
+      shape = moved.shape.elastica;
+      poses.emplace_back();
+      poses.back().blade = shape;
+    }
+  }
+  return poses;
+}
+
+TEST(ClampMargins, AreNeverAboveASearchOfThePoseAlone) {
+  const std::vector<BladePose> poses = there_and_back();
+  const std::vector<PoseMargin> margins = clamp_margins(poses);
+  for (std::size_t i = 0; i < poses.size(); i += 4) {
+    const elastica::ClampMargin exact = elastica::clamp_margin(poses[i].blade, {kFarFromFoldMm, 0});
+    const double told = std::min(margins[i].fold_mm, margins[i].straight_mm);
+    EXPECT_LE(told, exact.margin_mm * (1 + 1e-5)) << i;
+    EXPECT_GE(told, kMarginShare / (2 - kMarginShare) * exact.margin_mm * (1 - 1e-5)) << i;
+  }
 }
 
 TEST(ClampMargins, OfAStraightBladeAreItsDistanceToTheStraightOne) {
