@@ -347,6 +347,7 @@ class Builder {
       } else {
         set_child(tree.nodes[node], i, parts[i].box, static_cast<int>(tree.nodes.size()));
         join(grown[i], tree);
+        grown[i] = {};  // or all of a large tree is held twice
       }
     }
   }

@@ -146,13 +146,14 @@ double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
-  std::vector<SweptSurface> parts(program.strips.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(),
-                    [&](std::size_t i) { add_strip(program, i, sample_mm, parts[i]); });
+  // Some strips at a time: the surfaces of hundreds, made before they are joined, would be held twice.
+  constexpr std::size_t kAtOnce = 16;
   SweptSurface out;
-  for (SweptSurface& part : parts) {
-    append(part, out);
-    part = {};
+  for (std::size_t first = 0; first < program.strips.size(); first += kAtOnce) {
+    std::vector<SweptSurface> parts(std::min(kAtOnce, program.strips.size() - first));
+    tbb::parallel_for(std::size_t{0}, parts.size(),
+                      [&](std::size_t i) { add_strip(program, first + i, sample_mm, parts[i]); });
+    for (const SweptSurface& part : parts) append(part, out);
   }
   return out;
 }

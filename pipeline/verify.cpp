@@ -5,6 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "gpu/mesh_distance.hpp"
 #include "pipeline/near_cells.hpp"
@@ -17,12 +21,18 @@ namespace hotblade::pipeline {
 
 namespace {
 
+// A mesh wherever it lies.
+struct MeshView {
+  std::span<const Eigen::Vector3d> vertices;
+  std::span<const std::array<int, 3>> triangles;
+};
+
 // Edges with one face, by the corner of the face that they start at, and their vertices.
 struct Border {
   surface::FaceLinks links;
   std::vector<bool> vertex;
 
-  explicit Border(const surface::TriangleMesh& mesh)
+  explicit Border(const MeshView& mesh)
       : links(surface::link_faces(mesh.triangles)), vertex(mesh.vertices.size(), false) {
     for (std::size_t c = 0; c < links.beyond.size(); ++c) {
       if (!edge(c)) continue;
@@ -41,14 +51,14 @@ struct Facet {
   [[nodiscard]] double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
 };
 
-Facet facet(const surface::TriangleMesh& mesh, int triangle) {
+Facet facet(const MeshView& mesh, int triangle) {
   const auto& t = mesh.triangles[static_cast<std::size_t>(triangle)];
   return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
           mesh.vertices[static_cast<std::size_t>(t[2])]};
 }
 
 // Does the nearest point lie on the design's border? Shares of area below kOnEdge are rounding.
-bool on_border(const surface::TriangleMesh& mesh, const Border& border, const gpu::Nearest& nearest) {
+bool on_border(const MeshView& mesh, const Border& border, const gpu::Nearest& nearest) {
   constexpr double kOnEdge = 1e-7;
   const Facet f = facet(mesh, nearest.triangle);
   const auto& t = mesh.triangles[static_cast<std::size_t>(nearest.triangle)];
@@ -90,14 +100,6 @@ void sample_facet(const Facet& f, double sample_mm, DesignSamples& samples) {
       samples.areas.push_back(area);
     }
   }
-}
-
-DesignSamples sample_design(const surface::TriangleMesh& mesh, double sample_mm) {
-  DesignSamples samples;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    sample_facet(facet(mesh, static_cast<int>(t)), sample_mm, samples);
-  }
-  return samples;
 }
 
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
@@ -180,56 +182,94 @@ class Statistics {
   double sum_ = 0, sum_sq_ = 0;
 };
 
-// Samples of both surfaces together, about: on larger designs they lie farther apart, so that memory stays
-// bounded (about 1.5 GB).
+// Samples of both surfaces together, about: on larger designs they lie farther apart, so that time and memory
+// stay bounded.
 constexpr double kMostSamples = 8e6;
+// Samples that are measured at once: their answers take six times the memory of what stays of them.
+constexpr std::size_t kAtOnce = 1 << 19;
 
 double bounded(double sample_mm, double area_mm2) {
   return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
 }
 
-// Design samples within `far` of the cut, more or less, and the area of all others.
-double keep_near(const SweptSurface& cut, double sample_mm, double far_mm, DesignSamples& samples) {
-  // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
-  // little.
-  constexpr double kLeastCellMm = 100;
-  const NearCells near(cut.vertices, std::max(kLeastCellMm, far_mm + 2 * sample_mm));
-  double left_out = 0;
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < samples.points.size(); ++i) {
-    if (near.holds(samples.points[i])) {
-      samples.points[kept] = samples.points[i];
-      samples.areas[kept++] = samples.areas[i];
-    } else {
-      left_out += samples.areas[i];
-    }
+// Calls use(samples) for the design's samples, some at a time and always the same.
+template <typename Use>
+void for_samples(const MeshView& mesh, double sample_mm, const Use& use) {
+  DesignSamples samples;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    sample_facet(facet(mesh, static_cast<int>(t)), sample_mm, samples);
+    if (samples.points.size() < kAtOnce && t + 1 < mesh.triangles.size()) continue;
+    use(samples);
+    samples.points.clear();
+    samples.areas.clear();
   }
-  samples.points.resize(kept);
-  samples.areas.resize(kept);
-  return left_out;
 }
+
+// A run of whole strips of a cut, and what finds the nearest of their points. Refers to the cut.
+class CutPart {
+ public:
+  // Vertices [first, last) of the cut; `near_mm` as of NearCells.
+  CutPart(const SweptSurface& cut, std::size_t first, std::size_t last, double near_mm, gpu::Backend backend)
+      : cut_(cut),
+        first_(first),
+        vertices_(std::span(cut.vertices).subspan(first, last - first)),
+        triangles_(within(cut, first, last)),
+        cells_(vertices_, near_mm),
+        search_(vertices_, triangles_, backend) {}
+
+  [[nodiscard]] const NearCells& cells() const { return cells_; }
+  [[nodiscard]] const gpu::MeshDistance& search() const { return search_; }
+  // Of the cut.
+  [[nodiscard]] std::size_t vertex_of(int triangle) const {
+    return first_ + static_cast<std::size_t>(triangles_[static_cast<std::size_t>(triangle)][0]);
+  }
+  [[nodiscard]] int strip_of(int triangle) const { return cut_.strip_of_vertex[vertex_of(triangle)]; }
+  // Does the nearest point lie on the strips' edge? Few samples ask.
+  [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) {
+    const MeshView mesh{vertices_, triangles_};
+    if (!border_) border_.emplace(mesh);
+    return on_border(mesh, *border_, nearest);
+  }
+
+ private:
+  static std::vector<std::array<int, 3>> within(const SweptSurface& cut, std::size_t first,
+                                                std::size_t last) {
+    std::vector<std::array<int, 3>> triangles;
+    const auto base = static_cast<int>(first), end = static_cast<int>(last);
+    for (const auto& t : cut.triangles) {
+      if (t[0] >= base && t[0] < end) triangles.push_back({t[0] - base, t[1] - base, t[2] - base});
+    }
+    return triangles;
+  }
+
+  const SweptSurface& cut_;
+  std::size_t first_;
+  std::span<const Eigen::Vector3d> vertices_;
+  std::vector<std::array<int, 3>> triangles_;
+  NearCells cells_;
+  gpu::MeshDistance search_;
+  std::optional<Border> border_;
+};
 
 // One comparison of a cut with the design: its steps and what they share.
 class CutMeasurement {
  public:
-  CutMeasurement(const SweptSurface& cut, const Program& program, const surface::DesignSurface& design,
+  CutMeasurement(SweptSurface cut, const Program& program, const surface::DesignSurface& design,
                  const VerifyOptions& options)
-      : cut_(cut),
+      : cut_(std::move(cut)),
         program_(program),
-        mesh_(design.mesh),
+        mesh_{design.mesh.vertices, design.mesh.triangles},
         options_(options),
-        border_(design.mesh),
-        cut_mesh_{cut.vertices, cut.triangles},
-        cut_border_(cut_mesh_),
-        to_design_(design.mesh.vertices, design.mesh.triangles, options.backend),
-        to_cut_(cut.vertices, cut.triangles, options.backend) {
+        border_(mesh_) {
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
 
   VerifyReport run(const BladeTouches& touches) {
     cut_to_design();
-    design_to_cut();
+    // The trees are large: only touches need all at once, and the cut's planes.
+    if (touches.points.empty()) forget_what_cut_the_design();
+    design_to_cut(touches.points.empty() ? options_.cut_vertices_at_once : cut_.vertices.size());
     count_touches(touches);
     report_.deviation = statistics_.result();
     report_.histogram = statistics_.histogram(options_.tolerance_mm);
@@ -242,13 +282,8 @@ class CutMeasurement {
   }
 
  private:
-  [[nodiscard]] int vertex_of(int triangle) const {
-    return cut_.triangles[static_cast<std::size_t>(triangle)][0];
-  }
-  [[nodiscard]] int strip_of(int triangle) const {
-    return cut_.strip_of_vertex[static_cast<std::size_t>(vertex_of(triangle))];
-  }
   [[nodiscard]] double near() const { return options_.reach * options_.tolerance_mm; }
+  [[nodiscard]] double far() const { return options_.far * options_.tolerance_mm; }
 
   void add(double distance, const Eigen::Vector3d& at, int strip) {
     if (report_.worst_strip < 0 || distance > worst_) {
@@ -259,60 +294,120 @@ class CutMeasurement {
   }
 
   void cut_to_design() {
-    const std::vector<gpu::Nearest> on_design = to_design_.query(cut_.vertices);
-    report_.to_design = to_design_.used();
-    for (std::size_t i = 0; i < cut_.vertices.size(); ++i) {
-      double distance = on_design[i].distance;
-      const Eigen::Vector3d n = facet(mesh_, on_design[i].triangle).normal();
-      if (on_border(mesh_, border_, on_design[i])) {
-        const Eigen::Vector3d d = cut_.vertices[i] - on_design[i].point;
-        distance = std::abs(n.dot(d));
-        if ((d - n.dot(d) * n).norm() > near()) {
-          ++report_.beyond_samples;
-          continue;
-        }
-      }
-      const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
-      const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);
-      report_.half_band_mm = std::max(report_.half_band_mm, std::abs(by_cut - by_design));
-      add(distance, cut_.vertices[i], cut_.strip_of_vertex[i]);
-      double& strip = report_.strip_max_mm[static_cast<std::size_t>(cut_.strip_of_vertex[i])];
-      strip = std::max(strip, distance);
+    to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend);
+    const std::span<const Eigen::Vector3d> all(cut_.vertices);
+    for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
+      const std::vector<gpu::Nearest> on_design =
+          to_design_->query(all.subspan(first, std::min(kAtOnce, all.size() - first)));
+      for (std::size_t i = 0; i < on_design.size(); ++i) compare_with_design(first + i, on_design[i]);
     }
+    report_.to_design = to_design_->used();
     report_.cut_samples = cut_.vertices.size();
   }
 
-  void design_to_cut() {
-    const double far = options_.far * options_.tolerance_mm;
-    const double sample_mm = bounded(options_.sample_mm, report_.area_mm2);
-    DesignSamples samples = sample_design(mesh_, sample_mm);
-    report_.design_samples = samples.points.size();
-    report_.uncut_mm2 = keep_near(cut_, sample_mm, far, samples);
-    const std::vector<gpu::Nearest> on_cut = to_cut_.query(samples.points);
-    report_.to_cut = to_cut_.used();
-    for (std::size_t i = 0; i < samples.points.size(); ++i) {
-      const double distance = on_cut[i].distance;
-      const bool uncut =
-          distance > far || (distance > near() && on_border(cut_mesh_, cut_border_, on_cut[i]));
-      if (uncut) {
-        report_.uncut_mm2 += samples.areas[i];
-      } else {
-        add(distance, samples.points[i], strip_of(on_cut[i].triangle));
+  void compare_with_design(std::size_t i, const gpu::Nearest& on_design) {
+    double distance = on_design.distance;
+    const Eigen::Vector3d n = facet(mesh_, on_design.triangle).normal();
+    if (on_border(mesh_, border_, on_design)) {
+      const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
+      distance = std::abs(n.dot(d));
+      if ((d - n.dot(d) * n).norm() > near()) {
+        ++report_.beyond_samples;
+        return;
       }
+    }
+    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
+    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);
+    report_.half_band_mm = std::max(report_.half_band_mm, std::abs(by_cut - by_design));
+    add(distance, cut_.vertices[i], cut_.strip_of_vertex[i]);
+    double& strip = report_.strip_max_mm[static_cast<std::size_t>(cut_.strip_of_vertex[i])];
+    strip = std::max(strip, distance);
+  }
+
+  void forget_what_cut_the_design() {
+    to_design_.reset();
+    for (auto* list : {&cut_.normals, &cut_.plane_normals}) std::vector<Eigen::Vector3d>().swap(*list);
+    std::vector<double>().swap(cut_.curvature_per_mm);
+    std::vector<int>().swap(cut_.pose_of_vertex);
+  }
+
+  // What of the cut is nearest to a design sample.
+  struct NearestCut {
+    double distance = std::numeric_limits<double>::infinity();
+    int strip = -1;
+    bool uncut = true;  // too far, or past the cut's edge
+  };
+
+  // The cut's vertices are searched so many at a time, whole strips.
+  void design_to_cut(std::size_t at_once) {
+    const double sample_mm = bounded(options_.sample_mm, report_.area_mm2);
+    std::vector<NearestCut> nearest;
+    for_samples(mesh_, sample_mm, [&](const DesignSamples& s) { report_.design_samples += s.points.size(); });
+    nearest.resize(report_.design_samples);
+    for (std::size_t first = 0, last = 0; first < cut_.vertices.size(); first = last) {
+      last = end_of_part(first, at_once);
+      // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
+      // little.
+      constexpr double kLeastCellMm = 100;
+      part_.emplace(cut_, first, last, std::max(kLeastCellMm, far() + 2 * sample_mm), options_.backend);
+      std::size_t at = 0;
+      for_samples(mesh_, sample_mm, [&](const DesignSamples& samples) {
+        compare_with_part(samples.points, std::span(nearest).subspan(at, samples.points.size()));
+        at += samples.points.size();
+      });
+      report_.to_cut = part_->search().used();
+    }
+    std::size_t at = 0;
+    for_samples(mesh_, sample_mm, [&](const DesignSamples& samples) {
+      for (std::size_t i = 0; i < samples.points.size(); ++i) {
+        const NearestCut& found = nearest[at++];
+        if (found.uncut) {
+          report_.uncut_mm2 += samples.areas[i];
+        } else {
+          add(found.distance, samples.points[i], found.strip);
+        }
+      }
+    });
+  }
+
+  // Behind `at_once` vertices or more, at the end of a strip.
+  [[nodiscard]] std::size_t end_of_part(std::size_t first, std::size_t at_once) const {
+    std::size_t last = std::min(cut_.vertices.size(), first + at_once);
+    while (last < cut_.vertices.size() && cut_.strip_of_vertex[last] == cut_.strip_of_vertex[last - 1])
+      ++last;
+    return last;
+  }
+
+  void compare_with_part(std::span<const Eigen::Vector3d> points, std::span<NearestCut> nearest) {
+    std::vector<std::size_t> index;
+    std::vector<Eigen::Vector3d> asked;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!part_->cells().holds(points[i])) continue;
+      index.push_back(i);
+      asked.push_back(points[i]);
+    }
+    const std::vector<gpu::Nearest> found = part_->search().query(asked);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      NearestCut& best = nearest[index[k]];
+      const double distance = found[k].distance;
+      if (distance >= best.distance) continue;
+      best = {distance, part_->strip_of(found[k].triangle),
+              distance > far() || (distance > near() && part_->on_edge(found[k]))};
     }
   }
 
   void count_touches(const BladeTouches& touches) {
     if (touches.points.empty()) return;
-    const std::vector<gpu::Nearest> touched = to_design_.query(touches.points);
+    const std::vector<gpu::Nearest> touched = to_design_->query(touches.points);
     std::vector<Eigen::Vector3d> feet;
     for (const gpu::Nearest& foot : touched) feet.push_back(foot.point);
-    const std::vector<gpu::Nearest> formed = to_cut_.query(feet);
+    const std::vector<gpu::Nearest> formed = part_->search().query(feet);
     for (std::size_t i = 0; i < feet.size(); ++i) {
       // Only what the same strip forms: another strip's part lies in another block.
-      if (strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near()) continue;
-      if (on_border(mesh_, border_, touched[i]) || on_border(cut_mesh_, cut_border_, formed[i])) continue;
-      const auto vertex = static_cast<std::size_t>(vertex_of(formed[i].triangle));
+      if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
+        continue;
+      if (on_border(mesh_, border_, touched[i]) || part_->on_edge(formed[i])) continue;
+      const std::size_t vertex = part_->vertex_of(formed[i].triangle);
       Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;
       const double above = n.dot(touches.points[i] - feet[i]);
@@ -323,14 +418,13 @@ class CutMeasurement {
     }
   }
 
-  const SweptSurface& cut_;
+  SweptSurface cut_;
   const Program& program_;
-  const surface::TriangleMesh& mesh_;
+  MeshView mesh_;  // the design's
   const VerifyOptions& options_;
   Border border_;
-  surface::TriangleMesh cut_mesh_;
-  Border cut_border_;
-  gpu::MeshDistance to_design_, to_cut_;
+  std::optional<gpu::MeshDistance> to_design_;
+  std::optional<CutPart> part_;  // of the cut; all of it where touches are asked for
   Statistics statistics_;
   VerifyReport report_;
   double worst_ = 0;
@@ -343,9 +437,9 @@ bool VerifyReport::holds() const {
                      [](const BranchReport& b) { return b.status == BranchStatus::kHeld; });
 }
 
-VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches, const Program& program,
+VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
                      const surface::DesignSurface& design, const VerifyOptions& options) {
-  if (!cut.triangles.empty()) return CutMeasurement(cut, program, design, options).run(touches);
+  if (!cut.triangles.empty()) return CutMeasurement(std::move(cut), program, design, options).run(touches);
   VerifyReport report;
   report.area_mm2 = report.uncut_mm2 = design.health.area_mm2;
   report.strip_max_mm.assign(program.strips.size(), 0.0);

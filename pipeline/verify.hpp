@@ -29,6 +29,9 @@ struct VerifyOptions {
   double reach = 3, far = 20;                 // tolerances
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
+  // Vertices of the cut that are searched at once, whole strips: memory, 500 bytes a vertex. Values depend on
+  // it by rounding only.
+  std::size_t cut_vertices_at_once = 1 << 20;
 };
 
 // How many samples deviate by how much: bin i holds [i, i + 1) * bin_mm, `beyond` what lies past the last
@@ -72,10 +75,9 @@ inline constexpr double kClampMismatchMm = 1e-3;
 
 // A cut surface against the design: everything of verify() but the shapes and the clamps. A touch counts, by
 // the edge of its melted band, where it reaches into the kept side of what its own strip forms; on the waste
-// side it does no harm.
-[[nodiscard]] VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches,
-                                   const Program& program, const surface::DesignSurface& design,
-                                   const VerifyOptions& options);
+// side it does no harm. What is no longer needed of a large cut is given up on the way.
+[[nodiscard]] VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
+                                   const surface::DesignSurface& design, const VerifyOptions& options);
 
 [[nodiscard]] VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                                   const VerifyOptions& options);

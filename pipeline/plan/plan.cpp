@@ -88,6 +88,7 @@ Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses) {
   for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
     strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i)));
   }
+  poses.shrink_to_fit();  // of hundreds of strips: as much again
   strip.poses = std::move(poses);
   return strip;
 }

@@ -83,6 +83,36 @@ TEST(Verify, MeasuresADentWhereItIs) {
   EXPECT_FALSE(report.within_tolerance);
 }
 
+// Strips side by side, one after the other or all at once: the nearest of all of them counts, and the edge
+// that it lies on.
+TEST(Verify, DoesNotDependOnHowManyStripsAreSearchedAtOnce) {
+  Program program = cylinder_plan().program;
+  const Strip whole = program.strips.at(0);
+  program.strips.clear();
+  for (const double from : {0.0, 0.4, 0.7}) {
+    Strip part = whole;
+    part.id = "part" + std::to_string(program.strips.size());
+    for (BladePose& pose : part.poses) {
+      if (!pose.foam) continue;
+      const auto [s0, s1] = *pose.foam;
+      // The last one leaves a gap, which is uncut.
+      pose.foam = {{s0 + (from + (from > 0.5 ? 0.02 : 0)) * (s1 - s0), s0 + (from + 0.3) * (s1 - s0)}};
+    }
+    program.strips.push_back(part);
+  }
+  VerifyOptions options;
+  const VerifyReport at_once = verify(program, cylinder_design(), options);
+  options.cut_vertices_at_once = 1;
+  const VerifyReport one_by_one = verify(program, cylinder_design(), options);
+  EXPECT_GT(at_once.uncut_share(), 0.05);
+  EXPECT_NEAR(one_by_one.uncut_mm2, at_once.uncut_mm2, 1e-6 * at_once.uncut_mm2);
+  EXPECT_NEAR(one_by_one.deviation.max, at_once.deviation.max, 1e-9);
+  EXPECT_NEAR(one_by_one.deviation.p99, at_once.deviation.p99, 1e-9);
+  EXPECT_NEAR(one_by_one.deviation.rms, at_once.deviation.rms, 1e-9);
+  EXPECT_EQ(one_by_one.design_samples, at_once.design_samples);
+  EXPECT_EQ(one_by_one.histogram.counts, at_once.histogram.counts);
+}
+
 TEST(Verify, CountsWhatNoStripReachesAsUncutArea) {
   // Half as long again: the last 150 mm are not cut, but for the reach of three tolerances.
   const surface::DesignSurface longer = grid_design("longer", 45, 120, [](double u, double v) {
