@@ -12,8 +12,9 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// A sag of a 200th of the chord between samples is a percent of a percent of the area.
-constexpr int kBladeSamples = 200;
+// A sag of a 200th of the chord between samples is a percent of a percent of the area. As many rows along the
+// sweep: waypoints lie several times closer.
+constexpr int kBladeSamples = 200, kRows = 200;
 
 // The block's edges as the blade sees them: along the rib, from the kept side to the waste, along the sweep.
 class BlockAxes {
@@ -41,6 +42,7 @@ class BlockAxes {
   }
 
   [[nodiscard]] double height_mm() const { return size_.y(); }
+  [[nodiscard]] double sweep_mm() const { return size_.z(); }
 
   // Points along a pose's blade in the block; those outside are held at its faces.
   [[nodiscard]] std::vector<Eigen::Vector3d> blade_in_block(const BladePose& pose) const {
@@ -65,6 +67,29 @@ bool sweeps(const BladePose& pose) {
   return pose.phase == "lead_in" || pose.phase == "cut" || pose.phase == "lead_out";
 }
 
+// How far the blade's plane has moved from one pose to the other, where the blade starts and its length
+// beyond.
+double moved_mm(const BladePose& p, const BladePose& q) {
+  const auto at = [](const BladePose& pose, double along) {
+    return pose.frame.point(pose.blade.x + along, pose.blade.y);
+  };
+  const double length = q.blade.length;
+  return std::max((at(p, 0) - at(q, 0)).norm(), (at(p, length) - at(q, length)).norm());
+}
+
+// Poses that sweep the block, one whenever the plane has moved by a row; the first and the last included.
+std::vector<const BladePose*> sweeping_rows(const Strip& strip, double row_mm) {
+  std::vector<const BladePose*> rows;
+  const BladePose* last = nullptr;
+  for (const BladePose& pose : strip.poses) {
+    if (!sweeps(pose)) continue;
+    last = &pose;
+    if (rows.empty() || moved_mm(*rows.back(), pose) >= row_mm) rows.push_back(&pose);
+  }
+  if (last && rows.back() != last) rows.push_back(last);
+  return rows;
+}
+
 }  // namespace
 
 double foam_kept_share(const Strip& strip) {
@@ -73,9 +98,8 @@ double foam_kept_share(const Strip& strip) {
   const BlockAxes block(strip.stock, first->frame);
   double kept = 0, base = 0;
   std::vector<Eigen::Vector3d> before;
-  for (const BladePose& pose : strip.poses) {
-    if (!sweeps(pose)) continue;
-    const std::vector<Eigen::Vector3d> now = block.blade_in_block(pose);
+  for (const BladePose* pose : sweeping_rows(strip, block.sweep_mm() / kRows)) {
+    const std::vector<Eigen::Vector3d> now = block.blade_in_block(*pose);
     for (std::size_t i = 0; !before.empty() && i + 1 < now.size(); ++i) {
       const Eigen::Vector3d &a = before[i], &b = before[i + 1], &c = now[i + 1], &d = now[i];
       // Of the patch seen from above, by its diagonals; nothing where all corners lie on one face.
