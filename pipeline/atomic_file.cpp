@@ -56,6 +56,9 @@ class Draft {
       if (count < 0) fail_with_errno(target_, "cannot be written", errno);
       bytes.remove_prefix(static_cast<std::size_t>(count));
     }
+  }
+
+  void finish() {
     if (::fsync(descriptor_) != 0) fail_with_errno(target_, "cannot be synced to disk", errno);
     if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_, "cannot be written", errno);
   }
@@ -107,9 +110,16 @@ fs::path resolve_target(const fs::path& path, bool force) {
 }  // namespace
 
 void write_file_atomically(const fs::path& path, std::string_view bytes, bool force) {
+  write_file_atomically(
+      path, [bytes](const WritePiece& write) { write(bytes); }, force);
+}
+
+void write_file_atomically(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
+                           bool force) {
   const fs::path target = resolve_target(path, force);
   Draft draft(target);
-  draft.write(bytes);
+  produce([&draft](std::string_view piece) { draft.write(piece); });
+  draft.finish();
   draft.place(force);
   sync_directory(target.parent_path());
 }

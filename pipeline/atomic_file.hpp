@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string_view>
 
 namespace hotblade::pipeline {
@@ -10,6 +11,12 @@ namespace hotblade::pipeline {
 // beside it after a failure. A symbolic link is followed. Throws CommandError with exit code 7: the path
 // exists and `force` is false, it is not a regular file, or it cannot be written (with the system's reason).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes, bool force);
+
+// The same for a text made piece by piece, which is never held whole: `produce` hands each piece to its
+// argument. What it throws passes through, and no file is written.
+using WritePiece = std::function<void(std::string_view)>;
+void write_file_atomically(const std::filesystem::path& path,
+                           const std::function<void(const WritePiece&)>& produce, bool force);
 
 // Throws as write_file_atomically would when a file of this name is in the way: asked before long work, so
 // that its result is not lost.

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -14,6 +15,7 @@
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
 #include "pipeline/export/rib_files.hpp"
+#include "pipeline/program_text.hpp"
 #include "pipeline/report/foam_share.hpp"
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
@@ -115,21 +117,31 @@ Json ranking_json(const std::vector<DirectionScore>& ranking) {
   return list;
 }
 
-// What the reader would refuse must not be handed out. Strip by strip: a job of hundreds of blocks, parsed as
-// a whole, takes many times its text's memory.
-void check_readable(const Program& program) {
-  Program frame;
-  frame.created_by = program.created_by;
-  frame.design = program.design;
-  frame.settings_json = program.settings_json;
-  frame.blade = program.blade;
-  frame.verification = program.verification;
-  frame.overrides = program.overrides;
-  tbb::parallel_for(std::size_t{0}, program.strips.size(), [&](std::size_t i) {
-    Program one = frame;
-    one.strips.push_back(program.strips[i]);
-    (void)parse_program(to_json(one), "program.json");
-  });
+// Strips whose texts are held at once.
+constexpr std::size_t kStripsAtOnce = 8;
+
+// Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
+// all that was planned. What the reader would refuse must not be handed out, so each strip is read back
+// first.
+void write_program(const Program& program, const fs::path& file, bool force) {
+  const ProgramFrame frame = program_frame(program);
+  const auto produce = [&](const WritePiece& write) {
+    write(frame.before);
+    const std::size_t count = program.strips.size();
+    for (std::size_t first = 0; first < count; first += kStripsAtOnce) {
+      std::vector<std::string> texts(std::min(kStripsAtOnce, count - first));
+      tbb::parallel_for(std::size_t{0}, texts.size(), [&](std::size_t i) {
+        texts[i] = to_json(program.strips[first + i]);
+        (void)parse_program(frame.before + texts[i] + frame.after, "program.json");
+      });
+      for (std::size_t i = 0; i < texts.size(); ++i) {
+        write(first + i > 0 ? ",\n" : "");
+        write(texts[i]);
+      }
+    }
+    write(frame.after);
+  };
+  write_file_atomically(file, produce, force);
 }
 
 std::string run_json(const PlanResult& result, const RunFacts& facts) {
@@ -278,9 +290,8 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
   }
   write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
   if (emitted.program_written) {
-    check_readable(result.program);
     write_ribs(result.program, directory / kRibs, options.force);
-    write_file_atomically(directory / "program.json", to_json(result.program), options.force);
+    write_program(result.program, directory / "program.json", options.force);
   }
   return emitted;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/command_error.hpp"
 
@@ -24,31 +25,84 @@ int line_of(const std::string& text, std::size_t byte) {
   return 1 + static_cast<int>(std::count(text.begin(), end, '\n'));
 }
 
-// Sees every key while parsing and refuses a second one of the same name in the same object.
-class DuplicateKeys {
+// Grows the tree from the parser's events. Against nlohmann's own it refuses a second key of the same name in
+// one object, and items may be taken out of it while it grows.
+class TreeGrower {
  public:
-  explicit DuplicateKeys(const std::string& file) : file_(file) {}
+  using Json = JsonNode::Json;
 
-  bool operator()(JsonNode::Json::parse_event_t event, const JsonNode::Json& value) {
-    using Event = JsonNode::Json::parse_event_t;
-    if (event == Event::object_start) open_.emplace_back();
-    if (event == Event::object_end) open_.pop_back();
-    if (event == Event::key) add(value.get_ref<const std::string&>());
+  TreeGrower(const std::string& file, const JsonTaker& taker) : file_(file), taker_(taker) {}
+  [[nodiscard]] Json result() { return std::move(root_); }
+
+  // The events that nlohmann::json::sax_parse() calls.
+  bool null() { return add(nullptr); }
+  bool boolean(bool value) { return add(value); }
+  bool number_integer(Json::number_integer_t value) { return add(value); }
+  bool number_unsigned(Json::number_unsigned_t value) { return add(value); }
+  bool number_float(Json::number_float_t value, const std::string&) { return add(value); }
+  bool string(std::string& value) { return add(std::move(value)); }
+  bool binary(Json::binary_t& value) { return add(std::move(value)); }
+  bool start_object(std::size_t) { return open(Json::value_t::object); }
+  bool start_array(std::size_t) { return open(Json::value_t::array); }
+  bool key(std::string& name) {
+    Json& object = *open_.back();
+    if (object.contains(name)) {
+      throw CommandError(Exit::kBadInput,
+                         fmt::format("{}: key \"{}\" stands twice in one object", file_, name));
+    }
+    if (open_.size() == 1) root_key_ = name;
+    slot_ = &object[std::move(name)];
     return true;
+  }
+  bool end_object() { return close(); }
+  bool end_array() { return close(); }
+  template <typename Error>
+  bool parse_error(std::size_t, const std::string&, const Error& error) {
+    throw error;
   }
 
  private:
-  void add(const std::string& key) {
-    auto& keys = open_.back();
-    if (std::find(keys.begin(), keys.end(), key) != keys.end()) {
-      throw CommandError(Exit::kBadInput,
-                         fmt::format("{}: key \"{}\" stands twice in one object", file_, key));
-    }
-    keys.push_back(key);
+  template <typename Value>
+  Json* place(Value&& value) {
+    if (open_.empty()) return &(root_ = std::forward<Value>(value));
+    if (open_.back()->is_object()) return &(*slot_ = std::forward<Value>(value));
+    open_.back()->push_back(std::forward<Value>(value));
+    return &open_.back()->back();
+  }
+
+  template <typename Value>
+  bool add(Value&& value) {
+    finished(*place(Json(std::forward<Value>(value))));
+    return true;
+  }
+
+  bool open(Json::value_t type) {
+    open_.push_back(place(Json(type)));
+    return true;
+  }
+
+  bool close() {
+    Json& value = *open_.back();
+    open_.pop_back();
+    finished(value);
+    return true;
+  }
+
+  void finished(const Json& value) {
+    if (open_.size() == 1 && taker_.see) taker_.see(root_key_, value);
+    const bool item =
+        open_.size() == 2 && open_.back()->is_array() && taker_.array && root_key_ == taker_.array;
+    if (item && taker_.take(value)) open_.back()->get_ref<Json::array_t&>().pop_back();
   }
 
   const std::string& file_;
-  std::vector<std::vector<std::string>> open_;
+  const JsonTaker& taker_;
+  Json root_;
+  // Objects and arrays not closed yet. An array's last item and an object's last value do not move while one
+  // of these is open in them.
+  std::vector<Json*> open_;
+  Json* slot_ = nullptr;  // where the value of the key just read goes
+  std::string root_key_;
 };
 
 }  // namespace
@@ -156,12 +210,14 @@ std::string JsonNode::shown() const {
 }
 
 JsonNode::Json parse_json(const std::string& text, const std::string& file) {
-  DuplicateKeys duplicates(file);
-  const auto watch = [&](int, JsonNode::Json::parse_event_t event, JsonNode::Json& value) {
-    return duplicates(event, value);
-  };
+  return parse_json(text, file, JsonTaker{nullptr, {}, {}});
+}
+
+JsonNode::Json parse_json(const std::string& text, const std::string& file, const JsonTaker& taker) {
   try {
-    return JsonNode::Json::parse(text, watch);
+    TreeGrower grower(file, taker);
+    JsonNode::Json::sax_parse(text, &grower);
+    return grower.result();
   } catch (const JsonNode::Json::parse_error& error) {
     throw CommandError(Exit::kBadInput, fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
                                                     text.empty() ? "the file is empty" : error.what()));

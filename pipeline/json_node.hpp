@@ -1,6 +1,7 @@
 // A JSON value that knows its place in the file, for readers that check everything and name what is wrong.
 #pragma once
 
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -63,5 +64,16 @@ class JsonNode {
 // Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws
 // CommandError with exit code 3 and `file:line: what`.
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file);
+
+// The same for a text that need not become one tree: `take` is asked of every finished item of the array
+// under the root's key `array`, and of every value that is finished under a root's key before; items that it
+// takes (true) are left out of the result.
+struct JsonTaker {
+  const char* array;
+  std::function<bool(const JsonNode::Json& item)> take;
+  std::function<void(const std::string& key, const JsonNode::Json& value)> see;
+};
+[[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file,
+                                                const JsonTaker& taker);
 
 }  // namespace hotblade::pipeline

@@ -1,9 +1,9 @@
 #include "pipeline/program.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include "pipeline/command_error.hpp"
@@ -17,7 +17,13 @@ Program read_program(const std::filesystem::path& file) {
   }
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text;
+  // Room at once: a text that grows by doubling is held twice. A device or pipe has no size and grows.
+  if (const auto size = std::filesystem::file_size(file, error); !error) text.reserve(size);
+  std::array<char, 1 << 16> block;
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
   if (!stream.is_open() || stream.bad()) {
     const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";
     throw CommandError(Exit::kFile, file.string() + ": cannot be read" + reason);

@@ -1,4 +1,4 @@
-// The canonical text of a program. Written straight into one string: a job has tens of thousands of poses.
+// The canonical text of a program. Written straight into strings: a job has tens of thousands of poses.
 #include <tbb/parallel_for.h>
 
 #include <charconv>
@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "pipeline/program.hpp"
+#include "pipeline/program_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -182,28 +182,34 @@ void write_verification(Text& out, const Verification& verification) {
 
 }  // namespace
 
+ProgramFrame program_frame(const Program& program) {
+  Text before, after;
+  before.raw("{\"format\": \"hotblade-program\",\n\"version\": 1,\n");
+  before.string_field("\"created_by\": ", program.created_by).raw(",\n");
+  write_design(before, program.design);
+  write_settings(before, program.settings_json);
+  write_blade(before, program.blade);
+  before.raw("\"strips\": [\n");
+  after.raw("],\n");
+  write_verification(after, program.verification);
+  after.raw("\"overrides\": ").strings(program.overrides).raw("}\n");
+  return {before.take(), after.take()};
+}
+
+std::string to_json(const Strip& strip) {
+  Text text;
+  write_strip(text, strip);
+  return text.take();
+}
+
 std::string to_json(const Program& program) {
-  Text out;
-  out.raw("{\"format\": \"hotblade-program\",\n\"version\": 1,\n");
-  out.string_field("\"created_by\": ", program.created_by).raw(",\n");
-  write_design(out, program.design);
-  write_settings(out, program.settings_json);
-  write_blade(out, program.blade);
-  // A job may have hundreds of strips, each with thousands of poses.
+  const ProgramFrame frame = program_frame(program);
   std::vector<std::string> strips(program.strips.size());
-  tbb::parallel_for(std::size_t{0}, strips.size(), [&](std::size_t i) {
-    Text text;
-    write_strip(text, program.strips[i]);
-    strips[i] = text.take();
-  });
-  out.raw("\"strips\": ").lines(strips, [](Text& to, std::string& text) {
-    to.raw(text);
-    std::string().swap(text);
-  });
-  out.raw(",\n");
-  write_verification(out, program.verification);
-  out.raw("\"overrides\": ").strings(program.overrides).raw("}\n");
-  return out.take();
+  tbb::parallel_for(std::size_t{0}, strips.size(),
+                    [&](std::size_t i) { strips[i] = to_json(program.strips[i]); });
+  std::string text = frame.before;
+  for (std::size_t i = 0; i < strips.size(); ++i) text.append(i > 0 ? ",\n" : "").append(strips[i]);
+  return text + frame.after;
 }
 
 }  // namespace hotblade::pipeline

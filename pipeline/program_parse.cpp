@@ -3,8 +3,11 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
+#include <utility>
 
+#include "pipeline/command_error.hpp"
 #include "pipeline/json_node.hpp"
 #include "pipeline/program.hpp"
 
@@ -338,11 +341,35 @@ void expect_format(const JsonNode& root) {
   }
 }
 
-}  // namespace
+// Turns each strip into what it stands for as soon as its text is read, so that no tree of the whole job is
+// made: of hundreds of strips that takes many times the text's memory. The blade has to stand before the
+// strips, as to_json() writes it.
+class StripTaker {
+ public:
+  explicit StripTaker(const std::string& file_name) : file_name_(file_name) {}
 
-Program parse_program(const std::string& text_of_file, const std::string& file_name) {
-  const nlohmann::ordered_json json = parse_json(text_of_file, file_name);
-  const JsonNode root(json, file_name);
+  void see(const std::string& key, const JsonNode::Json& value) {
+    if (key == "blade") blade_ = blade_of(JsonNode(value, file_name_));
+  }
+
+  bool take(const JsonNode::Json& value) {
+    const JsonNode strip(value, file_name_);
+    if (!blade_) strip.fail("stands before the blade");
+    strips_.push_back(strip_of(strip, *blade_, ids_));
+    return true;
+  }
+
+  [[nodiscard]] std::vector<Strip> strips() { return std::move(strips_); }
+
+ private:
+  const std::string& file_name_;
+  std::optional<BladeData> blade_;
+  std::vector<Strip> strips_;
+  std::set<std::string> ids_;
+};
+
+// All but the strips, with what was taken out of the tree.
+Program program_of(const JsonNode& root, std::vector<Strip> strips) {
   expect_format(root);
   root.expect_keys(std::array{"format", "version", "created_by", "design", "settings", "blade", "strips",
                               "verification", "overrides"});
@@ -353,15 +380,33 @@ Program parse_program(const std::string& text_of_file, const std::string& file_n
   if (!settings.json().is_object()) settings.fail("is not an object");
   program.settings_json = settings.json().dump();
   program.blade = blade_of(root.field("blade"));
-  const JsonNode strips = root.field("strips");
-  const std::size_t strip_count = strips.items(1);
+  program.strips = std::move(strips);
+  const JsonNode left = root.field("strips");
+  const std::size_t left_count = left.items(program.strips.empty() ? 1 : 0);
   std::set<std::string> ids;
-  for (std::size_t i = 0; i < strip_count; ++i) {
-    program.strips.push_back(strip_of(strips.item(i), program.blade, ids));
+  for (std::size_t i = 0; i < left_count; ++i) {
+    program.strips.push_back(strip_of(left.item(i), program.blade, ids));
   }
   program.verification = verification_of(root.field("verification"));
   program.overrides = strings(root.field("overrides"));
   return program;
+}
+
+}  // namespace
+
+Program parse_program(const std::string& text_of_file, const std::string& file_name) {
+  try {
+    StripTaker taker(file_name);
+    const JsonTaker into{"strips", [&](const JsonNode::Json& item) { return taker.take(item); },
+                         [&](const std::string& key, const JsonNode::Json& value) { taker.see(key, value); }};
+    const nlohmann::ordered_json json = parse_json(text_of_file, file_name, into);
+    return program_of(JsonNode(json, file_name), taker.strips());
+  } catch (const CommandError&) {
+    // Read again as one tree, which knows the place of everything that is wrong, or finds another order of
+    // keys.
+    const nlohmann::ordered_json json = parse_json(text_of_file, file_name);
+    return program_of(JsonNode(json, file_name), {});
+  }
 }
 
 }  // namespace hotblade::pipeline

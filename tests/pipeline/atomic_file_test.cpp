@@ -41,6 +41,21 @@ TEST(WriteFileAtomically, WritesTheBytesAndNothingElse) {
   EXPECT_EQ(files_in(directory.path()), 1u);
 }
 
+TEST(WriteFileAtomically, JoinsPiecesAndLeavesNothingWhenTheirMakerThrows) {
+  const TemporaryDirectory directory;
+  write_file_atomically(
+      directory / "f", [](const WritePiece& write) { write("one "), write(""), write("two"); }, false);
+  EXPECT_EQ(read_bytes(directory / "f"), "one two");
+  const auto fails = [](const WritePiece& write) {
+    write("half");
+    throw std::runtime_error("no more");
+  };
+  EXPECT_THROW(write_file_atomically(directory / "g", fails, false), std::runtime_error);
+  EXPECT_THROW(write_file_atomically(directory / "f", fails, true), std::runtime_error);
+  EXPECT_EQ(read_bytes(directory / "f"), "one two");
+  EXPECT_EQ(files_in(directory.path()), 1u);
+}
+
 TEST(WriteFileAtomically, KeepsAnExistingFileWithoutForce) {
   const TemporaryDirectory directory;
   write_file_atomically(directory / "f", "old", false);

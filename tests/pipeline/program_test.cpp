@@ -9,6 +9,7 @@
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
+#include "pipeline/program_text.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -192,6 +193,38 @@ INSTANTIATE_TEST_SUITE_P(
                  "budget_mm.mesh: out of"},
         Breakage{"OverrideAsNumber", [](Json& j) { j["overrides"] = {1}; }, "overrides[0]: is not a string"}),
     [](const auto& test) { return test.param.name; });
+
+TEST(ProgramText, ComesInPiecesThatMakeTheWhole) {
+  const Program program = vault_program({.strips = 3});
+  const ProgramFrame frame = program_frame(program);
+  std::string text = frame.before;
+  for (const Strip& strip : program.strips)
+    text += (&strip == &program.strips.front() ? "" : ",\n") + to_json(strip);
+  EXPECT_EQ(text + frame.after, to_json(program));
+}
+
+TEST(ParseProgramInAnyOrder, TakesStripsThatStandBeforeTheBlade) {
+  Json json = good();
+  Json turned;
+  for (const char* key : {"strips", "verification", "overrides", "format", "blade", "version", "settings",
+                          "created_by", "design"}) {
+    turned[key] = json[key];
+  }
+  EXPECT_EQ(to_json(parse_program(turned.dump(), "job.json")),
+            to_json(parse_program(json.dump(), "job.json")));
+}
+
+TEST(ParseProgramInAnyOrder, NamesThePlaceInALaterStripWhereverTheBladeStands) {
+  Json json = good();
+  json["strips"][1]["poses"][17]["t"] = "late";
+  Json turned;
+  for (const auto& [key, value] : json.items()) {
+    if (key != "blade") turned[key] = value;
+  }
+  turned["blade"] = json["blade"];
+  for (const Json& text : {json, turned})
+    EXPECT_THAT(refusal(text.dump()), HasSubstr("strips[1].poses[17].t: is not a number"));
+}
 
 TEST(ParseProgramText, NamesTheLineOfASyntaxError) {
   std::string text = to_json(vault_program());
