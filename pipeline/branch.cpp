@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
+#include "elastica/blade_batch.hpp"
 #include "robot/blade_branch.hpp"
 
 namespace hotblade::pipeline {
@@ -19,13 +21,72 @@ Elastica seen_from_a(const Elastica& e) {
   return {0, 0, 0, e.kappa, c * e.lambda1 + s * e.lambda2, c * e.lambda2 - s * e.lambda1, e.length};
 }
 
-double distance_mm(const Elastica& p, const Elastica& q) {
-  constexpr int kPoints = 9;
-  const auto a = elastica::sample(p, kPoints), b = elastica::sample(q, kPoints);
-  double largest = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    largest = std::max(largest, (a[i].position() - b[i].position()).norm());
-  return largest;
+// What the following of one pose found, before its shape is compared with the plan's.
+struct FollowedPose {
+  Elastica shape;
+  double margin = 0;
+  bool taut = false;
+};
+
+// Winds more than any blade, or is not a number: nowhere near a shape that was followed.
+bool wild(const Elastica& e) {
+  constexpr double kMostRate = 1000;
+  return !(elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length <= kMostRate);
+}
+
+// Of some poses: how far the blade is from where the program says, and its largest curvature.
+struct FollowedBlock {
+  std::vector<double> off_mm, curvature_per_mm;
+
+  FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
+    // Every eighth point of the one is beside a point of the other.
+    constexpr std::size_t kPoints = 9, kFine = 65, kEvery = (kFine - 1) / (kPoints - 1);
+    std::vector<Elastica> found, planned;
+    std::vector<elastica::Part> whole;
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      found.push_back(followed[i].shape);
+      planned.push_back(wild(poses[i].blade) ? Elastica{} : seen_from_a(poses[i].blade));
+      whole.push_back({0, followed[i].shape.length});
+    }
+    const elastica::PartPoints is = elastica::sample_parts(found, whole, kFine);
+    for (std::size_t i = 0; i < followed.size(); ++i) whole[i].last = planned[i].length;
+    const elastica::PartPoints should = elastica::sample_parts(planned, whole, kPoints);
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      double largest = wild(poses[i].blade) ? std::numeric_limits<double>::infinity() : 0;
+      for (std::size_t k = 0; k < kPoints; ++k)
+        largest = std::max(largest, (is.at(i, kEvery * k) - should.at(i, k)).norm());
+      off_mm.push_back(largest);
+      curvature_per_mm.push_back(elastica::max_abs_curvature(found[i], is, i));
+    }
+  }
+};
+
+// Adds what was found of the poses to the report, up to where the blade is elsewhere.
+void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchReport& report) {
+  constexpr std::size_t kBlock = 256;
+  for (std::size_t from = 0; from < followed.size(); from += kBlock) {
+    const std::size_t count = std::min(kBlock, followed.size() - from);
+    const FollowedBlock block(followed.subspan(from, count), std::span(strip.poses).subspan(from, count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const FollowedPose& pose = followed[from + i];
+      report.largest_curvature_per_mm = std::max(report.largest_curvature_per_mm, block.curvature_per_mm[i]);
+      report.smallest_margin = std::min(report.smallest_margin, pose.margin);
+      // The pose of a finding is the last one, and is not compared.
+      if (!report.held() && from + i == report.pose) return;
+      if (pose.taut) {
+        ++report.taut_poses;
+        continue;
+      }
+      const double off = block.off_mm[i];
+      if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
+      if (off <= kShapeMismatchMm) continue;  // not a number goes on to be found
+      report.status = BranchStatus::kElsewhere;
+      report.pose = from + i;
+      report.value = off;
+      report.bound = kShapeMismatchMm;
+      return;
+    }
+  }
 }
 
 BranchStatus status_of(robot::BladeStatus status) {
@@ -95,28 +156,17 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   report.smallest_margin = std::numeric_limits<double>::infinity();
   robot::BladeBranch blade(strip.blade_length_mm,
                            {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
-  for (std::size_t i = 0; i < strip.poses.size() && report.status == BranchStatus::kHeld; ++i) {
-    const BladePose& pose = strip.poses[i];
-    const auto found = [&](BranchStatus status, double value, double bound) {
-      report.status = status;
-      report.pose = i;
-      report.value = value;
-      report.bound = bound;
-    };
-    const robot::BladeFinding finding = blade.move_to(pose.a, pose.b);
-    report.largest_curvature_per_mm =
-        std::max(report.largest_curvature_per_mm, blade.largest_curvature_per_mm());
-    report.smallest_margin = std::min(report.smallest_margin, blade.margin());
-    if (!finding.held()) found(status_of(finding.status), finding.value, finding.bound);
-    if (!finding.held()) break;
-    if (blade.taut()) {
-      ++report.taut_poses;
-      continue;
-    }
-    const double off = distance_mm(blade.shape(), seen_from_a(pose.blade));
-    if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
-    if (!(off <= kShapeMismatchMm)) found(BranchStatus::kElsewhere, off, kShapeMismatchMm);
+  std::vector<FollowedPose> followed;
+  for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
+    const robot::BladeFinding finding = blade.move_to(strip.poses[i].a, strip.poses[i].b);
+    followed.push_back({blade.shape(), blade.margin(), blade.taut()});
+    if (finding.held()) continue;
+    report.status = status_of(finding.status);
+    report.pose = i;
+    report.value = finding.value;
+    report.bound = finding.bound;
   }
+  compare(strip, followed, report);
   return report;
 }
 

@@ -36,6 +36,7 @@ struct BranchReport {
   double mismatch_mm = 0;  // largest distance of the blade from where the program says, as far as followed
   double smallest_margin = 0;  // of the shapes found, as often as robot/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
+  [[nodiscard]] bool held() const { return status == BranchStatus::kHeld; }
   std::size_t taut_poses = 0;  // pulled straight, where the clamps decide the shape to second order only
 };
 

@@ -16,7 +16,6 @@
 #include "pipeline/command_error.hpp"
 #include "pipeline/export/rib_files.hpp"
 #include "pipeline/program_text.hpp"
-#include "pipeline/report/foam_share.hpp"
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 
@@ -93,7 +92,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"plane_turn_rad", f.plane_turn_rad},
           {"off_plane_mm", f.off_plane_mm},
           {"stock_volume_mm3", f.stock_volume_mm3},
-          {"foam_kept_share", foam_kept_share(strip)},
+          {"foam_kept_share", f.foam_kept_share},
           {"stock_size_mm", vector_json(strip.stock.size_mm)},
           {"poses", strip.poses.size()},
           {"rib_facts", ribs}};
@@ -145,13 +144,17 @@ void write_program(const Program& program, const fs::path& file, bool force) {
 }
 
 std::string run_json(const PlanResult& result, const RunFacts& facts) {
-  Json times = Json::object();
-  for (const StageTime& t : result.times) times[t.stage] = t.seconds;
+  Json times = Json::object(), processor = Json::object();
+  for (const StageTime& t : result.times) {
+    times[t.stage] = t.seconds;
+    processor[t.stage] = t.processor_s;
+  }
   const Json run{{"design_path", facts.design_path.string()},
                  {"backend", facts.backend},
                  {"threads", facts.threads},
                  {"total_s", facts.total_s},
-                 {"stage_s", times}};
+                 {"stage_s", times},
+                 {"stage_processor_s", processor}};
   return run.dump(2) + "\n";
 }
 

@@ -5,22 +5,24 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
+
+#include "elastica/blade_batch.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-// Both ends and the middle of the part in foam.
-std::array<Eigen::Vector3d, 3> marks_of(const BladePose& pose) {
-  const elastica::ElasticaCurve curve(pose.blade);
-  const auto [s0, s1] = *pose.foam;
-  std::array<Eigen::Vector3d, 3> marks;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto q = curve.at(s0 + 0.5 * static_cast<double>(i) * (s1 - s0));
-    marks[i] = pose.frame.point(q.x, q.y);
+// Even points of the part in foam of some poses.
+elastica::PartPoints points_in_foam(std::span<const BladePose* const> poses, std::size_t points) {
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> parts;
+  for (const BladePose* pose : poses) {
+    blades.push_back(pose->blade);
+    parts.push_back({(*pose->foam)[0], (*pose->foam)[1]});
   }
-  return marks;
+  return elastica::sample_parts(blades, parts, points);
 }
 
 // Of both ends and the middle the farthest.
@@ -34,22 +36,26 @@ double moved_mm(const std::array<Eigen::Vector3d, 3>& from, const std::array<Eig
 // last one takes the place of one less than half of that before it: the surface's slope is measured between
 // rows, and over a hundredth of a millimetre the registers' micrometre would decide it.
 std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
-  std::vector<const BladePose*> rows;
-  std::array<Eigen::Vector3d, 3> last;
-  last.fill(Eigen::Vector3d::Zero());
-  const BladePose* previous = nullptr;
+  std::vector<const BladePose*> in_foam, rows;
   for (const BladePose& pose : strip.poses) {
-    if (!pose.foam) continue;
-    const auto marks = marks_of(pose);
-    if (rows.empty() || moved_mm(last, marks) >= sample_mm) {
-      rows.push_back(&pose);
-      last = marks;
-    }
-    previous = &pose;
+    if (pose.foam) in_foam.push_back(&pose);
   }
-  if (rows.empty() || rows.back() == previous) return rows;
-  if (rows.size() > 1 && moved_mm(last, marks_of(*previous)) < 0.5 * sample_mm) rows.pop_back();
-  rows.push_back(previous);
+  if (in_foam.empty()) return rows;
+  const elastica::PartPoints points = points_in_foam(in_foam, 3);
+  std::array<Eigen::Vector3d, 3> last, marks;
+  last.fill(Eigen::Vector3d::Zero());
+  for (std::size_t n = 0; n < in_foam.size(); ++n) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector2d q = points.at(n, i);
+      marks[i] = in_foam[n]->frame.point(q.x(), q.y());
+    }
+    if (n > 0 && moved_mm(last, marks) < sample_mm) continue;
+    rows.push_back(in_foam[n]);
+    last = marks;
+  }
+  if (rows.back() == in_foam.back()) return rows;
+  if (rows.size() > 1 && moved_mm(last, marks) < 0.5 * sample_mm) rows.pop_back();
+  rows.push_back(in_foam.back());
   return rows;
 }
 
@@ -65,15 +71,21 @@ Grid blade_grid(const std::vector<const BladePose*>& rows, double sample_mm) {
   double longest = 0;
   for (const BladePose* pose : rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
   grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / sample_mm))) + 1;
-  for (const BladePose* pose : rows) {
-    const elastica::ElasticaCurve curve(pose->blade);
-    const auto [s0, s1] = *pose->foam;
-    for (std::size_t j = 0; j < grid.columns; ++j) {
-      const auto q =
-          curve.at(s0 + (s1 - s0) * static_cast<double>(j) / static_cast<double>(grid.columns - 1));
-      grid.centre.push_back(pose->frame.point(q.x, q.y));
-      grid.curvature.push_back(std::abs(q.kappa));
-      grid.left.push_back(-std::sin(q.theta) * pose->frame.x + std::cos(q.theta) * pose->frame.y);
+  const std::size_t points = grid.rows * grid.columns;
+  grid.centre.reserve(points);
+  grid.left.reserve(points);
+  grid.curvature.reserve(points);
+  constexpr std::size_t kBlock = 64;
+  for (std::size_t from = 0; from < rows.size(); from += kBlock) {
+    const auto some = std::span(rows).subspan(from, std::min(kBlock, rows.size() - from));
+    const elastica::PartPoints on = points_in_foam(some, grid.columns);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const Frame& frame = some[i]->frame;
+      for (std::size_t n = i * grid.columns; n < (i + 1) * grid.columns; ++n) {
+        grid.centre.push_back(frame.point(on.x[n], on.y[n]));
+        grid.curvature.push_back(std::abs(on.curvature[n]));
+        grid.left.push_back(-on.sin[n] * frame.x + on.cos[n] * frame.y);
+      }
     }
   }
   return grid;

@@ -107,9 +107,17 @@ double clamp_mismatch_mm(const Program& program) {
   constexpr double kMmPerRad = 1000;
   std::vector<double> worst(program.strips.size(), 0);
   tbb::parallel_for(std::size_t{0}, worst.size(), [&](std::size_t i) {
-    for (const BladePose& pose : program.strips[i].poses) {
-      const ClampPair planned = clamps(pose.blade, pose.frame);
-      for (const auto& [is, should] : {std::pair{pose.a, planned.a}, std::pair{pose.b, planned.b}}) {
+    const std::vector<BladePose>& poses = program.strips[i].poses;
+    std::vector<elastica::Elastica> blades;
+    std::vector<Frame> frames;
+    for (const BladePose& pose : poses) {
+      blades.push_back(pose.blade);
+      frames.push_back(pose.frame);
+    }
+    const std::vector<ClampPair> planned = clamps(blades, frames);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
+        const Pose &is = clamp == &ClampPair::a ? poses[k].a : poses[k].b, &should = planned[k].*clamp;
         const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
         if (!(off <= worst[i])) worst[i] = off;
       }

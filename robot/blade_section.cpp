@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "elastica/blade_batch.hpp"
+
 namespace hotblade::robot {
 
 namespace {
@@ -45,37 +47,55 @@ double max_curvature_per_mm(const BladeSection& s) {
 
 BladeLoads blade_loads(const elastica::Elastica& blade, const BladeSection& section) {
   const elastica::ElasticaCurve curve(blade);
-  const double stiffness = bending_stiffness_n_mm2(section), sharpest = curve.max_abs_curvature();
+  return blade_loads(blade, curve.at(blade.length).kappa, curve.max_abs_curvature(), section);
+}
+
+BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, double sharpest_per_mm,
+                       const BladeSection& section) {
+  const double stiffness = bending_stiffness_n_mm2(section);
   BladeLoads loads;
   // B theta'' = F x tangent for a blade that clamp B pushes with F.
   loads.force_n = -stiffness * Eigen::Vector2d(blade.lambda1, blade.lambda2);
-  loads.moment_a_n_mm = stiffness * curve.at(0).kappa;
-  loads.moment_b_n_mm = stiffness * curve.at(blade.length).kappa;
-  loads.stress_mpa = section.youngs_modulus_mpa * section.thickness_mm / 2 * sharpest;
-  loads.smallest_radius_mm = sharpest > 0 ? 1 / sharpest : std::numeric_limits<double>::infinity();
+  loads.moment_a_n_mm = stiffness * blade.kappa;
+  loads.moment_b_n_mm = stiffness * end_per_mm;
+  loads.stress_mpa = section.youngs_modulus_mpa * section.thickness_mm / 2 * sharpest_per_mm;
+  loads.smallest_radius_mm =
+      sharpest_per_mm > 0 ? 1 / sharpest_per_mm : std::numeric_limits<double>::infinity();
   return loads;
 }
 
 BladeSag blade_sag(const elastica::Elastica& blade, const BladeSection& section, const Eigen::Vector3d& down,
                    double s0, double s1) {
-  if (!(s0 <= s1)) throw std::logic_error("the part of a blade that sags ends before it starts");
+  const SagPlace place{down, s0, s1};
+  return blade_sags({&blade, 1}, section, {&place, 1}).front();
+}
+
+std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> blades, const BladeSection& section,
+                                 std::span<const SagPlace> places) {
+  if (blades.size() != places.size()) throw std::logic_error("a sag is asked for at one place of each blade");
   const double load = weight_n_mm(section) / bending_stiffness_n_mm2(section);
-  const NodeRange range = nodes(blade.length, s0, s1);
-  const elastica::Droop droop = elastica::droop(blade, load * down.z(), stiffness_ratios(section));
-  BladeSag sag;
-  sag.stable = droop.stable;
-  for (std::size_t i = range.first; i <= range.last; ++i) {
-    sag.droop_mm = std::max(sag.droop_mm, std::abs(droop.shift[i]));
-    sag.twist_rad = std::max(sag.twist_rad, std::abs(droop.twist[i]));
+  std::vector<elastica::DroopLoad> loads;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    const SagPlace& place = places[i];
+    if (!(place.s0 <= place.s1))
+      throw std::logic_error("the part of a blade that sags ends before it starts");
+    const NodeRange range = nodes(blades[i].length, place.s0, place.s1);
+    loads.push_back({load * place.down.z(), range.first, range.last});
   }
-  // Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
-  constexpr double kLevel = 1e-9;
-  const Eigen::Vector2d in_plane = down.head<2>();
-  if (in_plane.norm() <= kLevel) return sag;
-  const elastica::PlaneShift shift = elastica::plane_shift(blade, load * in_plane);
-  for (std::size_t i = range.first; i <= range.last; ++i)
-    sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[i].norm());
-  return sag;
+  std::vector<elastica::DroopReach> reach(blades.size());
+  elastica::droops(blades, loads, stiffness_ratios(section), reach);
+  std::vector<BladeSag> sags;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    BladeSag& sag = sags.emplace_back(BladeSag{reach[i].shift, reach[i].twist, 0, reach[i].stable});
+    // Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
+    constexpr double kLevel = 1e-9;
+    const Eigen::Vector2d in_plane = places[i].down.head<2>();
+    if (in_plane.norm() <= kLevel) continue;
+    const elastica::PlaneShift shift = elastica::plane_shift(blades[i], load * in_plane);
+    for (std::size_t k = loads[i].first; k <= loads[i].last; ++k)
+      sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[k].norm());
+  }
+  return sags;
 }
 
 }  // namespace hotblade::robot

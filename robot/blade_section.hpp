@@ -4,6 +4,9 @@
 // thickness.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "elastica/elastica.hpp"
 #include "elastica/gravity.hpp"
 
@@ -42,6 +45,9 @@ struct BladeLoads {
   double smallest_radius_mm = 0;  // infinity for a straight blade
 };
 [[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, const BladeSection& section);
+// The same where the curvature at clamp B and the largest |curvature| are known.
+[[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm,
+                                     double sharpest_per_mm, const BladeSection& section);
 
 // How far weight moves the clamped blade, to first order (elastica/gravity.hpp).
 struct BladeSag {
@@ -54,5 +60,15 @@ struct BladeSag {
 // lengths, mm.
 [[nodiscard]] BladeSag blade_sag(const elastica::Elastica& blade, const BladeSection& section,
                                  const Eigen::Vector3d& down, double s0, double s1);
+
+// Where and under what gravity a blade's sag is asked for, as above.
+struct SagPlace {
+  Eigen::Vector3d down{0, 0, -1};
+  double s0 = 0, s1 = 0;
+};
+// blade_sag of many blades at once (elastica/blade_batch.hpp), to 1e-9 of its size. One place for each blade
+// (std::logic_error).
+[[nodiscard]] std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> blades,
+                                               const BladeSection& section, std::span<const SagPlace> places);
 
 }  // namespace hotblade::robot

@@ -16,8 +16,6 @@ namespace {
 
 using elastica::Elastica;
 
-constexpr int kBladeSamples = 97;
-
 // Checks in the order a candidate passes them; a later stage means that it came further.
 enum Stage { kRibCurvature, kLength, kCurvature, kClearance, kReentry, kCrossing, kMargin, kSag, kPassed };
 
@@ -37,9 +35,11 @@ bool segments_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
   return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
 }
 
+using Points = std::vector<Eigen::Vector2d>;
+
 // Whether the polyline does. A curve that crosses itself closes a loop with one corner, which turns by more
 // than half a turn: one that turns less in all need not be searched.
-bool crosses_itself(const std::vector<Eigen::Vector2d>& q, double turning) {
+bool crosses_itself(const Points& q, double turning) {
   // A little less than half a turn: samples miss some of the turning where the curve's sense changes.
   constexpr double kHalfTurn = 0.95 * std::numbers::pi;
   if (turning < kHalfTurn) return false;
@@ -52,16 +52,17 @@ bool crosses_itself(const std::vector<Eigen::Vector2d>& q, double turning) {
 }
 
 // Depth of a point on the kept side (the right) of the cutting part; 0 on the waste side and past its ends.
-double depth_behind(const Eigen::Vector2d& q, const std::vector<Eigen::Vector2d>& part) {
+double depth_behind(const Eigen::Vector2d& q, const Points& part) {
   double nearest = std::numeric_limits<double>::infinity(), depth = 0;
   for (std::size_t i = 0; i + 1 < part.size(); ++i) {
     const Eigen::Vector2d ab = part[i + 1] - part[i];
     const double t = (q - part[i]).dot(ab) / ab.squaredNorm();
     const Eigen::Vector2d away = q - part[i] - std::clamp(t, 0.0, 1.0) * ab;
-    if (!(away.norm() < nearest)) continue;
-    nearest = away.norm();
+    const double squared = away.squaredNorm();
+    if (!(squared < nearest)) continue;
+    nearest = squared;
     const bool past_end = (i == 0 && t < 0) || (i + 2 == part.size() && t > 1);
-    depth = !past_end && cross(ab, away) < 0 ? nearest : 0;
+    depth = !past_end && cross(ab, away) < 0 ? std::sqrt(squared) : 0;
   }
   return depth;
 }
@@ -117,7 +118,8 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
     c.clearance = std::min({c.clearance, rect.distance(a.position()), rect.distance(b.position())});
   if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
   const double s0 = share * spare;
-  const FreeParts free = examine_free_parts(curve, s0, s0 + rib.elastica.length, placed.rects.front());
+  const FreeParts free =
+      examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.rects.front());
   if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
   if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(curve);
@@ -271,26 +273,32 @@ StockRect Block::seen_from(const Frame& plane) const {
   return {low, high, {turned(plane.origin - centre), turned(plane.x), turned(plane.y)}};
 }
 
-FreeParts examine_free_parts(const elastica::ElasticaCurve& blade, double s0, double s1,
+FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
+  const elastica::Part all{0, blade.length}, part{s0, s1};
+  return examine_free_parts(elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
+                            elastica::sample_parts({&blade, 1}, {&part, 1}, kBladeSamples), 0, part,
+                            blade.length, rect);
+}
+
+FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::PartPoints& foam,
+                             std::size_t i, const elastica::Part& interval, double length,
                              const StockRect& rect) {
-  const double length = blade.elastica().length;
-  std::vector<Eigen::Vector2d> all, part;
-  std::vector<int> free_in_stock;
-  double turning = 0, before = blade.elastica().theta;
-  for (int i = 0; i < kBladeSamples; ++i) {
-    const double s = length * i / (kBladeSamples - 1);
-    const elastica::CurvePoint p = blade.at(s);
-    all.push_back(p.position());
-    turning += std::abs(p.theta - before);
-    before = p.theta;
-    if ((s < s0 || s > s1) && rect.distance(all.back()) <= 0) free_in_stock.push_back(i);
+  Points all(kBladeSamples), free_in_stock;
+  double turning = 0;
+  for (std::size_t k = 0; k < kBladeSamples; ++k) {
+    const double s = length * static_cast<double>(k) / (kBladeSamples - 1);
+    const std::size_t n = i * kBladeSamples + k;
+    all[k] = whole.at(i, k);
+    if (k > 0) turning += std::abs(whole.turn[n] - whole.turn[n - 1]);
+    if ((s < interval.first || s > interval.last) && rect.distance(all[k]) <= 0)
+      free_in_stock.push_back(all[k]);
   }
   FreeParts free{crosses_itself(all, turning), 0};
   if (free_in_stock.empty()) return free;
-  for (int i = 0; i < kBladeSamples; ++i)
-    part.push_back(blade.at(s0 + (s1 - s0) * i / (kBladeSamples - 1)).position());
-  for (const int i : free_in_stock)
-    free.depth_mm = std::max(free.depth_mm, depth_behind(all[static_cast<std::size_t>(i)], part));
+  Points cutting(kBladeSamples);
+  for (std::size_t k = 0; k < kBladeSamples; ++k) cutting[k] = foam.at(i, k);
+  for (const Eigen::Vector2d& q : free_in_stock)
+    free.depth_mm = std::max(free.depth_mm, depth_behind(q, cutting));
   return free;
 }
 

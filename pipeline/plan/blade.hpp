@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "elastica/blade_batch.hpp"
 #include "pipeline/plan/strips.hpp"
 
 namespace hotblade::pipeline {
@@ -62,7 +63,13 @@ struct FreeParts {
   // none.
   double depth_mm = 0;
 };
-[[nodiscard]] FreeParts examine_free_parts(const elastica::ElasticaCurve& blade, double s0, double s1,
+[[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
+                                           const StockRect& rect);
+// Blade `i` of some by kBladeSamples points of all their length, and as many of their foam intervals.
+inline constexpr std::size_t kBladeSamples = 97;
+[[nodiscard]] FreeParts examine_free_parts(const elastica::PartPoints& whole,
+                                           const elastica::PartPoints& foam, std::size_t i,
+                                           const elastica::Part& interval, double length,
                                            const StockRect& rect);
 // Deeper is a cut into the part; less is the sampling of the blade's curve.
 inline constexpr double kFreePartDepthMm = 0.1;

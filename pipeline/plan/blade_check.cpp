@@ -1,17 +1,18 @@
 #include "pipeline/plan/blade_check.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "elastica/continuation.hpp"
 #include "elastica/sensitivity.hpp"
 #include "pipeline/plan/blade.hpp"
 #include "pipeline/plan/blade_path.hpp"
+#include "pipeline/plan/blocks.hpp"
 #include "pipeline/plan/clamp_margins.hpp"
 
 namespace hotblade::pipeline {
@@ -25,20 +26,57 @@ struct PoseCheck {
   robot::BladeSag sag;
 };
 
-PoseCheck check_pose(const BladePose& pose, const StripPlan& strip, const Block& block,
+// Some poses of a strip and what their blades share.
+struct PoseBlock {
+  std::span<const BladePose> poses;
+  std::vector<elastica::Elastica> blades;
+  elastica::PartPoints points, in_foam;  // of the whole blades, and of the parts in foam or else the whole
+  std::vector<robot::SagPlace> sag_places;
+
+  PoseBlock(std::span<const BladePose> some, const StripPlan& strip) : poses(some) {
+    std::vector<elastica::Part> whole, parts;
+    for (const BladePose& pose : poses) {
+      blades.push_back(pose.blade);
+      whole.push_back({0, pose.blade.length});
+      const double s0 = pose.foam ? (*pose.foam)[0] : 0, s1 = pose.foam ? (*pose.foam)[1] : pose.blade.length;
+      parts.push_back({s0, s1});
+      sag_places.push_back({down_in_plane(strip.design_to_cell, pose.frame), s0, s1});
+    }
+    points = elastica::sample_parts(blades, whole, kBladeSamples);
+    in_foam = elastica::sample_parts(blades, parts, kBladeSamples);
+  }
+};
+
+PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip, const Block& block,
                      const robot::BladeSection& section) {
   PoseCheck c;
-  const elastica::ElasticaCurve curve(pose.blade);
-  c.loads = robot::blade_loads(pose.blade, section);
-  c.curvature = 1 / c.loads.smallest_radius_mm;
+  const BladePose& pose = some.poses[i];
+  const robot::SagPlace& part = some.sag_places[i];
+  c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
+  c.loads = robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature,
+                               section);
   c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.stock);
   c.cuts = pose.foam.has_value();
-  const double s0 = c.cuts ? (*pose.foam)[0] : 0, s1 = c.cuts ? (*pose.foam)[1] : pose.blade.length;
-  const FreeParts free = examine_free_parts(curve, s0, s1, block.seen_from(pose.frame));
+  const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
+                                            pose.blade.length, block.seen_from(pose.frame));
   c.crosses = free.crosses_itself;
   if (c.cuts) c.depth = free.depth_mm;
-  c.sag = robot::blade_sag(pose.blade, section, down_in_plane(strip.design_to_cell, pose.frame), s0, s1);
   return c;
+}
+
+std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const StripPlan& strip,
+                                   const Block& block, const robot::BladeSection& section) {
+  std::vector<PoseCheck> checks(poses.size());
+  in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
+    const std::span<const BladePose> all(poses);
+    const PoseBlock some(all.subspan(from, to - from), strip);
+    const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, section, some.sag_places);
+    for (std::size_t i = from; i < to; ++i) {
+      checks[i] = check_pose(some, i - from, strip, block, section);
+      checks[i].sag = sags[i - from];
+    }
+  });
+  return checks;
 }
 
 PoseLoads pose_loads(const PoseCheck& c) {
@@ -252,9 +290,7 @@ Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const Block block = block_around(strip.ribs, strip, settings.stock);
   const robot::BladeSection section = blade_section(settings.blade);
-  std::vector<PoseCheck> checks(motion.poses.size());
-  tbb::parallel_for(std::size_t{0}, checks.size(),
-                    [&](std::size_t i) { checks[i] = check_pose(motion.poses[i], strip, block, section); });
+  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, block, section);
   collect(checks, motion);
   const std::vector<PoseMargin> margins = weigh_margins(motion);
   weigh_clamp_errors(strip, settings.machine, margins, motion);

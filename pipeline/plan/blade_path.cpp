@@ -7,7 +7,9 @@
 #include <limits>
 #include <memory>
 
+#include "elastica/blade_batch.hpp"
 #include "elastica/stability.hpp"
+#include "pipeline/plan/blocks.hpp"
 #include "pipeline/plan/rib_spline.hpp"
 #include "pipeline/plan/travel.hpp"
 
@@ -22,10 +24,24 @@ using elastica::MidState;
 constexpr double kFlatHalfTurn = 0.13;
 
 // The blade at a place of the sweep: the rib there, extended.
-BladeShape shape_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {
-  const Elastica rib = spline.at(offset_mm);
-  const double before = strip.share_a * (strip.blade_length_mm - rib.length);
-  return {offset_mm, extended(rib, strip.blade_length_mm, strip.share_a), before, before + rib.length, true};
+BladePlace place_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {
+  const MidState mid = spline.mid_at(offset_mm);
+  const double before = strip.share_a * (strip.blade_length_mm - mid.length);
+  return {offset_mm,
+          half_from_middle(mid),
+          -0.5 * mid.length - before,
+          strip.blade_length_mm,
+          before,
+          before + mid.length,
+          true};
+}
+
+BladeShape shape_of(const BladePlace& place) {
+  return shapes_of({&place, 1}).front();
+}
+
+BladePlace place_of(const BladeShape& shape) {
+  return {shape.offset_mm, shape.blade, 0, shape.blade.length, shape.foam0, shape.foam1, shape.in_foam};
 }
 
 // Flat arc and a working shape joined by a straight line in the state at the blade's middle.
@@ -40,17 +56,14 @@ struct Forming {
   }
 
   // share 0 is the flat arc, 1 the working shape.
-  [[nodiscard]] BladeShape at(double share) const {
+  [[nodiscard]] BladePlace place(double share) const {
     MidState m = mid;
     m.kappa = flat.kappa + share * (mid.kappa - flat.kappa);
     m.tension1 = share * mid.tension1;
     m.tension2 = share * mid.tension2;
-    BladeShape shape = worked;
-    shape.blade = from_mid_state(m);
-    shape.foam0 = shape.foam1 = 0;
-    shape.in_foam = false;
-    return shape;
+    return {worked.offset_mm, half_from_middle(m), -0.5 * m.length, m.length, 0, 0, false};
   }
+  [[nodiscard]] BladeShape at(double share) const { return shape_of(place(share)); }
 };
 
 // The least stability margin on the way between the flat arc and the working shape.
@@ -134,10 +147,10 @@ BladeShape in_air(BladeShape shape, double offset_mm) {
 
 // The blade withdraws beside the block, shape and all, and is flattened there; u in [0, 1] is the way of
 // both.
-BladeShape withdrawn(const Forming& last, double aside_mm, double u) {
-  BladeShape shape = u <= 0.5 ? last.worked : last.at(2 - 2 * u);
-  shape.blade.y += std::min(1.0, 2 * u) * aside_mm;
-  return shape;
+BladePlace withdrawn(const Forming& last, double aside_mm, double u) {
+  BladePlace place = u <= 0.5 ? place_of(last.worked) : last.place(2 - 2 * u);
+  place.curve.y += std::min(1.0, 2 * u) * aside_mm;
+  return place;
 }
 
 // Where a strip's way out of the block ends along the sweep, and how far to the side it then goes.
@@ -162,7 +175,7 @@ WayOut way_out(const StripPlan& strip, Forming& last, double behind_mm, const Se
   if (given > 0 || clear <= kLeastLeadMm) return out;
   constexpr int kLooks = 64;
   for (int i = 0; i <= kLooks; ++i) {
-    const BladeShape shape = withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks);
+    const BladeShape shape = shape_of(withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks));
     if (clamp_clearance_mm(clamps(shape.blade, strip.swept_plane(out.end_mm)), strip.stock) <
         kReserve * clear)
       return with_lead(kReserve * clear);
@@ -185,12 +198,54 @@ Pose clamp_pose(const elastica::CurvePoint& p, const Frame& frame) {
 
 }  // namespace
 
-ClampPair clamps(const Elastica& blade, const Frame& frame) {
-  return clamps(elastica::ElasticaCurve(blade), frame);
+std::vector<BladeShape> shapes_of(std::span<const BladePlace> places) {
+  std::vector<Elastica> curves;
+  std::vector<double> from;
+  for (const BladePlace& place : places) {
+    curves.push_back(place.curve);
+    from.push_back(place.from_mm);
+  }
+  std::vector<elastica::CurvePoint> starts(places.size());
+  elastica::points_at(curves, from, starts);
+  std::vector<BladeShape> shapes;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const BladePlace& place = places[i];
+    const elastica::CurvePoint& p = starts[i];
+    shapes.push_back({place.offset_mm,
+                      {p.x, p.y, p.theta, p.kappa, place.curve.lambda1, place.curve.lambda2, place.length_mm},
+                      place.foam0,
+                      place.foam1,
+                      place.in_foam});
+  }
+  return shapes;
 }
 
-ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame) {
-  return {clamp_pose(blade.at(0), frame), clamp_pose(blade.at(blade.elastica().length), frame)};
+std::vector<BladeShape> shapes_at(const Stretch& stretch, std::span<const double> parameters) {
+  std::vector<BladePlace> places(parameters.size());
+  std::vector<BladeShape> shapes(parameters.size());
+  in_blocks(parameters.size(), [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) places[i] = stretch.place(parameters[i]);
+    const std::vector<BladeShape> block = shapes_of(std::span(places).subspan(from, to - from));
+    std::copy(block.begin(), block.end(), shapes.begin() + static_cast<std::ptrdiff_t>(from));
+  });
+  return shapes;
+}
+
+ClampPair clamps(const Elastica& blade, const Frame& frame) {
+  return clamps(std::span(&blade, 1), std::span(&frame, 1)).front();
+}
+
+std::vector<ClampPair> clamps(std::span<const Elastica> blades, std::span<const Frame> frames) {
+  std::vector<double> lengths;
+  for (const Elastica& e : blades) lengths.push_back(e.length);
+  std::vector<elastica::CurvePoint> ends(blades.size());
+  elastica::points_at(blades, lengths, ends);
+  std::vector<ClampPair> pairs;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    const Elastica& e = blades[i];
+    pairs.push_back({clamp_pose({e.x, e.y, e.theta, e.kappa}, frames[i]), clamp_pose(ends[i], frames[i])});
+  }
+  return pairs;
 }
 
 double clamp_clearance_mm(const ClampPair& pair, const Stock& stock) {
@@ -212,24 +267,25 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   marks.start_mm = marks.first_rib_mm - (before + lead_in_mm(settings.motion));
   const double above = marks.first_rib_mm - before - settings.motion.approach_mm;
   const double min_margin = settings.blade.min_margin;
-  const Forming first = form(in_air(shape_at(strip, *spline, marks.first_rib_mm), above), min_margin);
-  Forming last = form(in_air(shape_at(strip, *spline, marks.last_rib_mm), marks.last_rib_mm), min_margin);
+  const auto rib_at = [&](double offset_mm) { return shape_of(place_at(strip, *spline, offset_mm)); };
+  const Forming first = form(in_air(rib_at(marks.first_rib_mm), above), min_margin);
+  Forming last = form(in_air(rib_at(marks.last_rib_mm), marks.last_rib_mm), min_margin);
   const WayOut out = way_out(strip, last, behind, settings);
   marks.end_mm = out.end_mm;
-  path.stretches.push_back({"form", false, 200, [first](double u) { return first.at(u); }});
+  path.stretches.push_back({"form", false, 200, [first](double u) { return first.place(u); }});
   path.stretches.push_back({"approach", true, 50, [first, marks, above](double u) {
-                              return in_air(first.worked, above + u * (marks.start_mm - above));
+                              return place_of(in_air(first.worked, above + u * (marks.start_mm - above)));
                             }});
   const int resolved = std::clamp(static_cast<int>(8 * strip.ribs.size()), 400, 4000);
   path.stretches.push_back({"cut", true, resolved, [&strip, spline, marks](double u) {
-                              return shape_at(strip, *spline,
+                              return place_at(strip, *spline,
                                               marks.start_mm + u * (marks.end_mm - marks.start_mm));
                             }});
   path.stretches.push_back(
       {"retract", false, 50, [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 * u); }});
   path.stretches.push_back({"retract", false, 200,
                             [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 + 0.5 * u); }});
-  if (auto travel = travel_home(strip, withdrawn(last, out.aside_mm, 1), first.at(0), settings))
+  if (auto travel = travel_home(strip, shape_of(withdrawn(last, out.aside_mm, 1)), first.at(0), settings))
     path.stretches.push_back(std::move(*travel));
   return path;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,25 @@ struct BladeShape {
   bool in_foam = false;         // any part may touch the stock
 };
 
-// A stretch of the path that starts and ends at rest; `at` takes [0, 1].
+// The same before the blade's start is known: a curve, and where on it the blade starts.
+struct BladePlace {
+  double offset_mm = 0;
+  elastica::Elastica curve;
+  double from_mm = 0, length_mm = 0;  // arc length on the curve, also before 0; of the blade
+  double foam0 = 0, foam1 = 0;
+  bool in_foam = false;
+};
+[[nodiscard]] std::vector<BladeShape> shapes_of(std::span<const BladePlace> places);
+
+// A stretch of the path that starts and ends at rest; `place` takes [0, 1].
 struct Stretch {
   std::string phase;
   bool heat = false;
   int samples = 0;  // that resolve it
-  std::function<BladeShape(double)> at;
+  std::function<BladePlace(double)> place;
 };
+// On all cores allowed; each shape depends on its own parameter alone.
+[[nodiscard]] std::vector<BladeShape> shapes_at(const Stretch& stretch, std::span<const double> parameters);
 
 // Heights along the sweep where the phases of the middle stretch meet.
 struct SweepMarks {
@@ -44,7 +57,8 @@ struct ClampPair {
   Pose a, b;
 };
 [[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
-[[nodiscard]] ClampPair clamps(const elastica::ElasticaCurve& blade, const Frame& frame);
+[[nodiscard]] std::vector<ClampPair> clamps(std::span<const elastica::Elastica> blades,
+                                            std::span<const Frame> frames);
 // Of the nearer clamp from the block; 0 inside.
 [[nodiscard]] double clamp_clearance_mm(const ClampPair& pair, const Stock& stock);
 

@@ -1,7 +1,6 @@
 #include "pipeline/plan/motion.hpp"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,9 +8,10 @@
 #include <cmath>
 #include <limits>
 
-#include "elastica/stability.hpp"
+#include "elastica/blade_batch.hpp"
 #include "pipeline/plan/blade_check.hpp"
 #include "pipeline/plan/blade_path.hpp"
+#include "pipeline/plan/blocks.hpp"
 #include "pipeline/plan/clamp_plane.hpp"
 #include "pipeline/plan/time_law.hpp"
 
@@ -22,18 +22,64 @@ namespace {
 // Blade points between the foam's ends whose speed the feed limits.
 constexpr std::size_t kFeedPoints = 17;
 
-PathSample path_sample(const BladeShape& shape, const StripPlan& strip) {
-  const Frame frame = strip.swept_plane(shape.offset_mm);
-  const elastica::ElasticaCurve curve(shape.blade);
-  const ClampPair pair = clamps(curve, frame);
-  PathSample sample{pair.a, pair.b, {}};
-  if (!shape.in_foam) return sample;
-  for (std::size_t i = 0; i < kFeedPoints; ++i) {
-    const double share = static_cast<double>(i) / (kFeedPoints - 1);
-    const auto q = curve.at(shape.foam0 + (shape.foam1 - shape.foam0) * share);
-    sample.in_foam.push_back(frame.point(q.x, q.y));
+// Shapes of the blade in their planes, between their clamps.
+struct ClampedShapes {
+  std::vector<BladeShape> shapes;
+  std::vector<Frame> frames;
+  std::vector<ClampPair> pairs;
+};
+
+ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
+  ClampedShapes all{std::move(shapes), {}, {}};
+  all.frames.resize(all.shapes.size());
+  all.pairs.resize(all.shapes.size());
+  in_blocks(all.shapes.size(), [&](std::size_t from, std::size_t to) {
+    std::vector<elastica::Elastica> blades;
+    for (std::size_t i = from; i < to; ++i) {
+      all.frames[i] = strip.swept_plane(all.shapes[i].offset_mm);
+      blades.push_back(all.shapes[i].blade);
+    }
+    const auto pairs = clamps(blades, std::span(all.frames).subspan(from, to - from));
+    std::copy(pairs.begin(), pairs.end(), all.pairs.begin() + static_cast<std::ptrdiff_t>(from));
+  });
+  return all;
+}
+
+// kFeedPoints of each blade's part in foam, in space; nothing of blades without one.
+using FeedPoints = std::vector<std::vector<Eigen::Vector3d>>;
+
+FeedPoints feed_points(std::span<const elastica::Elastica> blades, std::span<const elastica::Part> foam,
+                       std::span<const Frame> frames) {
+  FeedPoints all(blades.size());
+  in_blocks(blades.size(), [&](std::size_t from, std::size_t to) {
+    const elastica::PartPoints points =
+        elastica::sample_parts(blades.subspan(from, to - from), foam.subspan(from, to - from), kFeedPoints);
+    for (std::size_t i = from; i < to; ++i) {
+      if (!(foam[i].last > foam[i].first)) continue;
+      for (std::size_t k = 0; k < kFeedPoints; ++k) {
+        const Eigen::Vector2d q = points.at(i - from, k);
+        all[i].push_back(frames[i].point(q.x(), q.y()));
+      }
+    }
+  });
+  return all;
+}
+
+std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& strip) {
+  std::vector<double> parameters;
+  for (int i = 0; i <= stretch.samples; ++i) parameters.push_back(static_cast<double>(i) / stretch.samples);
+  const ClampedShapes all = clamped(shapes_at(stretch, parameters), strip);
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> foam;
+  for (const BladeShape& shape : all.shapes) {
+    blades.push_back(shape.blade);
+    foam.push_back(shape.in_foam ? elastica::Part{shape.foam0, shape.foam1} : elastica::Part{});
   }
-  return sample;
+  FeedPoints in_foam = feed_points(blades, foam, all.frames);
+  std::vector<PathSample> samples;
+  for (std::size_t i = 0; i < all.pairs.size(); ++i)
+    samples.push_back({all.pairs[i].a, all.pairs[i].b, std::move(in_foam[i])});
+  return samples;
 }
 
 Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
@@ -44,13 +90,8 @@ Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
 
 // Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even
 // step.
-double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripPlan& strip,
+double acceleration_use(const std::vector<ClampPair>& pairs, const TimeLaw& law,
                         const MotionSettings& limits) {
-  std::vector<ClampPair> pairs(law.sigma.size());
-  tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t i) {
-    const BladeShape shape = stretch.at(law.sigma[i]);
-    pairs[i] = clamps(shape.blade, strip.swept_plane(shape.offset_mm));
-  });
   double use = 0;
   for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
     Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
@@ -68,25 +109,28 @@ double acceleration_use(const Stretch& stretch, const TimeLaw& law, const StripP
   return use;
 }
 
+// A stretch at the waypoints of its time law.
+struct TimedStretch {
+  TimeLaw law;
+  ClampedShapes at;
+};
+
 // The fastest law whose waypoints, too, keep to the acceleration limits: where a path bends faster than its
 // samples show, the limits given to the law are lowered and it is made again.
-TimeLaw law_of(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
-  std::vector<PathSample> samples(static_cast<std::size_t>(stretch.samples) + 1);
-  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    samples[i] = path_sample(stretch.at(static_cast<double>(i) / stretch.samples), strip);
-  });
+TimedStretch timed(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
+  const std::vector<PathSample> samples = path_samples(stretch, strip);
   MotionSettings limits = settings.motion;
   constexpr int kTries = 12;
   constexpr double kUse = 0.95;
-  TimeLaw law = fastest_time_law(samples, limits);
-  for (int i = 0; i < kTries && law.duration_s > 0; ++i) {
-    const double use = acceleration_use(stretch, law, strip, settings.motion);
-    if (use <= kUse) break;
+  for (int i = 0;; ++i) {
+    TimeLaw law = fastest_time_law(samples, limits);
+    ClampedShapes at = clamped(shapes_at(stretch, law.sigma), strip);
+    const bool moves = law.duration_s > 0;
+    const double use = moves ? acceleration_use(at.pairs, law, settings.motion) : 0;
+    if (use <= kUse || i == kTries) return {std::move(law), std::move(at)};
     limits.accel_mm_s2 *= kUse / use;
     limits.angular_accel_rad_s2 *= kUse / use;
-    law = fastest_time_law(samples, limits);
   }
-  return law;
 }
 
 // The phase of a place in the cutting stretch.
@@ -96,37 +140,35 @@ std::string cut_phase(double offset_mm, const SweepMarks& marks) {
   return "cut";
 }
 
-BladePose make_pose(const BladeShape& shape, const StripPlan& strip, double t, const std::string& phase,
-                    bool heat) {
-  BladePose pose;
-  pose.t = t;
-  pose.phase = phase;
-  pose.heat = heat;
-  pose.frame = strip.swept_plane(shape.offset_mm);
-  pose.blade = shape.blade;
-  if (phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
-  const elastica::ElasticaCurve curve(shape.blade);
-  const ClampPair pair = clamps(curve, pose.frame);
-  pose.a = pair.a;
-  pose.b = pair.b;
-  pose.margin = elastica::stability_margin(curve);
-  return pose;
-}
-
-void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimeLaw& law,
-            const SweepMarks& marks, const StripPlan& strip) {
+// Everything but the margins, which find_margins gives to all poses together.
+void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedStretch& timed,
+            const SweepMarks& marks) {
   const bool cutting = stretch.phase == "cut";
   const double t0 = poses.empty() ? 0 : poses.back().t;
-  if (!poses.empty() && !(law.duration_s > 0)) return;  // a stretch that does not move
-  const std::size_t skip = poses.empty() ? 0 : 1;       // a stretch starts where the one before ended
-  std::vector<BladePose> added(law.sigma.size() - skip);
-  tbb::parallel_for(std::size_t{0}, added.size(), [&](std::size_t i) {
-    const std::size_t k = i + skip;
-    const BladeShape shape = stretch.at(law.sigma[k]);
-    const std::string phase = cutting ? cut_phase(shape.offset_mm, marks) : stretch.phase;
-    added[i] = make_pose(shape, strip, t0 + law.step_s * static_cast<double>(k), phase, stretch.heat);
+  if (!poses.empty() && !(timed.law.duration_s > 0)) return;  // a stretch that does not move
+  const std::size_t skip = poses.empty() ? 0 : 1;             // a stretch starts where the one before ended
+  for (std::size_t k = skip; k < timed.at.shapes.size(); ++k) {
+    const BladeShape& shape = timed.at.shapes[k];
+    BladePose& pose = poses.emplace_back();
+    pose.t = t0 + timed.law.step_s * static_cast<double>(k);
+    pose.phase = cutting ? cut_phase(shape.offset_mm, marks) : stretch.phase;
+    pose.heat = stretch.heat;
+    pose.frame = timed.at.frames[k];
+    pose.blade = shape.blade;
+    if (pose.phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
+    pose.a = timed.at.pairs[k].a;
+    pose.b = timed.at.pairs[k].b;
+  }
+}
+
+void find_margins(std::vector<BladePose>& poses) {
+  in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
+    std::vector<elastica::Elastica> blades;
+    for (std::size_t i = from; i < to; ++i) blades.push_back(poses[i].blade);
+    std::vector<double> margins(blades.size());
+    elastica::stability_margins(blades, margins);
+    for (std::size_t i = from; i < to; ++i) poses[i].margin = margins[i - from];
   });
-  std::move(added.begin(), added.end(), std::back_inserter(poses));
 }
 
 // Standing still with the heat on.
@@ -235,17 +277,15 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
 
 // Slowest blade point in foam over the cut; the time law starts and stops outside the block.
 double slowest_feed(const std::vector<BladePose>& poses) {
-  std::vector<std::array<Eigen::Vector3d, kFeedPoints>> in_foam(poses.size());
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
-    const BladePose& pose = poses[i];
-    if (!pose.foam) return;
-    const elastica::ElasticaCurve curve(pose.blade);
-    const auto [s0, s1] = *pose.foam;
-    for (std::size_t k = 0; k < kFeedPoints; ++k) {
-      const auto q = curve.at(s0 + static_cast<double>(k) / (kFeedPoints - 1) * (s1 - s0));
-      in_foam[i][k] = pose.frame.point(q.x, q.y);
-    }
-  });
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> foam;
+  std::vector<Frame> frames;
+  for (const BladePose& pose : poses) {
+    blades.push_back(pose.blade);
+    foam.push_back(pose.foam ? elastica::Part{(*pose.foam)[0], (*pose.foam)[1]} : elastica::Part{});
+    frames.push_back(pose.frame);
+  }
+  const FeedPoints in_foam = feed_points(blades, foam, frames);
   double slowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < poses.size(); ++i) {
     if (!poses[i - 1].foam || !poses[i].foam) continue;
@@ -262,9 +302,10 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   BladeMotion motion;
   const BladePath path = make_path(strip, settings);
   for (const Stretch& stretch : path.stretches) {
-    append(motion.poses, stretch, law_of(stretch, strip, settings), path.marks, strip);
+    append(motion.poses, stretch, timed(stretch, strip, settings), path.marks);
     if (stretch.phase == "form") append_preheat(motion.poses, settings.motion);
   }
+  find_margins(motion.poses);
   round_times(motion.poses);
   mark_ribs(motion.poses, strip);
   motion.duration_s = motion.poses.back().t;

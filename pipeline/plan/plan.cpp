@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -16,6 +17,7 @@
 #include "pipeline/command_error.hpp"
 #include "pipeline/plan/budget.hpp"
 #include "pipeline/plan/strips.hpp"
+#include "pipeline/report/foam_share.hpp"
 #include "pipeline/version.hpp"
 #include "surface/slice.hpp"
 
@@ -30,19 +32,21 @@ class Stopwatch {
   explicit Stopwatch(std::vector<StageTime>& times) : times_(times) {}
   void lap(const std::string& stage) {
     const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
+    const double seconds = std::chrono::duration<double>(now - last_).count(), used = processor_s();
+    const auto known =
+        std::find_if(times_.begin(), times_.end(), [&](const StageTime& t) { return t.stage == stage; });
+    StageTime& time = known != times_.end() ? *known : times_.emplace_back(StageTime{stage});
+    time.seconds += seconds;
+    time.processor_s += used - used_;
     last_ = now;
-    for (StageTime& t : times_) {
-      if (t.stage == stage) {
-        t.seconds += seconds;
-        return;
-      }
-    }
-    times_.push_back({stage, seconds});
+    used_ = used;
   }
 
  private:
+  static double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
   std::vector<StageTime>& times_;
+  double used_ = processor_s();
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
@@ -204,6 +208,7 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
     done[i].refusals = std::move(posed.motion.refusals);
     done[i].warnings = std::move(posed.motion.warnings);
     done[i].strip = make_strip(posed.strip, std::move(posed.motion.poses));
+    done[i].facts.foam_kept_share = foam_kept_share(done[i].strip);
     const std::scoped_lock lock(telling);
     hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(++told) / static_cast<double>(count));
   });

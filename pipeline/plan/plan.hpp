@@ -38,6 +38,7 @@ struct StripFacts {
   }
   std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
   double stock_volume_mm3 = 0;
+  double foam_kept_share = 0;  // of it that becomes the part (report/foam_share.hpp)
   double plane_turn_rad = 0;  // between the first and the last rib's plane; 0: they are parallel
   double off_plane_mm = 0;    // how far the clamps leave a common plane between waypoints
 };
@@ -47,7 +48,7 @@ struct StripFacts {
 
 struct StageTime {
   std::string stage;
-  double seconds = 0;
+  double seconds = 0, processor_s = 0;  // by the clock, and of all threads of the process
 };
 
 struct PlanResult {

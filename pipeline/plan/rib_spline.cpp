@@ -25,9 +25,13 @@ RibSpline::RibSpline(std::span<const RibFit> ribs)
 }
 
 elastica::Elastica RibSpline::at(double offset_mm) const {
+  return elastica::from_mid_state(mid_at(offset_mm));
+}
+
+elastica::MidState RibSpline::mid_at(double offset_mm) const {
   const double w = std::clamp((offset_mm - first_) / (last_ - first_), 0.0, 1.0);
   const Eigen::Matrix<double, 7, 1> m = spline_(w);
-  return elastica::from_mid_state({m[0], m[1], m[2], m[3], m[4], m[5], m[6]});
+  return {m[0], m[1], m[2], m[3], m[4], m[5], m[6]};
 }
 
 }  // namespace hotblade::pipeline

@@ -16,6 +16,7 @@ class RibSpline {
 
   // Before the first and behind the last rib the end shape is kept.
   [[nodiscard]] elastica::Elastica at(double offset_mm) const;
+  [[nodiscard]] elastica::MidState mid_at(double offset_mm) const;
 
  private:
   Eigen::Spline<double, 7> spline_;

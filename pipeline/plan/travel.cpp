@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "elastica/blade_batch.hpp"
 #include "elastica/fit.hpp"
 #include "elastica/quadratic.hpp"
 #include "elastica/quadratic_tangent.hpp"
@@ -45,16 +46,13 @@ struct Way {
   Quadratic curve;
   double length = 0;
 
-  [[nodiscard]] BladeShape at(double u) const {
+  [[nodiscard]] BladePlace place(double u) const {
     const Vector2d p = elastica::point_at(curve, elastica::parameter_at(curve, u * length));
     MidState mid = from;
     mid.x = from.x + u * (home.x - from.x);
     mid.y = p.y();
     mid.theta = from.theta + u * (home.theta - from.theta);
-    BladeShape shape;
-    shape.offset_mm = p.x();
-    shape.blade = elastica::from_mid_state(mid);
-    return shape;
+    return {p.x(), elastica::half_from_middle(mid), -0.5 * mid.length, mid.length, 0, 0, false};
   }
 };
 
@@ -63,9 +61,9 @@ double hang_mm(const Way& way) {
   constexpr int kTurns = 16, kPoints = 65;
   double hang = 0;
   for (int i = 0; i <= kTurns; ++i) {
-    const BladeShape shape = way.at(static_cast<double>(i) / kTurns);
-    const double middle = elastica::mid_state(shape.blade).y;
-    for (const auto& p : elastica::sample(shape.blade, kPoints)) hang = std::max(hang, middle - p.y);
+    const BladePlace place = way.place(static_cast<double>(i) / kTurns);
+    const elastica::Elastica blade = elastica::segment(place.curve, place.from_mm, -place.from_mm);
+    for (const auto& p : elastica::sample(blade, kPoints)) hang = std::max(hang, place.curve.y - p.y);
   }
   return hang;
 }
@@ -87,12 +85,46 @@ std::vector<Quadratic> around(const Vector2d& from, const Vector2d& to, const Ve
   return curves;
 }
 
-double clearance_on(const Stretch& travel, const StripPlan& strip, double width_mm) {
+// Points of a blade this far apart are measured.
+constexpr double kApart_mm = 2;
+
+std::size_t points_of(const elastica::Elastica& blade) {
+  return static_cast<std::size_t>(std::ceil(blade.length / kApart_mm)) + 1;
+}
+
+// blade_clearance_mm of blade `i` by its points.
+double clearance_mm(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
+                    const Stock& stock, double width_mm) {
+  const Vector3d across = width_mm / 2 * frame.normal();
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= travel.samples; ++i) {
-    const BladeShape shape = travel.at(static_cast<double>(i) / travel.samples);
-    least = std::min(
-        least, blade_clearance_mm(shape.blade, strip.swept_plane(shape.offset_mm), strip.stock, width_mm));
+  for (std::size_t k = 0; k < points.points; ++k) {
+    const Vector2d p = points.at(i, k);
+    for (const double side : {-1.0, 1.0}) {
+      const Vector3d d = frame.point(p.x(), p.y()) + side * across - stock.frame.origin;
+      const Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+      least = std::min(least, (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm());
+    }
+  }
+  // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
+  // points between both edges, because the distance to a box is convex.
+  return std::max(0.0, least - 0.5 * length / static_cast<double>(points.points - 1));
+}
+
+double clearance_on(const Stretch& travel, const StripPlan& strip, double width_mm) {
+  std::vector<double> shares;
+  for (int i = 0; i <= travel.samples; ++i) shares.push_back(static_cast<double>(i) / travel.samples);
+  const std::vector<BladeShape> shapes = shapes_at(travel, shares);
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> whole;
+  for (const BladeShape& shape : shapes) {
+    blades.push_back(shape.blade);
+    whole.push_back({0, shape.blade.length});
+  }
+  const elastica::PartPoints points = elastica::sample_parts(blades, whole, points_of(blades.front()));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    least = std::min(least, clearance_mm(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm),
+                                         strip.stock, width_mm));
   }
   return least;
 }
@@ -101,20 +133,9 @@ double clearance_on(const Stretch& travel, const StripPlan& strip, double width_
 
 double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Stock& stock,
                           double width_mm) {
-  constexpr double kApart_mm = 2;
-  const int points = static_cast<int>(std::ceil(blade.length / kApart_mm)) + 1;
-  const Vector3d across = width_mm / 2 * frame.normal();
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& p : elastica::sample(blade, points)) {
-    for (const double side : {-1.0, 1.0}) {
-      const Vector3d d = frame.point(p.x, p.y) + side * across - stock.frame.origin;
-      const Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-      least = std::min(least, (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm());
-    }
-  }
-  // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
-  // points between both edges, because the distance to a box is convex.
-  return std::max(0.0, least - 0.5 * blade.length / (points - 1));
+  const elastica::Part whole{0, blade.length};
+  return clearance_mm(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length,
+                      frame, stock, width_mm);
 }
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
@@ -133,7 +154,7 @@ std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& fro
     for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
       way.curve = curve;
       way.length = elastica::length(curve);
-      const Stretch travel{"travel", false, 200, [way](double u) { return way.at(u); }};
+      const Stretch travel{"travel", false, 200, [way](double u) { return way.place(u); }};
       if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm) return travel;
     }
   }

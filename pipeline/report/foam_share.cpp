@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "elastica/elastica.hpp"
+#include "elastica/blade_batch.hpp"
 
 namespace hotblade::pipeline {
 
@@ -14,7 +14,8 @@ namespace {
 
 // A sag of a 200th of the chord between samples is a percent of a percent of the area. As many rows along the
 // sweep: waypoints lie several times closer.
-constexpr int kBladeSamples = 200, kRows = 200;
+constexpr std::size_t kBladeSamples = 201;
+constexpr int kRows = 200;
 
 // The block's edges as the blade sees them: along the rib, from the kept side to the waste, along the sweep.
 class BlockAxes {
@@ -44,16 +45,21 @@ class BlockAxes {
   [[nodiscard]] double height_mm() const { return size_.y(); }
   [[nodiscard]] double sweep_mm() const { return size_.z(); }
 
-  // Points along a pose's blade in the block; those outside are held at its faces.
-  [[nodiscard]] std::vector<Eigen::Vector3d> blade_in_block(const BladePose& pose) const {
-    const elastica::ElasticaCurve curve(pose.blade);
+  // Points along the blade of pose number `i` in the block; those outside are held at its faces.
+  [[nodiscard]] std::vector<Eigen::Vector3d> blade_in_block(const BladePose& pose,
+                                                            const elastica::PartPoints& blades,
+                                                            std::size_t i) const {
+    const auto in_block = [&](const Eigen::Vector3d& d) {
+      return Eigen::Vector3d(d.dot(axes_[0]), d.dot(axes_[1]), d.dot(axes_[2]));
+    };
+    const Eigen::Vector3d origin = in_block(pose.frame.origin - origin_), x = in_block(pose.frame.x),
+                          y = in_block(pose.frame.y);
     std::vector<Eigen::Vector3d> points;
-    for (int i = 0; i <= kBladeSamples; ++i) {
-      const Eigen::Vector2d q = curve.at(pose.blade.length * i / kBladeSamples).position();
-      const Eigen::Vector3d d = pose.frame.point(q.x(), q.y()) - origin_;
-      points.emplace_back(std::clamp(d.dot(axes_[0]), 0.0, size_.x()),
-                          std::clamp(d.dot(axes_[1]), 0.0, size_.y()),
-                          std::clamp(d.dot(axes_[2]), 0.0, size_.z()));
+    points.reserve(blades.points);
+    for (std::size_t k = 0; k < blades.points; ++k) {
+      const Eigen::Vector2d q = blades.at(i, k);
+      const Eigen::Vector3d p = origin + q.x() * x + q.y() * y;
+      points.push_back(p.cwiseMax(0).cwiseMin(size_));
     }
     return points;
   }
@@ -98,8 +104,7 @@ double foam_kept_share(const Strip& strip) {
   const BlockAxes block(strip.stock, first->frame);
   double kept = 0, base = 0;
   std::vector<Eigen::Vector3d> before;
-  for (const BladePose* pose : sweeping_rows(strip, block.sweep_mm() / kRows)) {
-    const std::vector<Eigen::Vector3d> now = block.blade_in_block(*pose);
+  const auto sweep = [&](const std::vector<Eigen::Vector3d>& now) {
     for (std::size_t i = 0; !before.empty() && i + 1 < now.size(); ++i) {
       const Eigen::Vector3d &a = before[i], &b = before[i + 1], &c = now[i + 1], &d = now[i];
       // Of the patch seen from above, by its diagonals; nothing where all corners lie on one face.
@@ -108,6 +113,19 @@ double foam_kept_share(const Strip& strip) {
       kept += area * 0.25 * (a.y() + b.y() + c.y() + d.y());
     }
     before = now;
+  };
+  const std::vector<const BladePose*> sweeping = sweeping_rows(strip, block.sweep_mm() / kRows);
+  constexpr std::size_t kBlock = 128;
+  for (std::size_t from = 0; from < sweeping.size(); from += kBlock) {
+    std::vector<elastica::Elastica> blades;
+    std::vector<elastica::Part> whole;
+    for (std::size_t i = from; i < std::min(from + kBlock, sweeping.size()); ++i) {
+      blades.push_back(sweeping[i]->blade);
+      whole.push_back({0, sweeping[i]->blade.length});
+    }
+    const elastica::PartPoints points = elastica::sample_parts(blades, whole, kBladeSamples);
+    for (std::size_t i = 0; i < blades.size(); ++i)
+      sweep(block.blade_in_block(*sweeping[from + i], points, i));
   }
   return base != 0 ? std::clamp(kept / (base * block.height_mm()), 0.0, 1.0) : 0;
 }

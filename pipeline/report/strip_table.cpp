@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "pipeline/plan/clamp_margins.hpp"
-#include "pipeline/report/foam_share.hpp"
 #include "pipeline/report/report_plots.hpp"
 
 namespace hotblade::pipeline {
@@ -72,7 +71,7 @@ const auto kColumns = std::to_array<StripColumn>({
     {kCut, "kink at seam", "deg", fixed<&F::seam_kink_deg, 2>},
     {kCut, "block", "mm", block},
     {kCut, "foam kept", "%",
-     [](const StripRow& r) { return fmt::format("{:.0f}", 100 * foam_kept_share(r.strip)); }},
+     [](const StripRow& r) { return fmt::format("{:.0f}", 100 * r.facts.foam_kept_share); }},
     {kCut, "slowest feed", "mm/s", fixed<&F::slowest_feed_mm_s, 2>},
     {kCut, "time", "", [](const StripRow& r) { return duration(r.facts.duration_s); }},
     {kCut, "verdict", "", verdict},
