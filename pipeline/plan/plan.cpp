@@ -170,6 +170,17 @@ struct PosedStrip {
   BladeMotion motion;
 };
 
+// A strip that its blade would not get through as planned, by a shorter one where that one does.
+PosedStrip posed_shorter(PosedStrip posed, const Settings& settings) {
+  std::optional<StripPlan> next;
+  while (!posed.motion.refusals.empty() &&
+         (next = with_shorter_blade(next ? *next : posed.strip, settings))) {
+    BladeMotion motion = move_blade(*next, settings);
+    if (motion.refusals.size() < posed.motion.refusals.size()) posed = {*next, std::move(motion)};
+  }
+  return posed;
+}
+
 // A strip whose ribs were solved together may bring the blade nearer to a snap on its way from the flat arc:
 // then each rib's own fit is posed as well, and the safer of the two is taken.
 PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
@@ -203,7 +214,7 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
   std::size_t told = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     check_interrupt(hooks);
-    PosedStrip posed = pose_strip(layout.strips[i], settings);
+    PosedStrip posed = posed_shorter(pose_strip(layout.strips[i], settings), settings);
     done[i].facts = facts_of(posed.strip, posed.motion, settings);
     done[i].refusals = std::move(posed.motion.refusals);
     done[i].warnings = std::move(posed.motion.warnings);
@@ -220,8 +231,9 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
   }
 }
 
-// Slices, fits, poses and verifies at one rib spacing.
-void plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+// Slices, fits, poses and verifies at one rib spacing. Whether every rib found its strip and blade: what is
+// refused then is refused by the motion.
+bool plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                Stopwatch& watch, PlanResult& result) {
   result.program.strips.clear();
   result.strips.clear();
@@ -253,6 +265,29 @@ void plan_once(const surface::DesignSurface& design, const Settings& settings, c
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
   }
   watch.lap("verify");
+  return layout.refusals.empty();
+}
+
+bool moves(const PlanResult& result) {
+  return result.refusals.empty() && result.verification.holds();
+}
+
+// Where a strip that was laid out cannot be cut, closer fits make other strips: their blades bend otherwise,
+// or more of them share the ribs. Taken when all of them can be cut.
+void plan_with_closer_fits(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
+                           Stopwatch& watch, PlanResult& result) {
+  constexpr int kTries = 2;
+  constexpr double kCloser = 0.7;
+  Settings closer = settings;
+  for (int i = 0; i < kTries; ++i) {
+    closer.fit.deviation_share *= kCloser;
+    PlanResult other = result;
+    if (!plan_once(design, closer, hooks, watch, other)) return;
+    if (!moves(other)) continue;
+    result = std::move(other);
+    settings = closer;
+    return;
+  }
 }
 
 // Limits of the whole: the deviation and the area left out.
@@ -343,13 +378,15 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   hooks.progress("slice", 0.25);
   check_interrupt(hooks);
   result.spacing_mm = settings.slice.spacing_mm;
-  plan_once(design, settings, hooks, watch, result);
+  Settings taken = settings;
+  if (plan_once(design, taken, hooks, watch, result) && !moves(result))
+    plan_with_closer_fits(design, taken, hooks, watch, result);
   // Closer ribs help only against what happens between ribs.
   while (result.refinements < kMaxRefinements && result.refusals.empty() && !result.program.strips.empty() &&
          result.verification.deviation.max > settings.design.tolerance_mm) {
     ++result.refinements;
     result.spacing_mm /= 2;
-    plan_once(design, settings, hooks, watch, result);
+    plan_once(design, taken, hooks, watch, result);
   }
   judge(settings, result);
   warn_of_facets(design, settings, result);

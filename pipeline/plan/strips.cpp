@@ -100,7 +100,7 @@ Served serve(const RibAxes& axes, const std::vector<RibFit>& closest, double all
   return served;
 }
 
-StripPlan make_strip_plan(const ChainTarget& chain, const Served& served, const Settings& settings) {
+StripPlan make_strip_plan(const RibAxes& chain, const Served& served, const Settings& settings) {
   StripPlan strip;
   static_cast<RibAxes&>(strip) = chain;
   strip.ribs = served.ribs;
@@ -481,6 +481,20 @@ Frame StripPlan::swept_plane(double offset_mm) const {
   Frame frame = plane(inside + turned);
   frame.origin += (outside - turned) * planes.normal(inside);
   return frame;
+}
+
+std::optional<StripPlan> with_shorter_blade(const StripPlan& strip, const Settings& settings) {
+  Settings shorter = settings;
+  std::erase_if(shorter.blade.free_lengths_mm, [&](double mm) { return mm >= strip.blade_length_mm; });
+  if (shorter.blade.free_lengths_mm.empty()) return std::nullopt;
+  const Served served =
+      serve(strip, calmed(strip.ribs, kLeastTensionWeight), allowed_mm(settings), Purpose::kStrip, shorter);
+  if (!served.blade.choice) return std::nullopt;
+  StripPlan next = make_strip_plan(strip, served, settings);
+  if (edge_over_stock(next.stock.size_mm, settings.stock)) return std::nullopt;
+  next.id = strip.id;
+  next.seam_before = strip.seam_before;
+  return next;
 }
 
 elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm, double share_a) {

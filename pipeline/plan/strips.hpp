@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "pipeline/plan/joint_fit.hpp"
@@ -43,6 +44,10 @@ struct StripLayout {
 // with the smallest deviation (plan/split.hpp). Strips side by side share end points and tangents where
 // their deviations allow it (plan/seams.hpp). Runs are laid out on all cores allowed; the result is the same.
 [[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings);
+
+// The strip cut by a shorter blade than its own: the calmest fits that one serves, which are less calm then
+// but held more firmly. Nothing where no shorter blade serves. The strip's joint solution is given up.
+[[nodiscard]] std::optional<StripPlan> with_shorter_blade(const StripPlan& strip, const Settings& settings);
 
 // The blade of a rib: its elastica extended along itself to the strip's blade length.
 [[nodiscard]] elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm,

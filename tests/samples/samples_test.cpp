@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "elastica/fit.hpp"
-#include "pipeline/settings.hpp"
+#include "pipeline/plan/plan.hpp"
 #include "samples/sample_surfaces.hpp"
 #include "surface/design_surface.hpp"
 
@@ -24,6 +24,25 @@ std::string bytes_of(const std::filesystem::path& file) {
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
+}
+
+// The hills at tolerances from coarse to fine: each kept, with more strips or ribs for less.
+TEST(SampleBump, IsCutWithinEveryToleranceAskedFor) {
+  pipeline::Settings settings = pipeline::resolve({{kSamples / "bump.toml"}, {}, {}});
+  const surface::DesignSurface design =
+      surface::read_obj(kSamples / "bump.obj", {settings.design.units, settings.design.up.front()});
+  std::size_t before = 0;
+  for (const double tolerance_mm : {2.0, 1.0, 0.5, 0.2, 0.1}) {
+    settings.design.tolerance_mm = tolerance_mm;
+    const pipeline::PlanResult result = pipeline::plan(design, settings, {});
+    for (const pipeline::Refusal& r : result.refusals) ADD_FAILURE() << tolerance_mm << ": " << describe(r);
+    EXPECT_EQ(result.program.verification.status, "passed");
+    EXPECT_LE(result.verification.deviation.max, tolerance_mm);
+    std::size_t ribs = 0;
+    for (const pipeline::StripFacts& f : result.strips) ribs += f.ribs;
+    EXPECT_GE(ribs, before);
+    before = ribs;
+  }
 }
 
 class Samples : public ::testing::TestWithParam<SampleSurface> {};
