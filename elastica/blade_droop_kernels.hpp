@@ -120,7 +120,7 @@ DroopMeans droop_substitute(DroopNode* nodes) {
   return sum;
 }
 
-void droops_of(const DroopLanes& b, size_t n) {
+[[maybe_unused]] void droops_of(const DroopLanes& b, size_t n) {
   DroopNode* nodes = reinterpret_cast<DroopNode*>(b.scratch);
   const hb_lanes zero = HB_BROADCAST(0.0), one = HB_BROADCAST(1.0);
   for (size_t i = 0; i < n; i += HB_LANES) {

@@ -37,7 +37,7 @@ HOTBLADE_LANES_INLINE void scatter(double* to, const PartLanes& b, size_t i, siz
   for (size_t lane = 0; lane < count; ++lane) to[(i + lane) * b.points + k] = v[lane];
 }
 
-void even_points(const PartLanes& b, size_t n) {
+[[maybe_unused]] void even_points(const PartLanes& b, size_t n) {
   for (size_t i = 0; i < n; i += HB_LANES) {
     const size_t count = n - i < HB_LANES ? n - i : HB_LANES;
     const BladeField f = load_blades(b.blades, i, count);

@@ -216,7 +216,7 @@ void margin_step(MarginWork& w, hb_lanes_mask two, MarginSearch& s) {
   s.searching &= wide;
 }
 
-void stability_margins_of(const MarginLanes& b, size_t n) {
+[[maybe_unused]] void stability_margins_of(const MarginLanes& b, size_t n) {
   MarginWork& w = *reinterpret_cast<MarginWork*>(b.scratch);
   for (size_t i = 0; i < n; i += HB_LANES) {
     const size_t count = n - i < HB_LANES ? n - i : HB_LANES;
