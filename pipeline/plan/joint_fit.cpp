@@ -182,8 +182,11 @@ std::vector<MidState> solve(const std::vector<RibFit>& ribs, double weight, cons
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
-  solver.max_num_iterations = 12;  // it starts a step from the answer
-  solver.function_tolerance = 1e-8;
+  // To the end: what an early stop leaves open would differ with the rounding of the design's coordinates.
+  solver.max_num_iterations = 200;
+  solver.function_tolerance = 1e-14;
+  solver.parameter_tolerance = 1e-13;
+  solver.gradient_tolerance = 1e-16;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
