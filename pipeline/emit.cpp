@@ -110,8 +110,11 @@ Json ranking_json(const std::vector<DirectionScore>& ranking) {
                     {"deviation_mm", d.deviation_mm},
                     {"raggedness", d.raggedness},
                     {"steepness", d.steepness},
+                    {"slope_sine_mean", d.mean_sine},
+                    {"slope_sine_max", d.max_sine},
                     {"covered_share", d.covered_share},
-                    {"score", d.score}});
+                    {"score", d.score},
+                    {"refused", d.refused}});
   }
   return list;
 }

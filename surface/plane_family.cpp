@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kTurn = 2 * std::numbers::pi;
 // Closer to the axis neighbouring planes are one: far less than any blade is wide.
 constexpr double kLeastRadiusMm = 1;
-// The design's angle ends at a gap at least this wide, far above the rounding of angles.
+// A design's angle ends at a gap at least this wide, far above the rounding of angles.
 constexpr double kLeastGapRad = 1e-3;
 
 double cross(const Vector2d& a, const Vector2d& b) {
@@ -163,11 +163,15 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
   const Vector3d x = axis.direction.unitOrthogonal(), y = any.normal(0);
   std::vector<Arc> arcs;
   double outermost = 0;
+  Vector3d towards = Vector3d::Zero();
   for (const auto& t : mesh.triangles) {
     std::array<Vector2d, 3> q;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vector3d d = mesh.vertices[static_cast<std::size_t>(t[i])] - axis.point;
       q[i] = {x.dot(d), y.dot(d)};
+      // As far vertices, as on a circle: only a clearly farther one counts, so that rounding does not decide.
+      constexpr double kClearly = 1 + 1e-9;
+      if (q[i].norm() > kClearly * towards.norm()) towards = q[i].x() * x + q[i].y() * y;
       outermost = std::max(outermost, q[i].norm());
     }
     const double distance = distance_from_origin(q);
@@ -181,12 +185,11 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
     arcs.push_back(arc_of(q));
   }
   const Cover covered = cover(std::move(arcs));
-  if (covered.gap < kLeastGapRad) {
-    throw FanError(
-        "design: it goes all the way round the fan's axis (gap 0 degrees, at least 0.06): "
-        "cut it in two, or give a slice.direction");
-  }
-  return PlaneFamily::fan(axis, std::cos(covered.middle) * x + std::sin(covered.middle) * y, outermost);
+  const bool closed = covered.gap < kLeastGapRad;
+  const Vector3d middle = std::cos(covered.middle) * x + std::sin(covered.middle) * y;
+  PlaneFamily fan = PlaneFamily::fan(axis, closed ? towards : middle, outermost);
+  fan.closed_ = closed;
+  return fan;
 }
 
 }  // namespace hotblade::surface

@@ -37,6 +37,9 @@ class PlaneFamily {
                                        double radius_mm);
 
   [[nodiscard]] bool turns() const { return radius_mm_ > 0; }
+  // The design goes all the way round the axis: it is cut open at half a turn from offset 0
+  // (surface/ring.hpp).
+  [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] double radius_mm() const { return radius_mm_; }  // 0: parallel
   // On the axis: a point of every plane; of parallel planes a point of the one at offset 0. In-plane
   // coordinates are measured from it.
@@ -62,6 +65,9 @@ class PlaneFamily {
   Eigen::Vector3d normal_ = Eigen::Vector3d::UnitX(), centre_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_ = Eigen::Vector3d::Zero(), reference_ = Eigen::Vector3d::Zero();
   double radius_mm_ = 0;
+  bool closed_ = false;
+
+  friend PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis);
 };
 
 // Parallel planes for this design: offset 0 in the middle of its bounding box, so that offsets and in-plane
@@ -69,8 +75,8 @@ class PlaneFamily {
 [[nodiscard]] PlaneFamily parallel_about(const TriangleMesh& mesh, const Eigen::Vector3d& normal);
 
 // The fan about an axis for this design: offset 0 in the middle of the angle that the design takes up, the
-// radius that of its outermost vertex. Throws FanError when the axis crosses the design or comes nearer to it
-// than a millimetre, and when the design goes all the way round it.
+// radius that of its outermost vertex. Of a design that goes all the way round it, offset 0 lies towards that
+// vertex. Throws FanError when the axis crosses the design or comes nearer to it than a millimetre.
 [[nodiscard]] PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis);
 
 }  // namespace hotblade::surface

@@ -12,6 +12,7 @@
 #include "surface/event_planes.hpp"
 #include "surface/place_text.hpp"
 #include "surface/rib_links.hpp"
+#include "surface/ring.hpp"
 #include "surface/section_march.hpp"
 
 namespace hotblade::surface {
@@ -207,8 +208,10 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   check(design, options);
   const PlaneFamily planes =
       options.fan ? fan_about(design.mesh, *options.fan) : parallel_about(design.mesh, options.normal);
+  const TriangleMesh opened = planes.closed() ? cut_open(design.mesh, planes) : TriangleMesh{};
+  const TriangleMesh& mesh = planes.closed() ? opened : design.mesh;
   const auto [u, v] = plane_axes(planes.normal(0));
-  const EndPlanes ends = end_planes(design.mesh, planes, options);
+  const EndPlanes ends = end_planes(mesh, planes, options);
   std::vector<double> offsets = spread_planes(ends.taken[0], ends.taken[1], options.spacing_mm);
   if (offsets.empty()) {
     RibGraph flat;
@@ -219,12 +222,12 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   }
   const double spacing = offsets[1] - offsets[0];
   std::vector<std::string> warnings;
-  std::vector<RibNode> nodes = linked_pieces(design.mesh, planes, offsets, spacing, options, warnings);
-  std::vector<double> all = with_event_planes(design.mesh, planes, nodes, offsets, options.end_inset_mm);
+  std::vector<RibNode> nodes = linked_pieces(mesh, planes, offsets, spacing, options, warnings);
+  std::vector<double> all = with_event_planes(mesh, planes, nodes, offsets, options.end_inset_mm);
   if (all.size() > offsets.size()) {
     offsets = std::move(all);
     std::vector<std::string> unsaid;  // short pieces at a border's tips: the even planes have told of others
-    nodes = linked_pieces(design.mesh, planes, offsets, spacing, options, unsaid);
+    nodes = linked_pieces(mesh, planes, offsets, spacing, options, unsaid);
   }
   cut_loops_open(nodes, planes, offsets, u, v);
   RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v, spacing).build();

@@ -148,4 +148,20 @@ std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh, co
   return directions;
 }
 
+std::optional<Eigen::Vector3d> least_steep(const surface::TriangleMesh& mesh) {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  double total = 0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d cross = (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
+    const double area = cross.norm();
+    if (!(area > 0)) continue;
+    normals += cross * cross.transpose() / area;
+    total += area;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normals / total);
+  constexpr double kTold = 1e-3;  // slopes that differ by 2 degrees in the mean
+  if (solver.eigenvalues()[1] - solver.eigenvalues()[0] < kTold) return std::nullopt;
+  return solver.eigenvectors().col(0);
+}
+
 }  // namespace hotblade::pipeline

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "surface/design_surface.hpp"
@@ -31,5 +32,9 @@ struct BodyAxes {
 // of the border's length at least.
 [[nodiscard]] std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh,
                                                          const BodyAxes& body);
+
+// The direction whose planes the surface is the least steep to: |sin slope| squared, over the area, is
+// smallest. Nothing where another direction is as good, as on a sphere or a plane.
+[[nodiscard]] std::optional<Eigen::Vector3d> least_steep(const surface::TriangleMesh& mesh);
 
 }  // namespace hotblade::pipeline

@@ -2,205 +2,208 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "pipeline/plan/body_axes.hpp"
-#include "pipeline/plan/strips.hpp"
-#include "surface/slice.hpp"
+#include "pipeline/plan/fan_axes.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-// An estimate looks at few sections, a coarse plan at enough for its ribs.
-constexpr int kEstimatePlanes = 5, kCoarsePlanes = 9;
-constexpr std::size_t kPlanned = 6;
-// One percent of the design left out weighs as much as one more strip.
-constexpr double kUncoveredWeight = 100;
-// A blade that has turned this far over a rib has left the block by its sides.
-constexpr double kTurnPerStrip = 2;
+using Eigen::Vector3d;
 
-double extent(const surface::TriangleMesh& mesh, const surface::PlaneFamily& planes) {
-  double low = planes.offset(mesh.vertices.front()), high = low;
-  for (const Eigen::Vector3d& p : mesh.vertices) {
-    low = std::min(low, planes.offset(p));
-    high = std::max(high, planes.offset(p));
-  }
-  return high - low;
+// A direction nearly along a straight border is worse than the one along it: its first rib is a sliver.
+bool nearly_along(const Vector3d& n, const std::vector<Vector3d>& borders) {
+  constexpr double kSame = 0.99;  // within 8 degrees, about half of the hemisphere's steps
+  return std::any_of(borders.begin(), borders.end(),
+                     [&](const Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
 }
 
-// Even sections in the middles of `planes` slabs: a border that is not quite parallel to the planes then does
-// not leave a sliver for the first and the last of them.
-struct Coarse {
-  TargetReport targets;
-  double slab_mm = 0;
+// Directions whose planes hold a side of the border: exactly where that lies in a plane, else as seen along
+// the body's narrowest axis.
+std::vector<Vector3d> border_directions(const surface::TriangleMesh& mesh, const BodyAxes& body,
+                                        const std::vector<BorderRun>& sides) {
+  std::vector<Vector3d> directions;
+  for (const BorderRun& side : sides) {
+    const auto plane = is_straight(side) ? std::nullopt : plane_of(side);
+    if (plane && !nearly_along(plane->n, directions)) directions.push_back(plane->n);
+  }
+  for (const Vector3d& n : along_borders(mesh, body)) {
+    if (!nearly_along(n, directions)) directions.push_back(n);
+  }
+  return directions;
+}
+
+std::vector<Vector3d> candidate_directions(const surface::DesignSurface& design, const BodyAxes& body,
+                                           const std::vector<Vector3d>& borders) {
+  std::vector<Vector3d> candidates = borders, free = hemisphere(body);
+  if (const auto n = least_steep(design.mesh)) free.push_back(*n);
+  for (const Vector3d& n : free) {
+    if (!nearly_along(n, borders)) candidates.push_back(n);
+  }
+  for (Vector3d& n : candidates) n = with_sense(design.mesh, body, n);
+  return candidates;
+}
+
+// The trial of an axis that a fan can be cut about; nothing where planes hardly turn or the blade would be
+// too slow near the axis.
+std::optional<DirectionTrial> try_axis(const surface::DesignSurface& design, const surface::FanAxis& axis,
+                                       const Settings& settings) {
+  constexpr double kLeastTurnRad = 0.1;  // planes tilted by 3 degrees at both ends are as good as parallel
+  try {
+    const surface::PlaneFamily planes = fan_about(design.mesh, axis);
+    double least = planes.radius_mm(), low = 0, high = 0;
+    for (const Vector3d& p : design.mesh.vertices) {
+      const double angle = planes.angle(planes.offset(p));
+      low = std::min(low, angle);
+      high = std::max(high, angle);
+      least = std::min(least, planes.distance_from_axis(p));
+    }
+    const bool too_slow =
+        least * settings.motion.feed_mm_s < planes.radius_mm() * settings.motion.min_feed_mm_s;
+    if (high - low < kLeastTurnRad || too_slow) return std::nullopt;
+    return try_fan(design, axis, settings);
+  } catch (const surface::FanError&) {
+    return std::nullopt;  // it runs through the design
+  }
+}
+
+// Trials on their way to a ranking.
+class Search {
+ public:
+  Search(const surface::DesignSurface& design, const Settings& settings, DirectionSearch search)
+      : design_(design),
+        settings_(settings),
+        search_(search),
+        body_(body_axes(design.mesh)),
+        sides_(long_sides(design.mesh)),
+        borders_(border_directions(design.mesh, body_, sides_)) {}
+
+  std::vector<DirectionScore> run() {
+    const std::vector<Vector3d> directions = candidate_directions(design_, body_, borders_);
+    const std::vector<surface::FanAxis> axes = fan_axes(design_.mesh, body_, sides_);
+    plan(directions, axes);
+    refine();
+    const std::size_t first = best();
+    std::rotate(planned_.begin(), planned_.begin() + static_cast<std::ptrdiff_t>(first),
+                planned_.begin() + static_cast<std::ptrdiff_t>(first) + 1);
+    std::stable_sort(planned_.begin() + 1, planned_.end(), by_score);
+    std::stable_sort(estimated_.begin(), estimated_.end(), by_score);
+    planned_.insert(planned_.end(), estimated_.begin(), estimated_.end());
+    return std::move(planned_);
+  }
+
+ private:
+  // Differences of a coarse plan's score that are less come from where its few sections lie, and from
+  // rounding in a turned design: the candidate that was named first is taken then.
+  static constexpr double kNoise = 0.05;
+
+  static bool by_score(const DirectionScore& a, const DirectionScore& b) { return a.score < b.score; }
+
+  [[nodiscard]] double best_score() const {
+    return std::min_element(planned_.begin(), planned_.end(), by_score)->score;
+  }
+
+  // The first candidate as good as the best of the planned ones.
+  [[nodiscard]] std::size_t best() const {
+    const double most = best_score() + kNoise;
+    std::size_t first = planned_.size();
+    for (std::size_t i = 0; i < planned_.size(); ++i) {
+      if (planned_[i].score <= most && (first == planned_.size() || order_[i] < order_[first])) first = i;
+    }
+    return first;
+  }
+
+  // Plans trials in the order of their bounds, as long as they may be as good as the best plan; plans are
+  // given up where they take too many strips for that.
+  void plan(const std::vector<Vector3d>& directions, const std::vector<surface::FanAxis>& axes) {
+    std::vector<std::optional<DirectionTrial>> trials(directions.size() + axes.size());
+    tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+      trials[i] = i < directions.size() ? try_direction(design_, directions[i], settings_)
+                                        : try_axis(design_, axes[i - directions.size()], settings_);
+    });
+    std::vector<std::size_t> queue;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      if (trials[i]) queue.push_back(i);
+    }
+    std::stable_sort(queue.begin(), queue.end(), [&](std::size_t a, std::size_t b) {
+      return by_score(trials[a]->score, trials[b]->score);
+    });
+    const bool all = search_ == DirectionSearch::kAll;
+    for (const std::size_t i : queue) {
+      const double most =
+          all || planned_.empty() ? std::numeric_limits<double>::infinity() : best_score() + kNoise;
+      const DirectionScore score = plan_coarsely(*trials[i], settings_, most);
+      (score.estimated ? estimated_ : planned_).push_back(score);
+      if (!score.estimated) order_.push_back(named_ + i);
+    }
+    named_ += trials.size();
+  }
+
+  // Planes tilted along the sweep are parallel planes of another direction: small tilts of the best one are
+  // tried to both sides about the body's axes, smaller and smaller ones.
+  void refine() {
+    for (const double degrees : {8.0, 4.0, 2.0}) {
+      const DirectionScore from = planned_[best()];
+      if (from.fan) return;
+      Vector3d across = body_.axes[0];
+      for (const Vector3d& axis : body_.axes) {
+        if (std::abs(axis.dot(from.normal)) < std::abs(across.dot(from.normal))) across = axis;
+      }
+      const Vector3d u = from.normal.cross(across).normalized(), v = from.normal.cross(u);
+      std::vector<Vector3d> tilted;
+      for (const Vector3d& axis : {u, v}) {
+        for (const double side : {-1.0, 1.0}) {
+          const double angle = side * degrees * std::numbers::pi / 180;
+          const Vector3d n = Eigen::AngleAxisd(angle, axis) * from.normal;
+          if (!nearly_along(n, borders_)) tilted.push_back(n);
+        }
+      }
+      plan(tilted, {});
+    }
+  }
+
+  const surface::DesignSurface& design_;
+  const Settings& settings_;
+  DirectionSearch search_;
+  BodyAxes body_;
+  std::vector<BorderRun> sides_;
+  std::vector<Vector3d> borders_;  // directions along its sides
+  std::vector<DirectionScore> planned_, estimated_;
+  std::vector<std::size_t> order_;  // in which the planned ones were named
+  std::size_t named_ = 0;
 };
-
-Coarse coarse_targets(const surface::DesignSurface& design, const DirectionScore& of, int planes,
-                      const Settings& settings) {
-  surface::SliceOptions options;
-  options.normal = of.normal;
-  options.fan = of.fan;
-  const double wide = extent(
-      design.mesh, of.fan ? fan_about(design.mesh, *of.fan) : surface::PlaneFamily::parallel(of.normal));
-  if (!(wide > 2 * planes * options.end_inset_mm)) return {};
-  // Rounding must not add a plane.
-  options.spacing_mm = (1 + 1e-9) * wide / planes;
-  options.end_inset_mm = 0.5 * wide / planes;
-  return {make_targets(slice(design, options), settings), options.spacing_mm};
-}
-
-// The area that ribs of these lengths, offsets and slopes stand for. The slope over the surface is about half
-// of the largest on a rib.
-double area_between(double length_a, double length_b, double distance, double slope) {
-  return 0.5 * (length_a + length_b) * distance / std::cos(0.5 * slope);
-}
-
-// How far a rib's points move for each mm of offset, on average: less than 1 where planes turn.
-double mean_rate(const ChainTarget& chain, const RibTarget& rib) {
-  if (!chain.planes.turns()) return 1;
-  double sum = 0;
-  for (std::size_t i = 1; i < rib.points.size(); ++i)
-    sum += (rib.s[i] - rib.s[i - 1]) * chain.rate(0.5 * (rib.points[i - 1] + rib.points[i]));
-  return sum / rib.s.back();
-}
-
-double turning(const RibTarget& rib) {
-  // Over stretches of a 32nd of the rib, so that facets do not count.
-  const std::vector<Eigen::Vector2d> q = resample(rib, 0, 1, 33);
-  double sum = 0;
-  for (std::size_t i = 2; i < q.size(); ++i) {
-    const Eigen::Vector2d a = q[i - 1] - q[i - 2], b = q[i] - q[i - 1];
-    sum += std::abs(std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b)));
-  }
-  return sum;
-}
-
-// How much the ribs of a chain grow and shrink, as a share of the longest: 0 where the borders are square to
-// the planes, 2 from corner to corner. Short ribs at a corner say little about the blade's shape and cost
-// ribs.
-double raggedness(const ChainTarget& chain) {
-  double change = 0, longest = 0;
-  for (std::size_t i = 0; i < chain.ribs.size(); ++i) {
-    longest = std::max(longest, chain.ribs[i].s.back());
-    if (i > 0) change += std::abs(chain.ribs[i].s.back() - chain.ribs[i - 1].s.back());
-  }
-  return change / longest;
-}
-
-double raggedness(const TargetReport& targets) {
-  double sum = 0;
-  for (const ChainTarget& chain : targets.chains) sum += raggedness(chain);
-  return sum;
-}
-
-// Mean of the steepest slope of each rib, as a share of what can be cut.
-double steepness(const TargetReport& targets) {
-  double sum = 0, ribs = 0;
-  for (const ChainTarget& chain : targets.chains) {
-    for (const RibTarget& rib : chain.ribs) sum += rib.max_slope_rad / kMaxSlopeRad;
-    ribs += static_cast<double>(chain.ribs.size());
-  }
-  return ribs > 0 ? sum / ribs : 1;
-}
-
-void finish(DirectionScore& result, double covered_mm2, const surface::DesignSurface& design,
-            const Settings& settings) {
-  result.covered_share = std::min(1.0, covered_mm2 / design.health.area_mm2);
-  result.score = static_cast<double>(result.strips) + kUncoveredWeight * (1 - result.covered_share) +
-                 result.deviation_mm / settings.design.tolerance_mm + result.raggedness + result.steepness;
-}
-
-// Strips by length, turning and extent along the sweep alone.
-DirectionScore estimate(const surface::DesignSurface& design, const Eigen::Vector3d& n,
-                        const Settings& settings, const std::optional<surface::FanAxis>& fan = {}) {
-  DirectionScore result{n};
-  result.fan = fan;
-  double area = 0;
-  const double longest = settings.blade.free_lengths_mm.back() - 2 * settings.stock.clearance_mm;
-  const double block =
-      *std::max_element(settings.stock.max_size_mm.begin(), settings.stock.max_size_mm.end());
-  const Coarse coarse = coarse_targets(design, result, kEstimatePlanes, settings);
-  result.raggedness = raggedness(coarse.targets);
-  result.steepness = steepness(coarse.targets);
-  for (const ChainTarget& chain : coarse.targets.chains) {
-    double pieces = 1;
-    for (const RibTarget& rib : chain.ribs) {
-      pieces = std::max(
-          {pieces, rib.s.back() / std::max(1.0, std::min(longest, block)), turning(rib) / kTurnPerStrip});
-      area +=
-          mean_rate(chain, rib) * area_between(rib.s.back(), rib.s.back(), coarse.slab_mm, rib.max_slope_rad);
-    }
-    const double sweep = coarse.slab_mm + chain.ribs.back().offset_mm - chain.ribs.front().offset_mm;
-    result.strips += static_cast<std::size_t>(std::ceil(pieces) * std::ceil(sweep / block));
-  }
-  finish(result, area, design, settings);
-  return result;
-}
-
-DirectionScore plan_coarsely(const surface::DesignSurface& design, const Eigen::Vector3d& n,
-                             const Settings& settings) {
-  DirectionScore result{n};
-  result.estimated = false;
-  double area = 0;
-  const Coarse coarse = coarse_targets(design, result, kCoarsePlanes, settings);
-  result.raggedness = raggedness(coarse.targets);
-  result.steepness = steepness(coarse.targets);
-  const StripLayout layout = lay_out_strips(coarse.targets, settings);
-  for (const StripPlan& strip : layout.strips) {
-    const auto& ribs = strip.ribs;
-    for (const RibFit& rib : ribs) result.deviation_mm = std::max(result.deviation_mm, rib.deviation_mm);
-    for (std::size_t i = 1; i < ribs.size(); ++i) {
-      area += area_between(ribs[i - 1].elastica.length, ribs[i].elastica.length,
-                           ribs[i].offset_mm - ribs[i - 1].offset_mm, ribs[i].max_slope_rad);
-    }
-    // Half a slab beyond the first and the last rib.
-    area += area_between(ribs.front().elastica.length, ribs.back().elastica.length, coarse.slab_mm,
-                         ribs.front().max_slope_rad);
-  }
-  result.strips = layout.strips.size();
-  finish(result, area, design, settings);
-  return result;
-}
-
-void sort_by_score(std::vector<DirectionScore>& ranking, std::size_t count) {
-  std::stable_sort(ranking.begin(), ranking.begin() + static_cast<std::ptrdiff_t>(count),
-                   [](const DirectionScore& a, const DirectionScore& b) { return a.score < b.score; });
-}
 
 }  // namespace
 
-std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design, const Settings& settings) {
+std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design, const Settings& settings,
+                                            DirectionSearch search) {
   if (settings.slice.fan_axis) {
     const auto& a = *settings.slice.fan_axis;
-    const surface::FanAxis axis{{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
-    return {estimate(design, fan_about(design.mesh, axis).normal(0), settings, axis)};
+    return {try_fan(design, {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}}, settings).score};
   }
   if (settings.slice.direction) {
     const auto& d = *settings.slice.direction;
-    return {estimate(design, Eigen::Vector3d(d[0], d[1], d[2]).normalized(), settings)};
+    return {try_direction(design, Vector3d(d[0], d[1], d[2]).normalized(), settings).score};
   }
-  const BodyAxes body = body_axes(design.mesh);
-  std::vector<Eigen::Vector3d> candidates = along_borders(design.mesh, body);
-  // A direction nearly along a straight border is worse than the one along it: its first rib is a sliver.
-  constexpr double kSame = 0.99;  // within 8 degrees, about half of the hemisphere's steps
-  const std::size_t borders = candidates.size();
-  for (const Eigen::Vector3d& n : hemisphere(body)) {
-    const bool known =
-        std::any_of(candidates.begin(), candidates.begin() + static_cast<std::ptrdiff_t>(borders),
-                    [&](const Eigen::Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
-    if (!known) candidates.push_back(n);
+  return Search(design, settings, search).run();
+}
+
+std::optional<std::size_t> next_direction(const std::vector<DirectionScore>& ranking) {
+  for (std::size_t i = 0; i < ranking.size(); ++i) {
+    const bool known = std::any_of(ranking.begin(), ranking.end(), [&](const DirectionScore& other) {
+      if (other.refused.empty()) return false;
+      const bool same_kind = ranking[i].fan.has_value() == other.fan.has_value();
+      return same_kind && nearly_along(ranking[i].normal, {other.normal});
+    });
+    if (!known && !ranking[i].estimated) return i;
   }
-  std::vector<DirectionScore> ranking(candidates.size());
-  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
-    ranking[i] = estimate(design, with_sense(design.mesh, body, candidates[i]), settings);
-  });
-  sort_by_score(ranking, ranking.size());
-  tbb::parallel_for(std::size_t{0}, kPlanned,
-                    [&](std::size_t i) { ranking[i] = plan_coarsely(design, ranking[i].normal, settings); });
-  sort_by_score(ranking, kPlanned);
-  return ranking;
+  return std::nullopt;
 }
 
 }  // namespace hotblade::pipeline

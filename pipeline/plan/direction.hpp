@@ -1,34 +1,31 @@
-// Which way the rib planes face: directions along the design's straight borders and over the hemisphere of
-// its own axes, estimated from a few sections, the best of them planned coarsely, and ranked.
+// Which way the rib planes face: directions along the design's straight borders, over the hemisphere of its
+// own axes and across its least steep way, and fans about axes that the design itself has
+// (plan/fan_axes.hpp), in one ranking.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "pipeline/settings.hpp"
-#include "surface/plane_family.hpp"
+#include "pipeline/plan/direction_score.hpp"
 
 namespace hotblade::pipeline {
 
-struct DirectionScore {
-  Eigen::Vector3d normal;
-  std::size_t strips = 0;    // planned coarsely, or estimated
-  bool estimated = true;     // from the sections alone
-  double covered_share = 0;  // of the design's area, about
-  double deviation_mm = 0;   // of the worst coarse rib; 0 when estimated
-  double raggedness = 0;     // change of the ribs' length over each chain, as a share of the longest, summed
-  double steepness = 0;      // mean over the ribs of the design's steepest slope, as a share of 60 degrees
-  std::optional<surface::FanAxis> fan{};  // planes turn about it; `normal` is that of the middle one
-  double score =
-      0;  // strips + 100 (1 - covered) + deviation / tolerance + raggedness + steepness; low is good
-};
+// kAll plans every candidate, which the search saves where a bound says that it cannot be the best: for
+// checks of the search itself.
+enum class DirectionSearch { kBounded, kAll };
 
-// Best first: those planned coarsely before those estimated. With slice.direction or slice.fan_axis set that
-// one alone is scored; axes of fans are not searched for. Throws surface::FanError for an axis that does not
-// go with the design. The axes are those of the surface's area, so turning the input turns the answer; where
-// they are not told apart by the area (a square, a circle) the farthest vertex does. n and -n are one
-// direction: the sense is that of the area's skewness.
+// Best first: those planned coarsely, then those whose bound was no better than the best plan. Scores that
+// differ by 0.05 at most are equal; of equals the one named first is taken. The best direction is then
+// refined in its neighbourhood. With slice.direction or slice.fan_axis set that one alone
+// is scored. Throws surface::FanError for a slice.fan_axis that does not go with the design. Candidates are
+// the body's own, so turning the input turns the answer; where its axes are not told apart by the area (a
+// square, a circle) the farthest vertex does. n and -n are one direction: the sense is that of the area's
+// skewness.
 [[nodiscard]] std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design,
-                                                          const Settings& settings);
+                                                          const Settings& settings,
+                                                          DirectionSearch search = DirectionSearch::kBounded);
+
+// Of a ranking, by index: the best of those planned coarsely that is not nearly one that was refused.
+[[nodiscard]] std::optional<std::size_t> next_direction(const std::vector<DirectionScore>& ranking);
 
 }  // namespace hotblade::pipeline

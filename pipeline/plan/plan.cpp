@@ -352,6 +352,45 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
   return share;
 }
 
+// Plans with one of the ranked directions, which is put first in the ranking.
+void plan_along(std::size_t direction, const surface::DesignSurface& design, const Settings& settings,
+                const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
+  const auto first = result.ranking.begin();
+  std::rotate(first, first + static_cast<std::ptrdiff_t>(direction),
+              first + static_cast<std::ptrdiff_t>(direction) + 1);
+  result.refinements = 0;
+  result.spacing_mm = settings.slice.spacing_mm;
+  Settings taken = settings;
+  if (plan_once(design, taken, hooks, watch, result) && !moves(result))
+    plan_with_closer_fits(design, taken, hooks, watch, result);
+  // Closer ribs help only against what happens between ribs.
+  while (result.refinements < kMaxRefinements && result.refusals.empty() && !result.program.strips.empty() &&
+         result.verification.deviation.max > settings.design.tolerance_mm) {
+    ++result.refinements;
+    result.spacing_mm /= 2;
+    plan_once(design, taken, hooks, watch, result);
+  }
+  judge(settings, result);
+}
+
+// A coarse plan does not see all that may stand against a direction: when the best one is refused, the next
+// best ones are planned, and the first that passes is taken.
+void try_others(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+                Stopwatch& watch, PlanResult& result) {
+  constexpr int kMostTries = 3;
+  if (settings.slice.direction || settings.slice.fan_axis || result.refusals.empty()) return;
+  PlanResult other = result;
+  for (int tries = 1; tries < kMostTries && !other.refusals.empty(); ++tries) {
+    other.ranking.front().refused = describe(other.refusals.front());
+    const auto next = next_direction(other.ranking);
+    if (!next) return;
+    plan_along(*next, design, settings, hooks, watch, other);
+  }
+  if (!other.refusals.empty()) return;
+  other.times = std::move(result.times);
+  result = std::move(other);
+}
+
 }  // namespace
 
 std::string clamp_coordinate_name(std::size_t coordinate) {
@@ -377,18 +416,8 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   watch.lap("direction");
   hooks.progress("slice", 0.25);
   check_interrupt(hooks);
-  result.spacing_mm = settings.slice.spacing_mm;
-  Settings taken = settings;
-  if (plan_once(design, taken, hooks, watch, result) && !moves(result))
-    plan_with_closer_fits(design, taken, hooks, watch, result);
-  // Closer ribs help only against what happens between ribs.
-  while (result.refinements < kMaxRefinements && result.refusals.empty() && !result.program.strips.empty() &&
-         result.verification.deviation.max > settings.design.tolerance_mm) {
-    ++result.refinements;
-    result.spacing_mm /= 2;
-    plan_once(design, taken, hooks, watch, result);
-  }
-  judge(settings, result);
+  plan_along(0, design, settings, hooks, watch, result);
+  try_others(design, settings, hooks, watch, result);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;

@@ -196,8 +196,13 @@ void name_strips(StripLayout& run, int& next) {
 // A run of sections on its way to strips: ribs on some of the sections, split lines common to all of them.
 class RunLayout {
  public:
-  RunLayout(const ChainTarget& chain, std::span<const RibTarget> sections, const Settings& settings)
-      : chain_(chain), sections_(sections), settings_(settings), ribs_(first_ribs(sections)) {}
+  RunLayout(const ChainTarget& chain, std::span<const RibTarget> sections, const Settings& settings,
+            std::size_t most_more)
+      : chain_(chain),
+        sections_(sections),
+        settings_(settings),
+        most_more_(static_cast<int>(most_more)),
+        ribs_(first_ribs(sections)) {}
 
   StripLayout run() {
     for (bool settled = false; !settled;) {
@@ -291,7 +296,8 @@ class RunLayout {
       listen(attempt);
       return std::nullopt;
     };
-    const Split found = split_ribs(test, {steps(), least_pieces() + settings_.fit.max_splits});
+    const Split found =
+        split_ribs(test, {steps(), least_pieces() + std::min(settings_.fit.max_splits, most_more_)});
     return !found.lines.empty() && (cut(found.lines) || cut(found.farthest));
   }
 
@@ -331,6 +337,7 @@ class RunLayout {
   const ChainTarget& chain_;
   std::span<const RibTarget> sections_;
   const Settings& settings_;
+  int most_more_;
   std::vector<std::size_t> ribs_;   // sections that have a rib
   std::vector<RibTarget> targets_;  // of them
   std::vector<double> lines_;
@@ -340,74 +347,100 @@ class RunLayout {
 };
 
 // A run of a chain's sections, to be laid out on its own.
-using Run = std::pair<const ChainTarget*, std::span<const RibTarget>>;
-using Parts = std::vector<StripLayout>;
+struct Run {
+  const ChainTarget* chain;
+  LaidOutRun place;
+  [[nodiscard]] std::span<const RibTarget> sections() const {
+    return std::span(chain->ribs).subspan(place.first, place.last - place.first + 1);
+  }
+};
+
+struct Part {
+  LaidOutRun place;
+  StripLayout layout;
+};
 
 // Refusals, then strips: fewer are better.
-std::pair<std::size_t, std::size_t> cost(const Parts& parts) {
+std::pair<std::size_t, std::size_t> cost(const std::vector<Part>& parts) {
   std::pair<std::size_t, std::size_t> cost{0, 0};
-  for (const StripLayout& part : parts) {
-    cost.first += part.refusals.size();
-    cost.second += part.strips.size();
+  for (const Part& part : parts) {
+    cost.first += part.layout.refusals.size();
+    cost.second += part.layout.strips.size();
   }
   return cost;
 }
 
-void add_runs(const ChainTarget& chain, const Settings& settings, std::size_t least, std::vector<Run>& runs) {
-  for (const auto& [first, last] : sweep_runs(chain, settings, least)) {
-    runs.emplace_back(&chain, std::span(chain.ribs).subspan(first, last - first + 1));
+void add_runs(const TargetReport& targets, std::size_t chain, const Settings& settings, std::size_t least,
+              std::vector<Run>& runs) {
+  for (const auto& [first, last] : sweep_runs(targets.chains[chain], settings, least)) {
+    runs.push_back({&targets.chains[chain], {chain, first, last, 0}});
   }
 }
 
-Parts lay_out_runs(const std::vector<Run>& runs, const Settings& settings) {
-  Parts parts(runs.size());
+std::vector<Part> lay_out_runs(const std::vector<Run>& runs, const Settings& settings,
+                               std::size_t most_more) {
+  std::vector<Part> parts(runs.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-    parts[i] = RunLayout(*runs[i].first, runs[i].second, settings).run();
+    parts[i] = {runs[i].place, RunLayout(*runs[i].chain, runs[i].sections(), settings, most_more).run()};
+    parts[i].place.strips = parts[i].layout.strips.size();
   });
   return parts;
 }
 
-// A fan's blocks lie with their middle planes level: more runs tilt the other planes less, so that the blade
-// sags less in them, and fewer splits along the ribs may do. A few numbers of runs are tried; those without a
-// refusal and then with the fewest strips are taken, more runs among equals.
-Parts lay_out_fan(const ChainTarget& chain, const Settings& settings) {
+double turn_of(const ChainTarget& chain) {
+  return chain.planes.angle(chain.ribs.back().offset_mm) - chain.planes.angle(chain.ribs.front().offset_mm);
+}
+
+// Runs that a fan's chain is cut into at the least.
+std::size_t least_fan_runs(const ChainTarget& chain) {
   constexpr double kMostTurnRad = 1.6;  // a quarter turn: the box about a wider piece is nearly all waste
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(turn_of(chain) / kMostTurnRad)));
+}
+
+// A fan's blocks lie with their middle planes level: more runs tilt the other planes less, so that the blade
+// sags less in them, and fewer splits along the ribs may do. A few numbers of runs are tried, and while all
+// are refused twice as many again; those without a refusal and then with the fewest strips are taken, more
+// runs among equals.
+std::vector<Part> lay_out_fan(const TargetReport& targets, std::size_t chain, const Settings& settings,
+                              std::size_t most_more) {
   constexpr std::size_t kTries = 5;
-  const double turn =
-      chain.planes.angle(chain.ribs.back().offset_mm) - chain.planes.angle(chain.ribs.front().offset_mm);
-  const auto least = static_cast<std::size_t>(std::ceil(turn / kMostTurnRad));
-  Parts best;
+  std::vector<Part> best;
   std::pair<std::size_t, std::size_t> fewest;  // refusals, strips
-  for (std::size_t i = 0, count = least; i < kTries; ++i, ++count) {
+  const std::size_t least = least_fan_runs(targets.chains[chain]);
+  std::size_t count = least;
+  for (std::size_t i = 0; (i < kTries || fewest.first > 0) && count <= least + most_more; ++i) {
     std::vector<Run> runs;
-    add_runs(chain, settings, count, runs);
+    add_runs(targets, chain, settings, count, runs);
     if (i > 0 && runs.size() < count) break;  // no more sections to split at
     count = std::max(count, runs.size());
-    Parts parts = lay_out_runs(runs, settings);
+    std::vector<Part> parts = lay_out_runs(runs, settings, most_more);
     const auto is = cost(parts);
     if (best.empty() || is <= fewest) {
       best = std::move(parts);
       fewest = is;
     }
     if (fewest.first == 0 && fewest.second <= runs.size()) break;  // more runs are more strips
+    count = i + 1 < kTries ? count + 1 : 2 * count;
   }
   return best;
 }
 
-// Every chain on its own, in their order.
-std::vector<Parts> lay_out_chains(const std::vector<const ChainTarget*>& chains, const Settings& settings) {
-  std::vector<Parts> by_chain(chains.size());
+// Every chain on its own, in the order of `chains`.
+std::vector<std::vector<Part>> lay_out_chains(const TargetReport& targets,
+                                              const std::vector<std::size_t>& chains,
+                                              const Settings& settings, std::size_t most_more) {
+  std::vector<std::vector<Part>> by_chain(chains.size());
   std::vector<Run> runs;
   std::vector<std::size_t> chain_of;
-  for (std::size_t c = 0; c < chains.size(); ++c) {
-    if (chains[c]->planes.turns()) {
-      by_chain[c] = lay_out_fan(*chains[c], settings);
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    if (targets.chains[chains[i]].planes.turns()) {
+      by_chain[i] = lay_out_fan(targets, chains[i], settings, most_more);
     } else {
-      add_runs(*chains[c], settings, 1, runs);
+      add_runs(targets, chains[i], settings, 1, runs);
     }
-    chain_of.resize(runs.size(), c);
+    chain_of.resize(runs.size(), i);
   }
-  Parts parts = lay_out_runs(runs, settings);
+  std::vector<Part> parts = lay_out_runs(runs, settings, most_more);
   for (std::size_t i = 0; i < parts.size(); ++i) by_chain[chain_of[i]].push_back(std::move(parts[i]));
   return by_chain;
 }
@@ -416,13 +449,11 @@ std::vector<Parts> lay_out_chains(const std::vector<const ChainTarget*>& chains,
 // on their own. Those are laid out only where they may be as few.
 class ChainLayout {
  public:
-  ChainLayout(const TargetReport& targets, const Settings& settings)
-      : targets_(targets), settings_(settings), by_chain_(targets.chains.size()) {}
+  ChainLayout(const TargetReport& targets, const Settings& settings, std::size_t most_more)
+      : targets_(targets), settings_(settings), most_more_(most_more), by_chain_(targets.chains.size()) {}
 
-  std::vector<Parts> run() {
-    std::vector<const ChainTarget*> whole;
-    for (const BridgeTarget& bridge : targets_.bridges) whole.push_back(&bridge.target);
-    std::vector<Parts> bridged = lay_out_chains(whole, settings_);
+  std::vector<std::vector<Part>> run() {
+    std::vector<std::vector<Part>> bridged = lay_out_bridges();
     std::vector<char> bridged_over(by_chain_.size(), 0);
     for (std::size_t b = 0; b < bridged.size(); ++b) {
       const std::vector<std::size_t>& chains = targets_.bridges[b].chains;
@@ -441,16 +472,23 @@ class ChainLayout {
   }
 
  private:
-  void lay_out_apart(const std::vector<char>& bridged_over) {
-    std::vector<const ChainTarget*> chains;
-    std::vector<std::size_t> place;
-    for (std::size_t c = 0; c < by_chain_.size(); ++c) {
-      if (bridged_over[c] != 0) continue;
-      chains.push_back(&targets_.chains[c]);
-      place.push_back(c);
+  [[nodiscard]] std::vector<std::vector<Part>> lay_out_bridges() const {
+    TargetReport whole;
+    std::vector<std::size_t> all;
+    for (const BridgeTarget& bridge : targets_.bridges) {
+      all.push_back(whole.chains.size());
+      whole.chains.push_back(bridge.target);
     }
-    std::vector<Parts> laid = lay_out_chains(chains, settings_);
-    for (std::size_t i = 0; i < laid.size(); ++i) by_chain_[place[i]] = std::move(laid[i]);
+    return lay_out_chains(whole, all, settings_, most_more_);
+  }
+
+  void lay_out_apart(const std::vector<char>& bridged_over) {
+    std::vector<std::size_t> chains;
+    for (std::size_t c = 0; c < by_chain_.size(); ++c) {
+      if (bridged_over[c] == 0) chains.push_back(c);
+    }
+    std::vector<std::vector<Part>> laid = lay_out_chains(targets_, chains, settings_, most_more_);
+    for (std::size_t i = 0; i < laid.size(); ++i) by_chain_[chains[i]] = std::move(laid[i]);
   }
 
   [[nodiscard]] std::pair<std::size_t, std::size_t> cost_of(const std::vector<std::size_t>& chains) const {
@@ -465,7 +503,8 @@ class ChainLayout {
 
   const TargetReport& targets_;
   const Settings& settings_;
-  std::vector<Parts> by_chain_;
+  std::size_t most_more_;
+  std::vector<std::vector<Part>> by_chain_;
 };
 
 }  // namespace
@@ -502,19 +541,39 @@ elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_m
   return segment(rib, -before, blade_length_mm - before);
 }
 
-StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings) {
+StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings, std::size_t most_more) {
   StripLayout layout;
   layout.refusals = targets.refusals;
   layout.warnings = targets.warnings;
   int number = 1;
-  for (Parts& parts : ChainLayout(targets, settings).run()) {
-    for (StripLayout& part : parts) {
-      name_strips(part, number);
-      std::move(part.strips.begin(), part.strips.end(), std::back_inserter(layout.strips));
-      std::move(part.refusals.begin(), part.refusals.end(), std::back_inserter(layout.refusals));
+  for (std::vector<Part>& parts : ChainLayout(targets, settings, most_more).run()) {
+    for (Part& part : parts) {
+      name_strips(part.layout, number);
+      layout.runs.push_back(part.place);
+      std::move(part.layout.strips.begin(), part.layout.strips.end(), std::back_inserter(layout.strips));
+      std::move(part.layout.refusals.begin(), part.layout.refusals.end(),
+                std::back_inserter(layout.refusals));
     }
   }
   return layout;
+}
+
+std::vector<LaidOutRun> least_runs(const TargetReport& targets, const Settings& settings) {
+  std::vector<Run> runs;
+  for (std::size_t chain = 0; chain < targets.chains.size(); ++chain)
+    add_runs(targets, chain, settings, least_fan_runs(targets.chains[chain]), runs);
+  std::vector<LaidOutRun> places;
+  for (const Run& run : runs) places.push_back(run.place);
+  return places;
+}
+
+std::size_t least_strips(const ChainTarget& chain, const LaidOutRun& run, const Settings& settings) {
+  // The clamps stand clear of the block, which stands around the rib.
+  const double most =
+      settings.blade.free_lengths_mm.back() - 2 * (settings.stock.clearance_mm + settings.stock.border_mm);
+  double longest = 0;
+  for (std::size_t i = run.first; i <= run.last; ++i) longest = std::max(longest, chain.ribs[i].s.back());
+  return most > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(longest / most))) : 1;
 }
 
 }  // namespace hotblade::pipeline

@@ -62,6 +62,9 @@ RibTarget offset_rib(const surface::SectionPiece& piece, double offset_mm, const
     rib.s.push_back(rib.points.empty() ? 0 : rib.s.back() + (q - rib.points.back()).norm());
     rib.points.push_back(q);
   }
+  const AreaRate rate = area_rate(piece, axes.planes, offset_mm);
+  rib.area_mm = rate.area_mm;
+  rib.leaning_mm = rate.leaning_mm;
   return rib;
 }
 
@@ -206,6 +209,23 @@ void add_bridge(const surface::RibGraph& graph, const surface::Bridge& bridge, c
 
 double melted_band_mm(const Settings& settings, double along) {
   return settings.blade.kerf_mm + settings.blade.width_mm * std::abs(along);
+}
+
+AreaRate area_rate(const surface::SectionPiece& piece, const surface::PlaneFamily& planes, double offset_mm) {
+  const Eigen::Vector3d sweep = planes.normal(offset_mm);
+  AreaRate rate;
+  const std::size_t count = piece.points.size(), edges = piece.closed ? count : count - 1;
+  for (std::size_t i = 0; i < edges; ++i) {
+    const surface::SectionPoint &a = piece.points[i], &b = piece.points[(i + 1) % count];
+    const double sine = std::abs((a.normal + b.normal).normalized().dot(sweep));
+    const double moves =
+        planes.turns() ? planes.distance_from_axis(0.5 * (a.p + b.p)) / planes.radius_mm() : 1;
+    const double area = (b.p - a.p).norm() * moves /
+                        std::max(std::cos(kUnseenSlopeRad), std::sqrt(1 - std::min(1.0, sine * sine)));
+    rate.area_mm += area;
+    rate.leaning_mm += area * sine;
+  }
+  return rate;
 }
 
 TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings) {

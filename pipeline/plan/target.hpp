@@ -23,6 +23,8 @@ struct RibTarget {
   std::vector<Eigen::Vector2d> points;  // (u, v) on the chain's axes, A to B
   std::vector<double> s;                // cumulative length, s.front() = 0
   double max_slope_rad = 0;
+  // Of the design for each mm of offset: its area, and that times |sin slope|.
+  double area_mm = 0, leaning_mm = 0;
 };
 
 // Consecutive ribs in common axes, y on the waste side.
@@ -46,6 +48,17 @@ struct TargetReport {
 
 // Steeper ribs cannot be reached: the band would be wider than the blade's own width allows to correct.
 inline constexpr double kMaxSlopeRad = 1.0471975511965976;  // 60 degrees
+
+// Area of the design that a section stands for, for each mm of its plane's offset, and the same times |sin
+// slope|: of the points in their order, a closed piece's last stretch included.
+struct AreaRate {
+  double area_mm = 0, leaning_mm = 0;
+};
+[[nodiscard]] AreaRate area_rate(const surface::SectionPiece& piece, const surface::PlaneFamily& planes,
+                                 double offset_mm);
+
+// Sections hardly see what is steeper: they stand for no more area than at this slope.
+inline constexpr double kUnseenSlopeRad = 1.4835298641951802;  // 85 degrees
 
 [[nodiscard]] TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings);
 

@@ -1,6 +1,7 @@
 #include "pipeline/plan/travel.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -24,18 +25,41 @@ struct StockOutline {
   Vector2d low{0, 0}, high{0, 0};
 };
 
-// Offsets and heights in the strip's axes.
+std::array<Vector3d, 8> corners(const Stock& stock) {
+  std::array<Vector3d, 8> all;
+  const Vector3d& size = stock.size_mm;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0);
+  return all;
+}
+
+// Offsets and heights in the axes of parallel planes.
 StockOutline outline(const StripPlan& strip) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   StockOutline stock{Vector2d::Constant(kInf), Vector2d::Constant(-kInf)};
   const Frame plane = strip.plane(0);
-  const Vector3d& size = strip.stock.size_mm;
-  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7}) {
-    const Vector3d corner =
-        strip.stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0);
+  for (const Vector3d& corner : corners(strip.stock)) {
     const Vector2d seen(strip.planes.offset(corner), (corner - plane.origin).dot(plane.y));
     stock.low = stock.low.cwiseMin(seen);
     stock.high = stock.high.cwiseMax(seen);
+  }
+  return stock;
+}
+
+// In a fan, about: how high the block is in its middle plane, and up to which offset planes lie before it.
+StockOutline fan_outline(const StripPlan& strip, double from_mm) {
+  constexpr double kStepMm = 1;
+  StockOutline stock{Vector2d::Zero(), Vector2d::Zero()};
+  const double middle = 0.5 * (strip.ribs.front().offset_mm + strip.ribs.back().offset_mm);
+  const Frame plane = strip.plane(middle);
+  stock.high.y() = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& corner : corners(strip.stock))
+    stock.high.y() = std::max(stock.high.y(), (corner - plane.origin).dot(plane.y));
+  const double sense = strip.x.cross(strip.y).dot(strip.sweep) > 0 ? 1 : -1;
+  for (stock.low.x() = from_mm; stock.low.x() < middle; stock.low.x() += kStepMm) {
+    const Frame at = strip.swept_plane(stock.low.x());
+    for (const Vector3d& corner : corners(strip.stock))
+      if (sense * at.normal().dot(corner - at.origin) <= 0) return stock;
   }
   return stock;
 }
@@ -140,22 +164,28 @@ double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, c
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
                                    const Settings& settings) {
-  if (strip.planes.turns()) return std::nullopt;
   Way way{elastica::mid_state(from.blade), elastica::mid_state(home.blade), {}, 0};
   const Vector2d start(from.offset_mm, way.from.y), end(home.offset_mm, way.home.y);
   way.curve = {start, (start + end) / 2, end};
   way.length = elastica::length(way.curve);
   const double hang = hang_mm(way), half_width = settings.blade.width_mm / 2;
-  const StockOutline stock = outline(strip);
-  const Vector2d corner(stock.low.x() - half_width, stock.high.y() + hang);
-  // The points between which a clearance is measured take away half a step; a larger circle makes up for it,
-  // and for the corner on the other side where that is the nearer one.
-  for (const double more_mm : {2.0, 10.0, 50.0}) {
-    for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
-      way.curve = curve;
-      way.length = elastica::length(curve);
-      const Stretch travel{"travel", false, 200, [way](double u) { return way.place(u); }};
-      if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm) return travel;
+  const StockOutline stock = strip.planes.turns() ? fan_outline(strip, home.offset_mm) : outline(strip);
+  // A fan's offsets are no distances, and its planes see the block tilted: its corner may have to be taken as
+  // higher than it is in the middle plane.
+  constexpr std::array<double, 6> kRaises_mm{0, 25, 50, 100, 200, 400};
+  const std::size_t raises = strip.planes.turns() ? kRaises_mm.size() : 1;
+  for (std::size_t i = 0; i < raises; ++i) {
+    const Vector2d corner(stock.low.x() - half_width, stock.high.y() + hang + kRaises_mm[i]);
+    // The points between which a clearance is measured take away half a step; a larger circle makes up for
+    // it, and for the corner on the other side where that is the nearer one.
+    for (const double more_mm : {2.0, 10.0, 50.0}) {
+      for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
+        way.curve = curve;
+        way.length = elastica::length(curve);
+        const Stretch travel{"travel", false, 200, [way](double u) { return way.place(u); }};
+        if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm)
+          return travel;
+      }
     }
   }
   return std::nullopt;

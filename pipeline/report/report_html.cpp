@@ -201,26 +201,36 @@ std::string budget_section(const PlanResult& result) {
          budget_svg(v.budget_mm, v.tolerance_mm);
 }
 
+// Adding zero takes the sign off a zero.
+std::string vector_text(const Eigen::Vector3d& v, double digits) {
+  const Eigen::Vector3d r = (digits * v).array().round().matrix() / digits + Eigen::Vector3d::Zero();
+  return fmt::format("({:g}, {:g}, {:g})", r.x(), r.y(), r.z());
+}
+
+std::string planes_text(const DirectionScore& d) {
+  if (!d.fan) return "normal " + vector_text(d.normal, 1e4);
+  return "turn about " + vector_text(d.fan->direction, 1e4) + " at " + vector_text(d.fan->point, 10) + " mm";
+}
+
 std::string ranking_section(const PlanResult& result) {
   if (result.ranking.empty()) return "";
   std::string html =
-      "<h2>Directions tried</h2><table><tr><th class=\"l\">plane normal</th><th>strips</th><th>served</th>"
-      "<th>score</th><th class=\"l\">found</th></tr>\n";
+      "<h2>Directions tried</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>served</th>"
+      "<th>score</th><th>mean |sin slope|</th><th class=\"l\">found</th></tr>\n";
   const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const DirectionScore& d = result.ranking[i];
-    // Adding zero takes the sign off a zero.
-    const Eigen::Vector3d n = (1e4 * d.normal).array().round().matrix() / 1e4 + Eigen::Vector3d::Zero();
     html += fmt::format(
-        "<tr><td class=\"l\">({:.4f}, {:.4f}, {:.4f})</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td>"
+        "<tr><td class=\"l\">{}</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td><td>{:.2f}</td>"
         "<td class=\"l\">{}</td></tr>\n",
-        n.x(), n.y(), n.z(), d.strips, 100 * d.covered_share, d.score,
-        d.estimated ? "estimated" : "planned coarsely");
+        planes_text(d), d.strips, 100 * d.covered_share, d.score, d.mean_sine,
+        !d.refused.empty() ? escaped("planned, refused: " + d.refused)
+        : d.estimated      ? "estimated: no better than this"
+                           : "planned coarsely");
   }
   html +=
-      result.ranking.front().fan
-          ? "</table><p class=\"note\">The planes turn about slice.fan_axis; this is the middle one's normal."
-          : "</table><p class=\"note\">The first one is taken; slice.direction fixes another.";
+      "</table><p class=\"note\">The first one is taken; slice.direction fixes another, slice.fan_axis an "
+      "axis.";
   if (shown < result.ranking.size())
     html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
   return html + "</p>\n";

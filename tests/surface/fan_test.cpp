@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "meshes.hpp"
 #include "surface/event_planes.hpp"
+#include "surface/ring.hpp"
 #include "surface/slice.hpp"
 
 namespace hotblade::surface {
@@ -198,12 +200,61 @@ TEST(SliceFan, AnAxisThroughOrNextToTheDesignIsRefusedWithThePlace) {
   EXPECT_EQ(refusal({{100, 50, 9}, {0, 1, 0}}), "(nothing thrown)");
 }
 
-TEST(SliceFan, ADesignRoundTheAxisIsRefused) {
-  const DesignSurface design = from_mesh(tube(100, 200, 48, 10));
-  EXPECT_THAT(message_of<FanError>([&] {
-                (void)slice(design, about({{0, 0, 0}, {0, 0, 1}}));
-              }),
-              HasSubstr("all the way round"));
+// A conical ring about z; with an even number of cells the cut runs along vertices, with an odd one between.
+TriangleMesh conical_ring(int around, int up) {
+  return grid(
+      around, up,
+      [](double s, double t) {
+        const double a = 2 * pi * s, out = 300 + 200 * t;
+        return Vector3d(out * std::cos(a), out * std::sin(a), 250 * t);
+      },
+      [](int, int) { return true; }, true);
+}
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles) {
+    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    sum += 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+  }
+  return sum;
+}
+
+TEST(CutOpen, KeepsTheAreaAndLeavesNoFaceAcrossTheCut) {
+  for (const int around : {40, 41, 97}) {
+    const TriangleMesh ring = conical_ring(around, 7);
+    const PlaneFamily fan = fan_about(ring, {{0, 0, 10}, {0, 0, -2}});
+    ASSERT_TRUE(fan.closed());
+    const TriangleMesh open = cut_open(ring, fan);
+    EXPECT_NEAR(area(open), area(ring), 1e-6 * 500);  // a billionth of a radian along a border of 320 mm
+    double low = 0, high = 0;
+    for (const auto& t : open.triangles) {
+      std::array<double, 3> angle{};
+      for (std::size_t i = 0; i < 3; ++i)
+        angle[i] = fan.angle(fan.offset(open.vertices[static_cast<std::size_t>(t[i])]));
+      const auto [least, most] = std::minmax_element(angle.begin(), angle.end());
+      EXPECT_LT(*most - *least, 2 * pi / around + 1e-8) << around;
+      low = std::min(low, *least);
+      high = std::max(high, *most);
+    }
+    EXPECT_NEAR(low, -pi, 2e-9);
+    EXPECT_NEAR(high, pi, 2e-9);
+  }
+}
+
+TEST(SliceFan, ADesignRoundTheAxisIsOneChainFromCutToCut) {
+  for (const int around : {300, 301}) {
+    const RibGraph g = slice(from_mesh(conical_ring(around, 6)), about({{0, 0, 0}, {0, 0, 1}}, 60, 0.05));
+    ASSERT_EQ(g.chains.size(), 1u);
+    EXPECT_EQ(g.chains[0].ribs.size(), g.sections.size());
+    EXPECT_NEAR(g.sections.front().offset_mm, -500 * pi + 0.05, 1e-5);
+    EXPECT_NEAR(g.sections.back().offset_mm, 500 * pi - 0.05, 1e-5);
+    for (const RibRef& ref : g.chains[0].ribs) {
+      // Rulings of the cone; facets of 0.021 rad lie within 0.03 mm of it.
+      EXPECT_NEAR(rib(g, ref).length_mm, std::hypot(200, 250), 0.02);
+      EXPECT_FALSE(rib(g, ref).closed);
+    }
+  }
 }
 
 TEST(SliceFan, RefusesAnAxisThatIsNotFinite) {
