@@ -104,7 +104,8 @@ TEST(RankDirections, FindsTheSameDirectionInATurnedDesign) {
   ASSERT_EQ(here.size(), there.size());
   EXPECT_GT((turn.linear() * here.front().normal).dot(there.front().normal), 1 - 1e-9);
   EXPECT_EQ(here.front().strips, there.front().strips);
-  EXPECT_NEAR(here.front().score, there.front().score, 1e-6);
+  // Fits stop at 1e-6 of a rib's length; scores closer than 0.05 count as equal.
+  EXPECT_NEAR(here.front().score, there.front().score, 1e-5);
   EXPECT_GT(std::abs(here.front().normal.x()), 0.999);  // across the arches
 }
 
