@@ -40,6 +40,8 @@ TaylorPiece<double> expand_divided(const CurvePoint& start, double lambda1, doub
   rate[0] = start.kappa;
   piece.t[0] = start.theta;
   const Pair force(lambda1, lambda2);
+  // Unrolled: the ends of eighteen loops of different lengths would be guessed wrong.
+#pragma GCC unroll 32
   for (std::size_t k = 0; k <= kOrder; ++k) {
     const double inverse = 1.0 / static_cast<double>(k + 1);
     piece.c[k] = turned[k][1] * inverse;
@@ -47,14 +49,12 @@ TaylorPiece<double> expand_divided(const CurvePoint& start, double lambda1, doub
     piece.t[k + 1] = rate[k] * inverse;
     rate[k + 1] = (turned[k] * force).sum() * inverse;
     if (k == kOrder) break;
-    // Two sums side by side: one alone would wait for itself at every term.
+    // Two sums side by side, the newest terms last: neither waits for itself or for the order before.
     Pair even = Pair::Zero(), odd = Pair::Zero();
-    std::size_t j = 0;
-    for (; j + 1 <= k; j += 2) {
-      even += rate[j] * turned[k - j];
-      odd += rate[j + 1] * turned[k - j - 1];
-    }
-    if (j == k) even += rate[j] * turned[0];
+#pragma GCC unroll 32
+    for (std::size_t j = 1; j < k; ++j) (j % 2 == 0 ? even : odd) += rate[j] * turned[k - j];
+    even += rate[k] * turned[0];
+    if (k > 0) odd += rate[0] * turned[k];
     const Pair d = (even + odd) * inverse;  // (cos, sin) of order k + 1
     turned[k + 1] = {-d[1], d[0]};
   }
@@ -68,6 +68,7 @@ double power_sum(const CoefficientPair& pair, double last, double h) {
   static_assert(kTaylorOrder % 2 == 0, "the last power is even");
   const double h2 = h * h;
   Pair sum(last, 0);
+#pragma GCC unroll 32
   for (std::size_t k = kTaylorOrder; k >= 2; k -= 2) sum = sum * h2 + pair(k - 2);
   return sum[0] + h * sum[1];
 }

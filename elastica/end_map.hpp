@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "elastica/elastica.hpp"
+#include "elastica/simd.hpp"
 
 namespace hotblade::elastica {
 
@@ -25,11 +26,12 @@ struct JacobiFields {
 };
 
 // The fields at the end alone. Throws std::logic_error as ElasticaCurve does.
-[[nodiscard]] JacobiFields end_map(const Elastica& elastica);
+[[nodiscard]] JacobiFields end_map(const Elastica& elastica, Simd simd = best_simd());
 
 // The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them
 // d theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. `at_least`
 // pieces.
-[[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least = 1);
+[[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least = 1,
+                                                      Simd simd = best_simd());
 
 }  // namespace hotblade::elastica

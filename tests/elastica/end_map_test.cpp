@@ -32,6 +32,26 @@ TEST(EndMap, HasTheCurvesOwnEnd) {
   }
 }
 
+TEST(EndMap, IsTheSameOnEveryInstructionSetToRounding) {
+  std::mt19937_64 random(3);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Elastica e = random_blade(random, trial % 2 == 0 ? 1 : 1e-3);
+    const std::vector<JacobiFields> plain = jacobi_fields(e, 1, Simd::kBaseline);
+    for (const Simd simd : {Simd::kAvx2, Simd::kAvx512}) {
+      if (!supported(simd)) continue;
+      const std::vector<JacobiFields> wide = jacobi_fields(e, 1, simd);
+      ASSERT_EQ(wide.size(), plain.size());
+      for (std::size_t i = 0; i < wide.size(); ++i) {
+        EXPECT_LT((wide[i].fields - plain[i].fields).norm(), 1e-13 * (1 + plain[i].fields.norm()));
+        EXPECT_LT((wide[i].rates - plain[i].rates).norm(), 1e-13 * (1 + plain[i].rates.norm()));
+        EXPECT_EQ(wide[i].index, plain[i].index);
+      }
+      EXPECT_EQ(end_map(e, simd).fields, wide.back().fields);
+      EXPECT_EQ(end_map(e, simd).index, wide.back().index);
+    }
+  }
+}
+
 TEST(EndMap, DerivativesAgreeWithCentralDifferences) {
   std::mt19937_64 random(2);
   for (const double size : {1.0, 1e-3, 0.0}) {  // lines and circles included: nothing special happens there
