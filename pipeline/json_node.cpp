@@ -149,8 +149,7 @@ double JsonNode::number() const {
 
 double JsonNode::number(Range range) const {
   const double value = number();
-  const bool inside = (range.above ? value > range.low : value >= range.low) && value <= range.high;
-  if (!inside) fail(fmt::format("out of range ({}, {})", value, limits(range)));
+  if (!range.holds(value)) fail(fmt::format("out of range ({}, {})", value, limits(range)));
   return value;
 }
 

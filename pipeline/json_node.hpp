@@ -14,6 +14,9 @@ namespace hotblade::pipeline {
 struct Range {
   double low, high;
   bool above = false;
+  [[nodiscard]] constexpr bool holds(double value) const {
+    return (above ? value > low : value >= low) && value <= high;
+  }
 };
 
 // A cheap view: it refers to the JSON value and to its parent node, both of which have to outlive it. Every

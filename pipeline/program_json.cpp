@@ -1,6 +1,7 @@
 // The canonical text of a program. Written straight into strings: a job has tens of thousands of poses.
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -34,6 +35,8 @@ class Text {
   Text& number(std::size_t value) { return raw(std::to_string(value)); }
 
   Text& string(std::string_view value) {
+    const auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
+    if (std::all_of(value.begin(), value.end(), plain)) return raw("\"").raw(value).raw("\"");
     using Json = nlohmann::json;
     return raw(Json(value).dump(-1, ' ', false, Json::error_handler_t::replace));
   }

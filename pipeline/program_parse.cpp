@@ -10,32 +10,17 @@
 #include "pipeline/command_error.hpp"
 #include "pipeline/json_node.hpp"
 #include "pipeline/program.hpp"
+#include "pipeline/program_limits.hpp"
+#include "pipeline/program_scan.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
 using elastica::Elastica;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr Range kAny{-kInfinity, kInfinity};
-constexpr Range kPositive{0, kInfinity, true};
-constexpr Range kNotNegative{0, kInfinity};
-// Unit vectors and quaternions written by other programs may carry nine digits or so.
-constexpr double kUnitError = 1e-6;
-// The controller counts microseconds in 32 bits.
-constexpr Range kTime{0, 4294.967295};
-long long microseconds(double seconds) {
-  return std::llround(seconds * 1e6);
-}
-// Lengths that have to agree are sums and differences of a few doubles; a micrometre per metre is far above
-// rounding and far below anything a clamp can do.
-constexpr double kLengthErrorRel = 1e-6;
-
 constexpr std::array kUnits{"mm", "cm", "m", "in", "ft"};
 constexpr std::array kUps{"z", "y"};
 constexpr std::array kKeeps{"below", "above", "back", "front"};
-constexpr std::array kPhases{"form", "preheat",  "approach", "lead_in",
-                             "cut",  "lead_out", "retract",  "travel"};
 constexpr std::array kStatuses{"passed", "failed", "refused"};
 
 double number(const JsonNode& node, const char* key, Range range = kAny) {
@@ -59,8 +44,7 @@ Eigen::Matrix<double, N, 1> vector(const JsonNode& node, const char* key, Range 
 }
 
 void expect_unit(const JsonNode& node, double norm) {
-  if (std::abs(norm - 1) > kUnitError)
-    node.fail(fmt::format("is not of length 1 ({}, +-{})", norm, kUnitError));
+  if (!is_unit(norm)) node.fail(fmt::format("is not of length 1 ({}, +-{})", norm, kUnitError));
 }
 
 Eigen::Vector3d unit_vector(const JsonNode& node, const char* key) {
@@ -74,8 +58,7 @@ Frame frame(const JsonNode& node) {
   node.expect_keys(std::array{"origin", "x", "y"});
   const Frame frame{vector<3>(node, "origin"), unit_vector(node, "x"), unit_vector(node, "y")};
   const double dot = frame.x.dot(frame.y);
-  if (std::abs(dot) > kUnitError)
-    node.fail(fmt::format("x and y are not square ({}, +-{})", dot, kUnitError));
+  if (!is_square(dot)) node.fail(fmt::format("x and y are not square ({}, +-{})", dot, kUnitError));
   return frame;
 }
 
@@ -183,15 +166,14 @@ Rib rib_of(const JsonNode& node) {
 
 std::optional<std::array<double, 2>> foam_of(const JsonNode& node, double length) {
   if (node.is_null()) return std::nullopt;
-  const double slack = length * kLengthErrorRel;
-  const Eigen::Vector2d foam = vector<2>(node, {-slack, length + slack});
+  const Eigen::Vector2d foam = vector<2>(node, foam_range(length));
   if (foam[0] >= foam[1]) node.fail(fmt::format("ends before it starts ({} to {})", foam[0], foam[1]));
   return std::array{foam[0], foam[1]};
 }
 
 void expect_chord(const JsonNode& node, const BladePose& pose, double length) {
   const double chord = (pose.a.p - pose.b.p).norm();
-  if (chord > length * (1 + kLengthErrorRel)) {
+  if (!within_reach(chord, length)) {
     node.fail(
         fmt::format("clamps a and b are farther apart than the blade is long ({} mm, {})", chord, length));
   }
@@ -229,7 +211,7 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   const JsonNode blade = node.field("blade");
   out.blade = elastica_of(blade);
   const double length = strip.blade_length_mm;
-  if (std::abs(out.blade.length - length) > length * kLengthErrorRel) {
+  if (!is_blade_length(out.blade.length, length)) {
     blade.fail(fmt::format("length is not the strip's blade length ({}, {})", out.blade.length, length));
   }
   out.foam = foam_of(node.field("foam"), length);
@@ -281,7 +263,8 @@ std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
   return poses;
 }
 
-Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
+// All of a strip but its poses.
+Strip strip_head_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
   node.expect_keys(std::array{"id", "blade_length_mm", "design_to_cell", "stock", "ribs", "poses"});
   const auto expect_new = [&](const JsonNode& owner, const std::string& id) {
     const JsonNode field = owner.field("id");
@@ -301,6 +284,11 @@ Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::strin
     strip.ribs.push_back(rib_of(rib));
     expect_new(rib, strip.ribs.back().id);
   }
+  return strip;
+}
+
+Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
+  Strip strip = strip_head_of(node, blade, ids);
   strip.poses = poses_of(node.field("poses"), strip);
   return strip;
 }
@@ -392,9 +380,83 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips) {
   return program;
 }
 
+// Up to behind the first `end` of what is left; nothing where there is none.
+std::optional<std::string_view> take_to(std::string_view& left, std::string_view end) {
+  const std::size_t at = left.find(end);
+  if (at == std::string_view::npos) return std::nullopt;
+  const std::string_view taken = left.substr(0, at + end.size());
+  left.remove_prefix(taken.size());
+  return taken;
+}
+
+bool take(std::string_view& left, std::string_view word) {
+  if (!left.starts_with(word)) return false;
+  left.remove_prefix(word.size());
+  return true;
+}
+
+// One strip as to_json() writes it: its poses, nearly all of the text, without a tree.
+std::optional<Strip> scanned_strip(std::string_view& left, const BladeData& blade, std::set<std::string>& ids,
+                                   const std::string& file_name) {
+  const auto head = take_to(left, "],\n\"poses\":[");
+  if (!head) return std::nullopt;
+  const nlohmann::ordered_json json = parse_json(std::string(*head) + "]}", file_name);
+  Strip strip = strip_head_of(JsonNode(json, file_name), blade, ids);
+  auto poses = scan_poses(left, strip.blade_length_mm, strip.ribs.size());
+  if (!poses || !take(left, "}")) return std::nullopt;
+  strip.poses = std::move(*poses);
+  return strip;
+}
+
+// Objects and arrays that are open behind this beginning of a JSON text.
+int open_behind(std::string_view text) {
+  int open = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_string = !in_string;
+    } else if (!in_string) {
+      open += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+    }
+  }
+  return in_string ? -1 : open;
+}
+
+// A program laid out as to_json() does it, with nothing wrong in it. Nothing of any other text.
+std::optional<Program> scanned_program(const std::string& text, const std::string& file_name) {
+  constexpr std::string_view kStrips = "\n\"strips\": [\n", kAfter = "],\n\"verification\": ";
+  std::string_view left(text);
+  const auto before = take_to(left, kStrips);
+  const std::size_t end = text.rfind(kAfter);
+  if (!before || end == std::string::npos || end < before->size()) return std::nullopt;
+  constexpr int kRootAndStrips = 2;
+  if (open_behind(*before) != kRootAndStrips) return std::nullopt;
+  const std::string_view after = std::string_view(text).substr(end);
+  left.remove_suffix(after.size());
+  const nlohmann::ordered_json frame = parse_json(fmt::format("{}{}", *before, after), file_name);
+  const JsonNode root(frame, file_name);
+  const BladeData blade = blade_of(root.field("blade"));
+  std::set<std::string> ids;
+  std::vector<Strip> found;
+  do {
+    auto strip = scanned_strip(left, blade, ids, file_name);
+    if (!strip) return std::nullopt;
+    found.push_back(std::move(*strip));
+  } while (take(left, ",\n"));
+  if (!left.empty()) return std::nullopt;
+  return program_of(root, std::move(found));
+}
+
 }  // namespace
 
 Program parse_program(const std::string& text_of_file, const std::string& file_name) {
+  try {
+    if (auto program = scanned_program(text_of_file, file_name)) return std::move(*program);
+  } catch (const CommandError&) {  // told below, with its place in the whole
+  }
   try {
     StripTaker taker(file_name);
     const JsonTaker into{"strips", [&](const JsonNode::Json& item) { return taker.take(item); },

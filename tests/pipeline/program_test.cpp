@@ -2,13 +2,18 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <random>
+#include <string_view>
 
 #include "pipeline/atomic_file.hpp"
 #include "pipeline/command_error.hpp"
+#include "pipeline/program_scan.hpp"
 #include "pipeline/program_text.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"
@@ -251,6 +256,112 @@ TEST(ParseProgramText, RefusesAKeyThatStandsTwice) {
   std::string text = to_json(vault_program());
   text.insert(text.find("\"phase\""), "\"t\":0,");
   EXPECT_THAT(refusal(text), HasSubstr("key \"t\" stands twice"));
+}
+
+// What parse_program makes of a text: the program it stands for, or the refusal.
+std::string outcome(const std::string& text) {
+  try {
+    return to_json(parse_program(text, "job.json"));
+  } catch (const CommandError& error) {
+    return error.what();
+  }
+}
+
+// The same values in another layout, which is read as a tree.
+std::string relaid(std::string text) {
+  constexpr std::string_view kStrips = "\n\"strips\": [\n";
+  const std::size_t at = text.find(kStrips);
+  return at == std::string::npos ? text : text.replace(at, kStrips.size(), "\n\"strips\":\t[\n");
+}
+
+TEST(ScanPoses, TakesWhatIsWritten) {
+  const Strip strip = vault_program({.strips = 1}).strips[0];
+  const std::string text = to_json(strip);
+  constexpr std::string_view kPoses = "\n\"poses\":[";
+  std::string_view left(text);
+  left.remove_prefix(text.find(kPoses) + kPoses.size());
+  const auto poses = scan_poses(left, strip.blade_length_mm, strip.ribs.size());
+  ASSERT_TRUE(poses);
+  EXPECT_EQ(left, "}");
+  Strip read = strip;
+  read.poses = *poses;
+  EXPECT_EQ(to_json(read), text);
+}
+
+// That a program as it was written takes the quick way shows in its time alone.
+TEST(ParseProgramQuickly, IsQuickerThanTheTree) {
+  const std::string text = to_json(vault_program({.strips = 3})), other = relaid(text);
+  const auto seconds = [](const std::string& of) {
+    double least = 1e9;
+    for (int i = 0; i < 7; ++i) {
+      const std::clock_t start = std::clock();
+      static_cast<void>(parse_program(of, "job.json"));
+      least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    return least;
+  };
+  EXPECT_LT(2 * seconds(text), seconds(other));
+}
+
+TEST(ParseProgramQuickly, ReadsWhatTheTreeReads) {
+  const std::string text = to_json(vault_program({.strips = 3}));
+  EXPECT_EQ(outcome(text), text);
+  EXPECT_EQ(outcome(relaid(text)), text);
+}
+
+// Every change of a character in a pose, a strip's head or between strips is taken or refused as by the tree,
+// with the same words, and understood alike.
+TEST(ParseProgramQuickly, TakesAndRefusesWhatTheTreeDoes) {
+  const std::string text = to_json(vault_program({.strips = 2}));
+  std::mt19937_64 random(7);
+  constexpr std::string_view kOther = "0123456789-+.eEx\"{}[],:\\ \nnu";
+  std::size_t taken = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::string changed = text;
+    const std::size_t at = random() % text.size();
+    const char other = kOther[random() % kOther.size()];
+    switch (trial % 3) {
+      case 0:
+        changed[at] = other;
+        break;
+      case 1:
+        changed.erase(at, 1);
+        break;
+      default:
+        changed.insert(at, 1, other);
+    }
+    const std::string by_tree = outcome(relaid(changed));
+    taken += by_tree.starts_with("{") ? 1 : 0;
+    EXPECT_EQ(outcome(changed), by_tree) << trial;
+  }
+  EXPECT_GT(taken, 50);  // digits of a number, mostly
+}
+
+TEST(ParseProgramQuickly, TakesNoNumbersThatJsonHasNot) {
+  const std::string text = to_json(vault_program({.strips = 2}));
+  const std::size_t poses = text.find("\"poses\""), at = text.find("\"kappa\":", poses) + 8;
+  const std::size_t size = text.find(',', at) - at;
+  for (const char* number :
+       {"01", "-01", ".5", "-.5", "5.", "1.e3", "+1", "inf", "-inf", "nan", "0x1p-3", "1e400", "-", ""}) {
+    std::string changed = text;
+    EXPECT_THAT(outcome(changed.replace(at, size, number)), ::testing::StartsWith("job.json")) << number;
+  }
+  for (const char* number :
+       {"0", "-0", "0.0", "-0.0", "5e-324", "1E+2", "1e-400", "0.1000000000000000055511151231257827"}) {
+    std::string changed = text;
+    changed.replace(at, size, number);
+    EXPECT_EQ(outcome(changed), outcome(relaid(changed))) << number;
+  }
+}
+
+TEST(ParseProgramQuickly, IsNotMisledByStripsInTheSettings) {
+  const std::string text = to_json(vault_program({.strips = 1}));
+  const std::size_t from = text.find("\n\"strips\""), to = text.find(",\n\"verification\"");
+  const std::size_t settings = text.find("\"settings\": {") + 13;
+  std::string changed = text.substr(0, settings) + text.substr(from, to - from) + text.substr(settings);
+  changed.replace(changed.rfind("\n\"strips\""), to - from, "\n\"strips\": []");
+  EXPECT_THAT(outcome(changed), HasSubstr("job.json"));
+  EXPECT_EQ(outcome(changed), outcome(relaid(changed)));
 }
 
 TEST(ProgramJson, RoundTripsByteForByte) {
