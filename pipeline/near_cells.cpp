@@ -1,5 +1,8 @@
 #include "pipeline/near_cells.hpp"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -47,8 +50,29 @@ NearCells::Cell NearCells::cell(const Eigen::Vector3d& p) const {
   return c;
 }
 
+bool NearCells::known(const Cell& cell) const {
+  return std::binary_search(cells_.begin(), cells_.end(), cell);
+}
+
 bool NearCells::holds(const Eigen::Vector3d& p) const {
-  return std::binary_search(cells_.begin(), cells_.end(), cell(p));
+  return known(cell(p));
+}
+
+void NearCells::hold(std::span<const Eigen::Vector3d> points, std::span<char> held) const {
+  if (points.size() != held.size()) throw std::logic_error("NearCells: spans of different sizes");
+  constexpr std::size_t kGrain = 4096;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
+    Cell last{};
+    bool in_last = known(last);
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const Cell here = cell(points[i]);
+      if (here != last) {
+        last = here;
+        in_last = known(here);
+      }
+      held[i] = in_last ? 1 : 0;
+    }
+  });
 }
 
 }  // namespace hotblade::pipeline

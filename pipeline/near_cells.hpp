@@ -16,9 +16,13 @@ class NearCells {
 
   // True wherever a point lies within near_mm; may be true up to 2 sqrt(3) near_mm away.
   [[nodiscard]] bool holds(const Eigen::Vector3d& p) const;
+  // The same of many, on all cores allowed: 1 or 0 for each. Spans of one size (std::logic_error); quicker
+  // where points that follow each other share a cell.
+  void hold(std::span<const Eigen::Vector3d> points, std::span<char> held) const;
 
  private:
   using Cell = std::array<std::int64_t, 3>;
+  [[nodiscard]] bool known(const Cell& cell) const;
   [[nodiscard]] Cell cell(const Eigen::Vector3d& p) const;
   double edge_mm_;
   std::vector<Cell> cells_;  // sorted, each once

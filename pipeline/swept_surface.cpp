@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "elastica/blade_batch.hpp"
 
@@ -59,94 +60,109 @@ std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
   return rows;
 }
 
-struct Grid {
-  std::size_t rows = 0, columns = 0;
-  std::vector<Eigen::Vector3d> centre, left;  // blade points, and the direction left of the blade there
-  std::vector<double> curvature;              // 1/mm, without sign
+// A strip's rows and where its part of the surface begins.
+struct StripGrid {
+  std::vector<const BladePose*> rows;
+  std::size_t columns = 0;
+  std::size_t first_vertex = 0, first_triangle = 0;
+
+  [[nodiscard]] std::size_t vertices() const { return rows.size() * columns; }
+  [[nodiscard]] std::size_t triangles() const {
+    return rows.size() < 2 ? 0 : 2 * (rows.size() - 1) * (columns - 1);
+  }
 };
 
-Grid blade_grid(const std::vector<const BladePose*>& rows, double sample_mm) {
-  Grid grid;
-  grid.rows = rows.size();
+StripGrid strip_grid(const Strip& strip, double sample_mm) {
+  StripGrid grid;
+  grid.rows = grid_rows(strip, sample_mm);
+  if (grid.rows.size() < 2) grid.rows.clear();
   double longest = 0;
-  for (const BladePose* pose : rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
+  for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
   grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / sample_mm))) + 1;
-  const std::size_t points = grid.rows * grid.columns;
-  grid.centre.reserve(points);
-  grid.left.reserve(points);
-  grid.curvature.reserve(points);
-  constexpr std::size_t kBlock = 64;
-  for (std::size_t from = 0; from < rows.size(); from += kBlock) {
-    const auto some = std::span(rows).subspan(from, std::min(kBlock, rows.size() - from));
-    const elastica::PartPoints on = points_in_foam(some, grid.columns);
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      const Frame& frame = some[i]->frame;
-      for (std::size_t n = i * grid.columns; n < (i + 1) * grid.columns; ++n) {
-        grid.centre.push_back(frame.point(on.x[n], on.y[n]));
-        grid.curvature.push_back(std::abs(on.curvature[n]));
-        grid.left.push_back(-on.sin[n] * frame.x + on.cos[n] * frame.y);
-      }
-    }
-  }
   return grid;
 }
 
-// Unit normal of the grid at (i, j), towards the waste, by central differences.
-Eigen::Vector3d grid_normal(const Grid& g, std::size_t i, std::size_t j) {
-  const auto at = [&](std::size_t a, std::size_t b) { return g.centre[a * g.columns + b]; };
-  const Eigen::Vector3d along = at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0);
-  const Eigen::Vector3d sweep = at(std::min(i + 1, g.rows - 1), j) - at(i > 0 ? i - 1 : 0, j);
-  const Eigen::Vector3d& left = g.left[i * g.columns + j];
-  const Eigen::Vector3d n = along.cross(sweep);
-  if (!(n.norm() > 0)) return left;
-  return n.dot(left) < 0 ? Eigen::Vector3d(-n.normalized()) : Eigen::Vector3d(n.normalized());
+// Calls work(first, last) for blocks of rows on all cores allowed: as many as fill the lanes of many blades.
+template <typename Work>
+void for_rows(const StripGrid& grid, const Work& work) {
+  constexpr std::size_t kBlock = 64;
+  tbb::parallel_for(std::size_t{0}, (grid.rows.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    work(block * kBlock, std::min(grid.rows.size(), (block + 1) * kBlock));
+  });
 }
 
-void add_strip(const Program& program, std::size_t index, double sample_mm, SweptSurface& out) {
-  const auto rows = grid_rows(program.strips[index], sample_mm);
-  if (rows.size() < 2) return;
-  const Grid grid = blade_grid(rows, sample_mm);
-  for (std::size_t i = 0; i < grid.rows; ++i) {
-    for (std::size_t j = 0; j < grid.columns; ++j) {
-      const Eigen::Vector3d n = grid_normal(grid, i, j);
-      const Eigen::Vector3d plane = rows[i]->frame.normal();
-      out.vertices.push_back(grid.centre[i * grid.columns + j] - half_band_mm(program.blade, n, plane) * n);
-      out.plane_normals.push_back(plane);
-      out.normals.push_back(n);
-      out.strip_of_vertex.push_back(static_cast<int>(index));
-      out.pose_of_vertex.push_back(static_cast<int>(rows[i] - program.strips[index].poses.data()));
-      out.curvature_per_mm.push_back(grid.curvature[i * grid.columns + j]);
-    }
-  }
-  const auto columns = static_cast<int>(grid.columns);
-  for (int i = 0; i + 1 < static_cast<int>(grid.rows); ++i) {
-    for (int j = 0; j + 1 < columns; ++j) {
-      const int a = i * columns + j, b = a + 1, c = a + columns, d = c + 1;
-      const auto facing = [&](int p, int q, int r) {
-        const auto& v = out.vertices;
-        const auto at = [&](int k) { return v[static_cast<std::size_t>(k)]; };
-        const bool front =
-            (at(q) - at(p)).cross(at(r) - at(p)).dot(out.normals[static_cast<std::size_t>(p)]) >= 0;
-        return front ? std::array<int, 3>{p, q, r} : std::array<int, 3>{p, r, q};
-      };
-      out.triangles.push_back(facing(a, b, d));
-      out.triangles.push_back(facing(a, d, c));
+// Blade points, curvatures, and in place of the normals the directions left of the blade.
+void place_rows(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
+  const auto some = std::span(grid.rows).subspan(from, to - from);
+  const elastica::PartPoints on = points_in_foam(some, grid.columns);
+  std::size_t v = grid.first_vertex + from * grid.columns;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const Frame& frame = some[i]->frame;
+    const Eigen::Vector3d plane = frame.normal();
+    for (std::size_t n = i * grid.columns; n < (i + 1) * grid.columns; ++n, ++v) {
+      out.vertices[v] = frame.point(on.x[n], on.y[n]);
+      out.curvature_per_mm[v] = std::abs(on.curvature[n]);
+      out.normals[v] = -on.sin[n] * frame.x + on.cos[n] * frame.y;
+      out.plane_normals[v] = plane;
     }
   }
 }
 
-void append(const SweptSurface& part, SweptSurface& out) {
-  const auto base = static_cast<int>(out.vertices.size());
-  const auto add = [&](auto member) {
-    (out.*member).insert((out.*member).end(), (part.*member).begin(), (part.*member).end());
+// Unit normal of the blade points at row i and column j, by central differences, towards where `left` points.
+Eigen::Vector3d grid_normal(const StripGrid& g, const std::vector<Eigen::Vector3d>& points, std::size_t i,
+                            std::size_t j, const Eigen::Vector3d& left) {
+  const auto at = [&](std::size_t a, std::size_t b) -> const Eigen::Vector3d& {
+    return points[g.first_vertex + a * g.columns + b];
   };
-  add(&SweptSurface::vertices);
-  add(&SweptSurface::plane_normals);
-  add(&SweptSurface::normals);
-  add(&SweptSurface::strip_of_vertex);
-  add(&SweptSurface::pose_of_vertex);
-  add(&SweptSurface::curvature_per_mm);
-  for (const auto& t : part.triangles) out.triangles.push_back({base + t[0], base + t[1], base + t[2]});
+  const Eigen::Vector3d along = at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0);
+  const Eigen::Vector3d sweep = at(std::min(i + 1, g.rows.size() - 1), j) - at(i > 0 ? i - 1 : 0, j);
+  const Eigen::Vector3d n = along.cross(sweep);
+  const double size = n.norm();
+  if (!(size > 0)) return left;
+  return (n.dot(left) < 0 ? -n : n) / size;
+}
+
+// Two triangles between four vertices, facing as the normals do.
+void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
+  const auto& v = out.vertices;
+  const auto facing = [&](int p, int q, int r) {
+    const auto at = [&](int k) -> const Eigen::Vector3d& { return v[static_cast<std::size_t>(k)]; };
+    const bool front =
+        (at(q) - at(p)).cross(at(r) - at(p)).dot(out.normals[static_cast<std::size_t>(p)]) >= 0;
+    return front ? std::array<int, 3>{p, q, r} : std::array<int, 3>{p, r, q};
+  };
+  const auto columns = static_cast<int>(grid.columns);
+  std::size_t t = grid.first_triangle + 2 * from * (grid.columns - 1);
+  for (std::size_t i = from; i < std::min(to, grid.rows.size() - 1); ++i) {
+    const auto row = static_cast<int>(grid.first_vertex + i * grid.columns);
+    for (int a = row; a + 1 < row + columns; ++a) {
+      const int b = a + 1, c = a + columns, d = c + 1;
+      out.triangles[t++] = facing(a, b, d);
+      out.triangles[t++] = facing(a, d, c);
+    }
+  }
+}
+
+void add_strip(const Program& program, std::size_t index, const StripGrid& grid, SweptSurface& out) {
+  for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(grid, from, to, out); });
+  // Normals first, from the blade's points; then these move to the melted band's edge.
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      for (std::size_t j = 0; j < grid.columns; ++j) {
+        const std::size_t v = grid.first_vertex + i * grid.columns + j;
+        out.normals[v] = grid_normal(grid, out.vertices, i, j, out.normals[v]);
+        out.strip_of_vertex[v] = static_cast<int>(index);
+        out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
+      }
+    }
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    const std::size_t last = grid.first_vertex + to * grid.columns;
+    for (std::size_t v = grid.first_vertex + from * grid.columns; v < last; ++v) {
+      out.vertices[v] -= half_band_mm(program.blade, out.normals[v], out.plane_normals[v]) * out.normals[v];
+    }
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) { place_triangles(grid, from, to, out); });
 }
 
 }  // namespace
@@ -158,15 +174,24 @@ double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
-  // Some strips at a time: the surfaces of hundreds, made before they are joined, would be held twice.
-  constexpr std::size_t kAtOnce = 16;
-  SweptSurface out;
-  for (std::size_t first = 0; first < program.strips.size(); first += kAtOnce) {
-    std::vector<SweptSurface> parts(std::min(kAtOnce, program.strips.size() - first));
-    tbb::parallel_for(std::size_t{0}, parts.size(),
-                      [&](std::size_t i) { add_strip(program, first + i, sample_mm, parts[i]); });
-    for (const SweptSurface& part : parts) append(part, out);
+  std::vector<StripGrid> grids(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, grids.size(),
+                    [&](std::size_t i) { grids[i] = strip_grid(program.strips[i], sample_mm); });
+  std::size_t vertices = 0, triangles = 0;
+  for (StripGrid& grid : grids) {
+    grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
+    grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
   }
+  SweptSurface out;
+  out.vertices.resize(vertices);
+  out.plane_normals.resize(vertices);
+  out.normals.resize(vertices);
+  out.strip_of_vertex.resize(vertices);
+  out.pose_of_vertex.resize(vertices);
+  out.curvature_per_mm.resize(vertices);
+  out.triangles.resize(triangles);
+  tbb::parallel_for(std::size_t{0}, grids.size(),
+                    [&](std::size_t i) { add_strip(program, i, grids[i], out); });
   return out;
 }
 

@@ -1,6 +1,8 @@
 #include "pipeline/verify.hpp"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,6 +13,8 @@
 #include <utility>
 
 #include "gpu/mesh_distance.hpp"
+#include "pipeline/design_samples.hpp"
+#include "pipeline/mesh_view.hpp"
 #include "pipeline/near_cells.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/swept_surface.hpp"
@@ -20,12 +24,6 @@
 namespace hotblade::pipeline {
 
 namespace {
-
-// A mesh wherever it lies.
-struct MeshView {
-  std::span<const Eigen::Vector3d> vertices;
-  std::span<const std::array<int, 3>> triangles;
-};
 
 // Edges with one face, by the corner of the face that they start at, and their vertices.
 struct Border {
@@ -45,18 +43,6 @@ struct Border {
   }
 };
 
-struct Facet {
-  Eigen::Vector3d a, b, c;
-  [[nodiscard]] Eigen::Vector3d normal() const { return (b - a).cross(c - a).stableNormalized(); }
-  [[nodiscard]] double area() const { return 0.5 * (b - a).cross(c - a).norm(); }
-};
-
-Facet facet(const MeshView& mesh, int triangle) {
-  const auto& t = mesh.triangles[static_cast<std::size_t>(triangle)];
-  return {mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
-          mesh.vertices[static_cast<std::size_t>(t[2])]};
-}
-
 // Does the nearest point lie on the design's border? Shares of area below kOnEdge are rounding.
 bool on_border(const MeshView& mesh, const Border& border, const gpu::Nearest& nearest) {
   constexpr double kOnEdge = 1e-7;
@@ -75,31 +61,6 @@ bool on_border(const MeshView& mesh, const Border& border, const gpu::Nearest& n
       return true;
   }
   return false;
-}
-
-// Points spread over every face no farther apart than the spacing, with the areas they stand for.
-struct DesignSamples {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<double> areas;
-};
-
-// Rows parallel to the shortest edge, each divided by its own width: a needle makes samples in proportion to
-// its length, not to the square of it.
-void sample_facet(const Facet& f, double sample_mm, DesignSamples& samples) {
-  const double ab = (f.b - f.a).norm(), bc = (f.c - f.b).norm(), ca = (f.a - f.c).norm();
-  Facet g = f;  // b and c on the shortest edge
-  if (ab <= bc && ab <= ca) g = {f.c, f.a, f.b};
-  if (ca < ab && ca <= bc) g = {f.b, f.c, f.a};
-  const double height = std::max((g.b - g.a).norm(), (g.c - g.a).norm()), width = (g.c - g.b).norm();
-  const double rows = std::max(1.0, std::ceil(height / sample_mm));
-  for (double i = 0; i < rows; ++i) {
-    const double t = (i + 0.5) / rows, columns = std::max(1.0, std::ceil(t * width / sample_mm));
-    const double area = f.area() * (2 * i + 1) / (rows * rows * columns);
-    for (double k = 0; k < columns; ++k) {
-      samples.points.push_back(g.a + t * (g.b - g.a + (k + 0.5) / columns * (g.c - g.b)));
-      samples.areas.push_back(area);
-    }
-  }
 }
 
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
@@ -139,78 +100,23 @@ std::vector<BranchReport> follow_branches(const Program& program, double min_mar
   return branches;
 }
 
-// Distances in, statistics out; sums run in sample order, so they do not depend on threads.
-class Statistics {
- public:
-  void add(double distance, const Eigen::Vector3d& at) {
-    if (distance > deviation_.max || all_.empty()) {
-      deviation_.max = distance;
-      deviation_.at = at;
-    }
-    sum_ += distance;
-    sum_sq_ += distance * distance;
-    all_.push_back(distance);
-  }
-
-  [[nodiscard]] Deviation result() {
-    if (all_.empty()) return deviation_;
-    const auto n = static_cast<double>(all_.size());
-    deviation_.mean = sum_ / n;
-    deviation_.rms = std::sqrt(sum_sq_ / n);
-    deviation_.p99 = percentile(99);
-    return deviation_;
-  }
-
-  // The deviation that this percentage of the samples stays within; 0 without samples.
-  [[nodiscard]] double percentile(double percent) {
-    if (all_.empty()) return 0;
-    const double rank = std::ceil(percent / 100 * static_cast<double>(all_.size()));
-    const auto nth = all_.begin() + static_cast<std::ptrdiff_t>(std::max(1.0, rank)) - 1;
-    std::nth_element(all_.begin(), nth, all_.end());
-    return *nth;
-  }
-
-  [[nodiscard]] DeviationHistogram histogram(double tolerance_mm) const {
-    constexpr std::size_t kBins = 45;  // thirty up to the tolerance
-    DeviationHistogram h{tolerance_mm / 30, std::vector<std::size_t>(kBins, 0), 0};
-    for (const double distance : all_) {
-      const double bin = distance / h.bin_mm;
-      if (bin < static_cast<double>(kBins)) {
-        ++h.counts[static_cast<std::size_t>(bin)];
-      } else {
-        ++h.beyond;
-      }
-    }
-    return h;
-  }
-
- private:
-  Deviation deviation_;
-  std::vector<double> all_;
-  double sum_ = 0, sum_sq_ = 0;
-};
-
 // Samples of both surfaces together, about: on larger designs they lie farther apart, so that time and memory
 // stay bounded.
 constexpr double kMostSamples = 8e6;
 // Samples that are measured at once: their answers take six times the memory of what stays of them.
 constexpr std::size_t kAtOnce = 1 << 19;
 
-double bounded(double sample_mm, double area_mm2) {
-  return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
+// Calls work(i) for 0 .. count on all cores allowed.
+template <typename Work>
+void for_each_of(std::size_t count, const Work& work) {
+  constexpr std::size_t kGrain = 1024;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
+  });
 }
 
-// Calls use(samples) for the design's samples, some at a time and always the same.
-template <typename Use>
-void for_samples(const MeshView& mesh, double sample_mm, const Use& use) {
-  DesignSamples samples;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    sample_facet(facet(mesh, static_cast<int>(t)), sample_mm, samples);
-    if (samples.points.size() < kAtOnce && t + 1 < mesh.triangles.size()) continue;
-    use(samples);
-    samples.points.clear();
-    samples.areas.clear();
-  }
+double bounded(double sample_mm, double area_mm2) {
+  return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
 }
 
 // A run of whole strips of a cut, and what finds the nearest of their points. Refers to the cut.
@@ -221,12 +127,17 @@ class CutPart {
       : cut_(cut),
         first_(first),
         vertices_(std::span(cut.vertices).subspan(first, last - first)),
-        triangles_(within(cut, first, last)),
-        cells_(vertices_, near_mm),
-        search_(vertices_, triangles_, backend) {}
+        some_(last - first < cut.vertices.size() ? within(cut, first, last) : Triangles{}),
+        triangles_(last - first < cut.vertices.size() ? std::span<const std::array<int, 3>>(some_)
+                                                      : cut.triangles) {
+    tbb::parallel_invoke([&] { cells_.emplace(vertices_, near_mm); },
+                         [&] { search_.emplace(vertices_, triangles_, backend); });
+  }
+  CutPart(const CutPart&) = delete;
+  CutPart& operator=(const CutPart&) = delete;
 
-  [[nodiscard]] const NearCells& cells() const { return cells_; }
-  [[nodiscard]] const gpu::MeshDistance& search() const { return search_; }
+  [[nodiscard]] const NearCells& cells() const { return *cells_; }
+  [[nodiscard]] const gpu::MeshDistance& search() const { return *search_; }
   // Of the cut.
   [[nodiscard]] std::size_t vertex_of(int triangle) const {
     return first_ + static_cast<std::size_t>(triangles_[static_cast<std::size_t>(triangle)][0]);
@@ -240,9 +151,10 @@ class CutPart {
   }
 
  private:
-  static std::vector<std::array<int, 3>> within(const SweptSurface& cut, std::size_t first,
-                                                std::size_t last) {
-    std::vector<std::array<int, 3>> triangles;
+  using Triangles = std::vector<std::array<int, 3>>;
+
+  static Triangles within(const SweptSurface& cut, std::size_t first, std::size_t last) {
+    Triangles triangles;
     const auto base = static_cast<int>(first), end = static_cast<int>(last);
     for (const auto& t : cut.triangles) {
       if (t[0] >= base && t[0] < end) triangles.push_back({t[0] - base, t[1] - base, t[2] - base});
@@ -253,9 +165,10 @@ class CutPart {
   const SweptSurface& cut_;
   std::size_t first_;
   std::span<const Eigen::Vector3d> vertices_;
-  std::vector<std::array<int, 3>> triangles_;
-  NearCells cells_;
-  gpu::MeshDistance search_;
+  Triangles some_;  // of the cut, where the part is not all of it
+  std::span<const std::array<int, 3>> triangles_;
+  std::optional<NearCells> cells_;
+  std::optional<gpu::MeshDistance> search_;
   std::optional<Border> border_;
 };
 
@@ -267,8 +180,9 @@ class CutMeasurement {
       : cut_(std::move(cut)),
         program_(program),
         mesh_{design.mesh.vertices, design.mesh.triangles},
-        options_(options),
-        border_(mesh_) {
+        options_(options) {
+    tbb::parallel_invoke([&] { border_.emplace(mesh_); },
+                         [&] { to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend); });
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
@@ -281,8 +195,11 @@ class CutMeasurement {
     count_touches(touches);
     report_.deviation = statistics_.result();
     report_.histogram = statistics_.histogram(options_.tolerance_mm);
-    for (const double percent : {50.0, 90.0, 95.0, 99.0, 99.9, 100.0}) {
-      report_.percentiles_mm.emplace_back(percent, statistics_.percentile(percent));
+    constexpr std::array kPercents{50.0, 90.0, 95.0, 99.0, 99.9, 100.0};
+    const std::vector<double> within = statistics_.percentiles(kPercents);
+    for (std::size_t i = 0; i < kPercents.size(); ++i) {
+      report_.percentiles_mm.emplace_back(kPercents[i], within[i]);
+      if (kPercents[i] == 99.0) report_.deviation.p99 = within[i];
     }
     report_.within_tolerance =
         report_.deviation.max <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
@@ -301,35 +218,51 @@ class CutMeasurement {
     statistics_.add(distance, at);
   }
 
+  // A sample of the cut against the design.
+  struct Compared {
+    double distance = 0, half_band = 0;
+    bool beyond = false;  // past the design's edge
+  };
+
   void cut_to_design() {
-    to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend);
     const std::span<const Eigen::Vector3d> all(cut_.vertices);
+    std::vector<Compared> compared;
     for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
       const std::vector<gpu::Nearest> on_design =
           to_design_->query(all.subspan(first, std::min(kAtOnce, all.size() - first)));
-      for (std::size_t i = 0; i < on_design.size(); ++i) compare_with_design(first + i, on_design[i]);
+      compared.resize(on_design.size());
+      for_each_of(compared.size(),
+                  [&](std::size_t i) { compared[i] = compare_with_design(first + i, on_design[i]); });
+      for (std::size_t i = 0; i < compared.size(); ++i) count(first + i, compared[i]);
     }
     report_.to_design = to_design_->used();
     report_.cut_samples = cut_.vertices.size();
   }
 
-  void compare_with_design(std::size_t i, const gpu::Nearest& on_design) {
-    double distance = on_design.distance;
+  [[nodiscard]] Compared compare_with_design(std::size_t i, const gpu::Nearest& on_design) const {
+    Compared c{on_design.distance};
     const Eigen::Vector3d n = facet(mesh_, on_design.triangle).normal();
-    if (on_border(mesh_, border_, on_design)) {
+    if (on_border(mesh_, *border_, on_design)) {
       const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
-      distance = std::abs(n.dot(d));
-      if ((d - n.dot(d) * n).norm() > near()) {
-        ++report_.beyond_samples;
-        return;
-      }
+      c.distance = std::abs(n.dot(d));
+      c.beyond = (d - n.dot(d) * n).norm() > near();
     }
     const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
     const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);
-    report_.half_band_mm = std::max(report_.half_band_mm, std::abs(by_cut - by_design));
-    add(distance, cut_.vertices[i], cut_.strip_of_vertex[i]);
-    double& strip = report_.strip_max_mm[static_cast<std::size_t>(cut_.strip_of_vertex[i])];
-    strip = std::max(strip, distance);
+    c.half_band = std::abs(by_cut - by_design);
+    return c;
+  }
+
+  void count(std::size_t i, const Compared& c) {
+    if (c.beyond) {
+      ++report_.beyond_samples;
+      return;
+    }
+    const int strip = cut_.strip_of_vertex[i];
+    report_.half_band_mm = std::max(report_.half_band_mm, c.half_band);
+    add(c.distance, cut_.vertices[i], strip);
+    double& largest = report_.strip_max_mm[static_cast<std::size_t>(strip)];
+    largest = std::max(largest, c.distance);
   }
 
   void forget_what_cut_the_design() {
@@ -349,9 +282,9 @@ class CutMeasurement {
   // The cut's vertices are searched so many at a time, whole strips.
   void design_to_cut(std::size_t at_once) {
     const double sample_mm = bounded(options_.sample_mm, report_.area_mm2);
-    std::vector<NearestCut> nearest;
-    for_samples(mesh_, sample_mm, [&](const DesignSamples& s) { report_.design_samples += s.points.size(); });
-    nearest.resize(report_.design_samples);
+    const DesignSampler sampler(mesh_, sample_mm);
+    report_.design_samples = sampler.count();
+    std::vector<NearestCut> nearest(sampler.count());
     for (std::size_t first = 0, last = 0; first < cut_.vertices.size(); first = last) {
       last = end_of_part(first, at_once);
       // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
@@ -359,14 +292,14 @@ class CutMeasurement {
       constexpr double kLeastCellMm = 100;
       part_.emplace(cut_, first, last, std::max(kLeastCellMm, far() + 2 * sample_mm), options_.backend);
       std::size_t at = 0;
-      for_samples(mesh_, sample_mm, [&](const DesignSamples& samples) {
+      sampler.each(kAtOnce, [&](const DesignSamples& samples) {
         compare_with_part(samples.points, std::span(nearest).subspan(at, samples.points.size()));
         at += samples.points.size();
       });
       report_.to_cut = part_->search().used();
     }
     std::size_t at = 0;
-    for_samples(mesh_, sample_mm, [&](const DesignSamples& samples) {
+    sampler.each(kAtOnce, [&](const DesignSamples& samples) {
       for (std::size_t i = 0; i < samples.points.size(); ++i) {
         const NearestCut& found = nearest[at++];
         if (found.uncut) {
@@ -387,10 +320,14 @@ class CutMeasurement {
   }
 
   void compare_with_part(std::span<const Eigen::Vector3d> points, std::span<NearestCut> nearest) {
+    std::vector<char> held(points.size());
+    part_->cells().hold(points, held);
     std::vector<std::size_t> index;
     std::vector<Eigen::Vector3d> asked;
+    index.reserve(points.size());
+    asked.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!part_->cells().holds(points[i])) continue;
+      if (!held[i]) continue;
       index.push_back(i);
       asked.push_back(points[i]);
     }
@@ -414,7 +351,7 @@ class CutMeasurement {
       // Only what the same strip forms: another strip's part lies in another block.
       if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
         continue;
-      if (on_border(mesh_, border_, touched[i]) || part_->on_edge(formed[i])) continue;
+      if (on_border(mesh_, *border_, touched[i]) || part_->on_edge(formed[i])) continue;
       const std::size_t vertex = part_->vertex_of(formed[i].triangle);
       Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;
@@ -430,10 +367,10 @@ class CutMeasurement {
   const Program& program_;
   MeshView mesh_;  // the design's
   const VerifyOptions& options_;
-  Border border_;
+  std::optional<Border> border_;
   std::optional<gpu::MeshDistance> to_design_;
   std::optional<CutPart> part_;  // of the cut; all of it where touches are asked for
-  Statistics statistics_;
+  DeviationStatistics statistics_;
   VerifyReport report_;
   double worst_ = 0;
 };
@@ -456,11 +393,18 @@ VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Progra
 
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                     const VerifyOptions& options) {
-  const std::vector<BranchReport> branches = follow_branches(program, options.min_margin);
-  VerifyReport report = measure(swept_surface(program, bounded(options.sample_mm, design.health.area_mm2)),
-                                {}, program, design, options);
-  report.branches = branches;
-  report.clamp_mismatch_mm = clamp_mismatch_mm(program);
+  std::vector<BranchReport> branches;
+  double mismatch_mm = 0;
+  VerifyReport report;
+  // Side by side: a strip's branch is followed by one thread.
+  tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
+                       [&] { mismatch_mm = clamp_mismatch_mm(program); },
+                       [&] {
+                         const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
+                         report = measure(swept_surface(program, sample_mm), {}, program, design, options);
+                       });
+  report.branches = std::move(branches);
+  report.clamp_mismatch_mm = mismatch_mm;
   report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;
 }

@@ -16,6 +16,7 @@
 
 #include "gpu/backend.hpp"
 #include "pipeline/branch.hpp"
+#include "pipeline/deviation_statistics.hpp"
 #include "pipeline/program.hpp"
 #include "pipeline/swept_surface.hpp"
 #include "surface/design_surface.hpp"
@@ -32,14 +33,6 @@ struct VerifyOptions {
   // Vertices of the cut that are searched at once, whole strips: memory, 500 bytes a vertex. Values depend on
   // it by rounding only.
   std::size_t cut_vertices_at_once = 1 << 20;
-};
-
-// How many samples deviate by how much: bin i holds [i, i + 1) * bin_mm, `beyond` what lies past the last
-// one.
-struct DeviationHistogram {
-  double bin_mm = 0;
-  std::vector<std::size_t> counts;
-  std::size_t beyond = 0;
 };
 
 // Where a hot blade is in foam without forming the design: points of its centre line.
