@@ -31,8 +31,33 @@ namespace fs = std::filesystem;
   fail(path, "already exists: use --force to overwrite");
 }
 
+// Makes the rename last through a power cut. Some file systems cannot sync a directory; the file is whole
+// either way.
+void sync_directory(const fs::path& directory) {
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+// The path to write: links followed, so that a link stays one. Checks what is there.
+fs::path resolve_target(const fs::path& path, bool force) {
+  std::error_code error;
+  if (!path.has_filename()) fail(path, "is not a file name");
+  const fs::file_status link = fs::symlink_status(path, error);
+  if (link.type() == fs::file_type::not_found) return fs::absolute(path);
+  if (error) fail_with_errno(path, "cannot be written", error.value());
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::directory) fail(path, "is a directory: give a file name");
+  if (fs::exists(status) && status.type() != fs::file_type::regular) fail(path, "is not a regular file");
+  if (!force) fail_existing(path);
+  return fs::exists(status) ? fs::canonical(path) : fs::absolute(path);
+}
+
+}  // namespace
+
 // The file beside the target while it is being written; removed unless it was renamed into place.
-class Draft {
+class StagedFile::Draft {
  public:
   explicit Draft(fs::path target) : target_(std::move(target)) {
     static std::atomic<unsigned> counter{0};
@@ -68,6 +93,7 @@ class Draft {
       // Two writers at once: only one of them may find the name free.
       if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0) {
         placed_ = true;
+        sync_directory(target_.parent_path());
         return;
       }
       if (errno == EEXIST) fail_existing(target_);
@@ -76,6 +102,7 @@ class Draft {
     }
     if (::rename(path_.c_str(), target_.c_str()) != 0) fail_with_errno(target_, "cannot be written", errno);
     placed_ = true;
+    sync_directory(target_.parent_path());
   }
 
  private:
@@ -84,30 +111,19 @@ class Draft {
   bool placed_ = false;
 };
 
-// Makes the rename last through a power cut. Some file systems cannot sync a directory; the file is whole
-// either way.
-void sync_directory(const fs::path& directory) {
-  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return;
-  ::fsync(descriptor);
-  ::close(descriptor);
+StagedFile::StagedFile(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
+                       bool force)
+    : draft_(std::make_unique<Draft>(resolve_target(path, force))), force_(force) {
+  produce([this](std::string_view piece) { draft_->write(piece); });
+  draft_->finish();
 }
+StagedFile::~StagedFile() = default;
+StagedFile::StagedFile(StagedFile&&) noexcept = default;
+StagedFile& StagedFile::operator=(StagedFile&&) noexcept = default;
 
-// The path to write: links followed, so that a link stays one. Checks what is there.
-fs::path resolve_target(const fs::path& path, bool force) {
-  std::error_code error;
-  if (!path.has_filename()) fail(path, "is not a file name");
-  const fs::file_status link = fs::symlink_status(path, error);
-  if (link.type() == fs::file_type::not_found) return fs::absolute(path);
-  if (error) fail_with_errno(path, "cannot be written", error.value());
-  const fs::file_status status = fs::status(path, error);
-  if (status.type() == fs::file_type::directory) fail(path, "is a directory: give a file name");
-  if (fs::exists(status) && status.type() != fs::file_type::regular) fail(path, "is not a regular file");
-  if (!force) fail_existing(path);
-  return fs::exists(status) ? fs::canonical(path) : fs::absolute(path);
+void StagedFile::place() {
+  draft_->place(force_);
 }
-
-}  // namespace
 
 void write_file_atomically(const fs::path& path, std::string_view bytes, bool force) {
   write_file_atomically(
@@ -116,12 +132,7 @@ void write_file_atomically(const fs::path& path, std::string_view bytes, bool fo
 
 void write_file_atomically(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
                            bool force) {
-  const fs::path target = resolve_target(path, force);
-  Draft draft(target);
-  produce([&draft](std::string_view piece) { draft.write(piece); });
-  draft.finish();
-  draft.place(force);
-  sync_directory(target.parent_path());
+  StagedFile(path, produce, force).place();
 }
 
 void expect_writable(const fs::path& path, bool force) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string_view>
 
 namespace hotblade::pipeline {
@@ -17,6 +18,24 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 using WritePiece = std::function<void(std::string_view)>;
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const WritePiece&)>& produce, bool force);
+
+// The same in two steps, for a file that others have to wait for: written and synced at first, in its place
+// with place(). Nothing is left of one that was not placed. Throws as above.
+class StagedFile {
+ public:
+  StagedFile(const std::filesystem::path& path, const std::function<void(const WritePiece&)>& produce,
+             bool force);
+  ~StagedFile();
+  StagedFile(StagedFile&&) noexcept;
+  StagedFile& operator=(StagedFile&&) noexcept;
+
+  void place();
+
+ private:
+  class Draft;
+  std::unique_ptr<Draft> draft_;
+  bool force_;
+};
 
 // Throws as write_file_atomically would when a file of this name is in the way: asked before long work, so
 // that its result is not lost.

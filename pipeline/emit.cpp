@@ -1,13 +1,16 @@
 #include "pipeline/emit.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <exception>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <regex>
 #include <utility>
 #include <vector>
@@ -125,7 +128,7 @@ constexpr std::size_t kStripsAtOnce = 8;
 // Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
 // all that was planned. What the reader would refuse must not be handed out, so each strip is read back
 // first.
-void write_program(const Program& program, const fs::path& file, bool force) {
+StagedFile staged_program(const Program& program, const fs::path& file, bool force) {
   const ProgramFrame frame = program_frame(program);
   const auto produce = [&](const WritePiece& write) {
     write(frame.before);
@@ -143,8 +146,36 @@ void write_program(const Program& program, const fs::path& file, bool force) {
     }
     write(frame.after);
   };
-  write_file_atomically(file, produce, force);
+  return {file, produce, force};
 }
+
+// The program on its way to its place, written by other threads.
+class ProgramWriter {
+ public:
+  ProgramWriter(const Program& program, const fs::path& file, bool force) {
+    tasks_.run([this, &program, file, force] {
+      try {
+        staged_.emplace(staged_program(program, file, force));
+      } catch (...) {
+        error_ = std::current_exception();  // told where the program's turn is
+      }
+    });
+  }
+  ~ProgramWriter() { tasks_.wait(); }
+  ProgramWriter(const ProgramWriter&) = delete;
+  ProgramWriter& operator=(const ProgramWriter&) = delete;
+
+  void place() {
+    tasks_.wait();
+    if (error_) std::rethrow_exception(error_);
+    staged_->place();
+  }
+
+ private:
+  std::optional<StagedFile> staged_;
+  std::exception_ptr error_;
+  tbb::task_group tasks_;
+};
 
 std::string run_json(const PlanResult& result, const RunFacts& facts) {
   Json times = Json::object(), processor = Json::object();
@@ -248,6 +279,24 @@ void write_ribs(const Program& program, const fs::path& ribs, bool force) {
   write_file_atomically(ribs / beziers.name, beziers.text, force);
 }
 
+void write_reports(const PlanResult& result, const fs::path& directory, const RunFacts& facts, bool force,
+                   const ReportPictures& pictures) {
+  write_file_atomically(directory / "report.json", report_json(result), force);
+  write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
+                        force);
+  const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
+  for (const auto& [name, bytes] :
+       {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {
+    if (bytes->empty()) {
+      std::error_code error;
+      fs::remove(directory / name, error);  // of an older plan
+    } else {
+      write_file_atomically(directory / name, *bytes, force);
+    }
+  }
+  write_file_atomically(directory / "run.json", run_json(result, facts), force);
+}
+
 }  // namespace
 
 void prepare_output(const fs::path& directory, bool force) {
@@ -266,7 +315,7 @@ void prepare_output(const fs::path& directory, bool force) {
 }
 
 Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts, const EmitOptions& options,
-             const ReportPictures& pictures) {
+             const TakePictures& take_pictures) {
   Emitted emitted;
   const bool passed = result.program.verification.status == "passed";
   if (!passed && options.override_refusal) {
@@ -282,22 +331,12 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
                                         ": an older program cannot be removed (" + error.message() + ")");
   }
   remove_rib_files(directory / kRibs);
-  write_file_atomically(directory / "report.json", report_json(result), options.force);
-  write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
-                        options.force);
-  const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
-  for (const auto& [name, bytes] :
-       {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {
-    if (bytes->empty()) {
-      fs::remove(directory / name, error);  // of an older plan
-    } else {
-      write_file_atomically(directory / name, *bytes, options.force);
-    }
-  }
-  write_file_atomically(directory / "run.json", run_json(result, facts), options.force);
-  if (emitted.program_written) {
+  std::optional<ProgramWriter> program;
+  if (emitted.program_written) program.emplace(result.program, directory / "program.json", options.force);
+  write_reports(result, directory, facts, options.force, take_pictures(result));
+  if (program) {
     write_ribs(result.program, directory / kRibs, options.force);
-    write_program(result.program, directory / "program.json", options.force);
+    program->place();
   }
   return emitted;
 }

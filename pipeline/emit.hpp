@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/report/pictures.hpp"
@@ -34,9 +35,12 @@ void prepare_output(const std::filesystem::path& directory, bool force);
 // plan's program is written only with override_refusal, its refusals recorded in program.overrides; an older
 // program.json in the way is then removed, so that no directory holds a program beside a report that refuses
 // it. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes them) come and go with the
-// program; files of other names in ribs/ are left alone. Throws CommandError (7).
+// program; files of other names in ribs/ are left alone. `take_pictures` is called once, on this thread,
+// while others write the program beside its place; it goes there last. Throws CommandError (7), and what
+// `take_pictures` throws.
+using TakePictures = std::function<ReportPictures(const PlanResult&)>;
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,
-             const EmitOptions& options, const ReportPictures& pictures);
+             const EmitOptions& options, const TakePictures& take_pictures);
 
 // report.json's text: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
 [[nodiscard]] std::string report_json(const PlanResult& result);

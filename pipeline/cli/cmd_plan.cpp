@@ -140,13 +140,14 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
-  const ReportPictures pictures = arguments.no_pictures
-                                      ? ReportPictures{{}, "not asked for (--no-pictures)", {}}
-                                      : take_pictures(result, design);
-  if (!arguments.no_pictures && pictures.pictures.empty())
-    console.warn("warning: no pictures: " + pictures.note);
+  const auto pictures_of = [&](const PlanResult& planned) {
+    if (arguments.no_pictures) return ReportPictures{{}, "not asked for (--no-pictures)", {}};
+    ReportPictures pictures = take_pictures(planned, design);
+    if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
+    return pictures;
+  };
   const Emitted emitted =
-      emit(result, directory, facts, {arguments.force, arguments.override_refusal}, pictures);
+      emit(result, directory, facts, {arguments.force, arguments.override_refusal}, pictures_of);
   console.report_progress("done", 1);
   tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : result.warnings) console.warn("warning: " + line);

@@ -1,5 +1,6 @@
 #include "pipeline/preview/draw.hpp"
 
+#include <tbb/parallel_for.h>
 #include <vtkCallbackCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
@@ -7,6 +8,8 @@
 #include <vtkPNGWriter.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
+
+#include <array>
 
 #include "pipeline/command_error.hpp"
 #include "pipeline/preview/offscreen.hpp"
@@ -117,19 +120,29 @@ void Painter::paint(vtkImageData& image) {
   reduce(*pixels, window_->size, image);
 }
 
-std::string png_of(const Scene& scene, PictureSize size, View view) {
+std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span<const Shot> shots) {
   Painter painter(size);
   vtkRenderer& renderer = painter.renderer();
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
   add_actors(scene, renderer, Painter::kZoom);
   Sheets sheets(renderer);
   Canvas canvas(sheets, overlay_scale(size) * Painter::kZoom);
-  draw_overlay(canvas, overlay_of(scene), size);
-  canvas.finish();
-  aim_camera(scene, renderer, size, view, false);
-  vtkNew<vtkImageData> image;
-  painter.paint(*image);
-  return encoded(*image);
+  std::vector<vtkNew<vtkImageData>> images(shots.size());
+  for (std::size_t i = 0; i < shots.size(); ++i) {
+    Overlay overlay = overlay_of(scene);
+    if (!shots[i].caption) overlay.caption.clear();
+    draw_overlay(canvas, overlay, size);
+    canvas.finish();
+    aim_camera(scene, renderer, size, shots[i].view, false);
+    painter.paint(*images[i]);
+  }
+  std::vector<std::string> pngs(shots.size());
+  tbb::parallel_for(std::size_t{0}, pngs.size(), [&](std::size_t i) { pngs[i] = encoded(*images[i]); });
+  return pngs;
+}
+
+std::string png_of(const Scene& scene, PictureSize size, View view) {
+  return pngs_of(scene, size, std::array{Shot{view}}).front();
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "pipeline/preview/scene.hpp"
 
@@ -21,6 +23,16 @@ enum class View { kBest, kTop, kFront, kRight };
 // The scene as the bytes of a PNG file. Needs EGL but no display. Throws CommandError with exit code 1 when
 // the machine has no EGL that can draw off screen.
 [[nodiscard]] std::string png_of(const Scene& scene, PictureSize size, View view = View::kBest);
+
+// A picture of several; the caption's lines can be left out to leave their room to the geometry.
+struct Shot {
+  View view = View::kBest;
+  bool caption = true;
+};
+
+// One scene from several sides, drawn in one window; throws as png_of.
+[[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, PictureSize size,
+                                               std::span<const Shot> shots);
 
 // Throws CommandError with exit code 2 when there is no display for a window.
 void expect_display();

@@ -134,7 +134,10 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   const std::vector<int> strips = chosen_strips(program, options);
   Scene scene;
   for (const int index : strips) add_strip(scene, program.strips[static_cast<std::size_t>(index)], options);
-  const Program part = shown_part(program, options);
+  // A whole program of hundreds of strips is not copied.
+  const bool whole = !options.at_s && strips.size() == program.strips.size();
+  const Program chosen = whole ? Program{} : shown_part(program, options);
+  const Program& part = whole ? program : chosen;
   SweptSurface swept = swept_surface(part, sample_mm(program));
   scene.waste_direction = mean_direction(swept.normals);
   scene.cut = {std::move(swept.vertices),         std::move(swept.triangles),

@@ -23,14 +23,16 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
   ReportPictures taken;
   const bool planned = !result.program.strips.empty();
   try {
-    preview::Scene scene =
+    const preview::Scene scene =
         planned ? preview::scene_of(result.program, &design, {}) : preview::scene_of(design);
     taken.scene_gltf = preview::gltf_of(scene);
-    for (const auto& [view, caption] : kViews) {
-      taken.pictures.push_back(
-          {planned ? caption : "the design, " + std::string(caption), preview::png_of(scene, {}, view)});
-      // The first picture says it; the others are shown small, and their space is for the geometry.
-      scene.caption.clear();
+    // The first picture says it; the others are shown small, and their space is for the geometry.
+    std::vector<preview::Shot> shots;
+    for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});
+    std::vector<std::string> pngs = preview::pngs_of(scene, {}, shots);
+    for (std::size_t i = 0; i < pngs.size(); ++i) {
+      const std::string caption = kViews[i].second;
+      taken.pictures.push_back({planned ? caption : "the design, " + caption, std::move(pngs[i])});
     }
   } catch (const CommandError& error) {
     taken.pictures.clear();

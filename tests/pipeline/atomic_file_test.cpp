@@ -117,6 +117,28 @@ TEST(WriteFileAtomically, FollowsALinkAndKeepsIt) {
   EXPECT_EQ(read_bytes(directory / "real"), "new");
 }
 
+TEST(StagedFile, ComesToItsPlaceOnlyWhenItIsPutThere) {
+  const TemporaryDirectory directory;
+  write_file_atomically(directory / "f", "old", false);
+  const auto produce = [](const WritePiece& write) {
+    write("ne");
+    write("w");
+  };
+  StagedFile staged(directory / "f", produce, true);
+  EXPECT_EQ(read_bytes(directory / "f"), "old");
+  staged.place();
+  EXPECT_EQ(read_bytes(directory / "f"), "new");
+}
+
+TEST(StagedFile, LeavesNothingBehindWhenItIsNotPlaced) {
+  const TemporaryDirectory directory;
+  {
+    const StagedFile staged(
+        directory / "f", [](const WritePiece& write) { write("x"); }, false);
+  }
+  EXPECT_TRUE(fs::is_empty(directory / "."));
+}
+
 TEST(EnsureDirectory, MakesParentsAndAcceptsAnExistingOne) {
   const TemporaryDirectory directory;
   ensure_directory(directory / "a" / "b");
