@@ -29,15 +29,18 @@ double rate(const Shape& z) {
   return taylor_rate(0, z[0], z[1], z[2]);
 }
 
-// The points with their mean at the origin, divided by the length of their polyline.
+// The points with their mean, as they count, at the origin, divided by the length of their polyline.
 struct Unit {
   std::vector<double> x, y;
   Eigen::Vector2d origin{0, 0};
   double scale = 0;
 
-  explicit Unit(std::span<const Eigen::Vector2d> points) {
-    for (const Eigen::Vector2d& q : points) origin += q;
-    origin /= static_cast<double>(points.size());
+  Unit(std::span<const Eigen::Vector2d> points, std::span<const double> weights) {
+    if (weights.empty()) {
+      for (const Eigen::Vector2d& q : points) origin += q;
+      origin /= static_cast<double>(points.size());
+    }
+    for (std::size_t i = 0; i < weights.size(); ++i) origin += weights[i] * points[i];
     for (std::size_t i = 1; i < points.size(); ++i) scale += (points[i] - points[i - 1]).norm();
     if (!(scale > 0) || !std::isfinite(scale)) {
       throw std::logic_error("fit_elastica needs finite points that are not all the same");
@@ -84,9 +87,14 @@ std::vector<Shape> admissible_starts(const Unit& q, std::span<const Elastica> st
   return shapes;
 }
 
+std::vector<double> weights_of(std::size_t points, const FitOptions& options) {
+  if (!options.weights.empty()) return {options.weights.begin(), options.weights.end()};
+  return std::vector<double>(points, 1.0 / static_cast<double>(points));
+}
+
 // Steps that resolve the wildest of the shapes finely, in an even number.
-lanes::FitGrid grid_for(int points, double rate) {
-  lanes::FitGrid grid{points, 1, std::vector<double>(static_cast<std::size_t>(points), 1.0 / points)};
+lanes::FitGrid grid_for(const std::vector<double>& weights, double rate) {
+  lanes::FitGrid grid{static_cast<int>(weights.size()), 1, weights};
   while (grid.steps() < kLeastSteps || !lanes::resolved_finely({rate, 0, 0}, grid.steps())) ++grid.stride;
   grid.stride += grid.steps() % 2;
   return grid;
@@ -100,13 +108,13 @@ lanes::FitTask best_of(const std::vector<Shape>& starts, const lanes::FitData& d
     tasks.push_back({0, z, 0, 0, false});
     wildest = std::max(wildest, rate(z));
   }
-  grid = grid_for(grid.points, wildest);
+  grid = grid_for(grid.weights, wildest);
   lanes::solve(grid, std::span(&data, 1), tasks);
   auto best = *std::min_element(tasks.begin(), tasks.end(),
                                 [](const auto& a, const auto& b) { return a.cost < b.cost; });
   // Twice: a search that goes on winding is no blade's.
   for (int i = 0; i < 2 && std::isfinite(best.cost) && !lanes::resolved_finely(best.z, grid.steps()); ++i) {
-    grid = grid_for(grid.points, rate(best.z));
+    grid = grid_for(grid.weights, rate(best.z));
     lanes::solve(grid, std::span(&data, 1), std::span(&best, 1));
   }
   return best;
@@ -177,7 +185,10 @@ double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& e) 
 ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points, std::span<const Elastica> starts,
                          const FitOptions& options) {
   if (points.size() < 8) throw std::logic_error("fit_elastica needs at least 8 points");
-  const Unit unit(points);
+  if (!options.weights.empty() && options.weights.size() != points.size()) {
+    throw std::logic_error("fit_elastica needs a weight for each point or none");
+  }
+  const Unit unit(points, options.weights);
   lanes::FitData data;
   data.x = unit.x.data();
   data.y = unit.y.data();
@@ -186,7 +197,7 @@ ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points, std::span<cons
     data.prior = shape_of(*options.prior);
     data.prior_pull = options.prior_weight * options.prior_weight;
   }
-  lanes::FitGrid grid{static_cast<int>(points.size()), 1, {}};
+  lanes::FitGrid grid{static_cast<int>(points.size()), 1, weights_of(points.size(), options)};
   std::vector<Shape> shapes = admissible_starts(unit, starts);
   if (shapes.empty()) shapes.push_back({0, 0, 0});
   ElasticaFit fit;

@@ -32,11 +32,13 @@ struct FitOptions {
   // Pull of curvature and tensions (times length and length^2) towards those of `prior`; nullptr: none.
   const MidState* prior = nullptr;
   double prior_weight = 0;
+  // What each point counts, not negative, sum 1; empty: all the same.
+  std::span<const double> weights = {};
 };
 
 struct ElasticaFit {
   Elastica elastica;
-  double rms = 0;  // proportional-parameter distance to the points, unit of the input
+  double rms = 0;  // proportional-parameter distance to the points as they count, unit of the input
   double max = 0;  // largest distance from a point to the elastica, foot points refined
   int starts_tried = 0;
   bool converged = false;
@@ -45,7 +47,7 @@ struct ElasticaFit {
 // Least squares over all seven parameters, points at proportional arc length, from each start and from two of
 // its own (affine curvature of the points, mean circular arc); where the best is farther off than 1e-3 of the
 // length, from twelve more. `points` must be evenly spaced by arc length; at least 8, finite and not all the
-// same (std::logic_error).
+// same; weights one for each of them (std::logic_error).
 [[nodiscard]] ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points,
                                        std::span<const Elastica> starts, const FitOptions& options);
 

@@ -30,6 +30,7 @@ constexpr double kMet = 1e-10;
 // The task in units of the points' length, the start at the origin in direction (1, 0).
 struct Problem {
   std::vector<Complex> points;
+  std::vector<double> weights;  // sum 1
   bool clamped_end = false;
   Complex end;
   double turning = 0;
@@ -65,7 +66,7 @@ constexpr double kMissWeight = 1;
 // Fills cost, model and conditions of `s` at its v from the traced shape of a lane.
 void linearise(const Problem& p, const lanes::FitGrid& grid, const lanes::ShapeNodes& g, int lane,
                Search& s) {
-  const double length = std::exp(s.v[3]), weight = 1.0 / grid.points;
+  const double length = std::exp(s.v[3]);
   const Complex start(g.x[0][lane], g.y[0][lane]), i(0, 1);
   const Complex turn = length * Complex(g.c[0][lane], -g.s[0][lane]);  // conjugate: the start's tangent is 1
   std::array<Complex, 3> start_dz;
@@ -85,6 +86,7 @@ void linearise(const Problem& p, const lanes::FitGrid& grid, const lanes::ShapeN
     }
     d[3] = at;
     const Complex r = at - p.points[static_cast<std::size_t>(q)];
+    const double weight = p.weights[static_cast<std::size_t>(q)];
     s.cost += weight * std::norm(r);
     for (int k = 0; k < kUnknowns; ++k) {
       const Complex dk = weight * std::conj(d[static_cast<std::size_t>(k)]);
@@ -224,6 +226,8 @@ Problem make_problem(std::span<const Eigen::Vector2d> points, const ClampedEnds&
   const Complex back = std::polar(1.0 / scale, -ends.start.theta);
   const auto local = [&](double x, double y) { return back * Complex(x - ends.start.x, y - ends.start.y); };
   for (const Eigen::Vector2d& q : points) p.points.push_back(local(q.x(), q.y()));
+  p.weights.assign(options.weights.begin(), options.weights.end());
+  if (p.weights.empty()) p.weights.assign(points.size(), 1.0 / static_cast<double>(points.size()));
   if (ends.end) {
     p.clamped_end = true;
     p.end = local(ends.end->x, ends.end->y);
@@ -240,7 +244,7 @@ Problem make_problem(std::span<const Eigen::Vector2d> points, const ClampedEnds&
 
 // The curve of a search in the input's units and place, with what it keeps and misses.
 ClampedFit answer(const Search& s, std::span<const Eigen::Vector2d> points, const ClampedEnds& ends,
-                  double scale) {
+                  const std::vector<double>& weights, double scale) {
   ClampedFit fit;
   const double length = scale * std::exp(s.v[3]);
   const MidState mid{0,     0, 0, s.v[0] / length, s.v[1] / (length * length), s.v[2] / (length * length),
@@ -255,9 +259,10 @@ ClampedFit answer(const Search& s, std::span<const Eigen::Vector2d> points, cons
                   n * e.lambda1 + c * e.lambda2,
                   length};
   const std::vector<CurvePoint> samples = sample(fit.elastica, static_cast<int>(points.size()));
-  double sum = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) sum += (samples[i].position() - points[i]).squaredNorm();
-  fit.rms = std::sqrt(sum / static_cast<double>(points.size()));
+  double mean = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    mean += weights[i] * (samples[i].position() - points[i]).squaredNorm();
+  fit.rms = std::sqrt(mean);
   fit.max = max_distance(points, fit.elastica);
   if (ends.end) {
     fit.end_miss = (samples.back().position() - Eigen::Vector2d(ends.end->x, ends.end->y)).norm();
@@ -277,6 +282,9 @@ ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnd
   for (std::size_t i = 1; i < points.size(); ++i) scale += (points[i] - points[i - 1]).norm();
   if (points.size() < 8 || !(scale > 0) || !std::isfinite(scale)) {
     throw std::logic_error("fit_clamped needs at least 8 finite points that are not all the same");
+  }
+  if (!options.weights.empty() && options.weights.size() != points.size()) {
+    throw std::logic_error("fit_clamped needs a weight for each point or none");
   }
   const Problem problem = make_problem(points, ends, options, scale);
   std::vector<Shape> shapes;
@@ -303,7 +311,7 @@ ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnd
     const Search second = *std::min_element(found.begin(), found.end(), better);
     if (better(second, best)) best = second;
   }
-  ClampedFit fit = answer(best, points, ends, scale);
+  ClampedFit fit = answer(best, points, ends, problem.weights, scale);
   fit.starts_tried = tried;
   return fit;
 }

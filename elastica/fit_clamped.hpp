@@ -30,7 +30,7 @@ enum class ClampedStatus {
 
 struct ClampedFit {
   Elastica elastica;      // starts at ends.start exactly
-  double rms = 0;         // proportional-parameter distance to the points, unit of the input
+  double rms = 0;         // proportional-parameter distance to the points as they count
   double max = 0;         // largest distance from a point to the elastica
   double end_miss = 0;    // of the end point, unit of the input
   double angle_miss = 0;  // of the end's tangent, rad
@@ -39,8 +39,9 @@ struct ClampedFit {
 };
 
 // `points` run from start to end, evenly spaced by arc length, at least 8, finite, not all the same
-// (std::logic_error). Searched from `starts`; without any from the free fit. Where that misses the end, or
-// the free fit led farther off than 1e-3 of the length, from the free fit and thirteen more.
+// (std::logic_error); weights one for each of them. Searched from `starts`; without any from the free fit.
+// Where that misses the end, or the free fit led farther off than 1e-3 of the length, from the free fit and
+// thirteen more.
 [[nodiscard]] ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnds& ends,
                                      std::span<const Elastica> starts, const FitOptions& options);
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -68,15 +69,32 @@ std::vector<double> spread_planes(double low, double high, double spacing_mm) {
 }
 
 // Loops become two pieces, so they must be twice as long.
+bool too_short(const SectionPiece& piece, double min_piece_mm) {
+  return piece.length_mm < (piece.closed ? 2 * min_piece_mm : min_piece_mm);
+}
+
+// Sections at either end of the design that have a short piece only, which is open: as many as there are up
+// to the first longer one.
+std::array<std::size_t, 2> tips(const std::vector<std::vector<MarchedPiece>>& sections, double min_piece_mm) {
+  const auto is_tip = [&](const std::vector<MarchedPiece>& pieces) {
+    return pieces.size() == 1 && !pieces[0].piece.closed && too_short(pieces[0].piece, min_piece_mm);
+  };
+  const auto first = std::find_if_not(sections.begin(), sections.end(), is_tip);
+  const auto last = std::find_if_not(sections.rbegin(), sections.rend(), is_tip);
+  return {static_cast<std::size_t>(first - sections.begin()),
+          static_cast<std::size_t>(last - sections.rbegin())};
+}
+
 void drop_short_pieces(std::vector<std::vector<MarchedPiece>>& sections, const PlaneFamily& planes,
-                       const std::vector<double>& offsets, double min_piece_mm,
+                       const std::vector<double>& offsets, const SliceOptions& options,
                        std::vector<std::string>& warnings) {
   constexpr std::size_t kShown = 20;
   std::size_t dropped = 0;
-  for (std::size_t k = 0; k < sections.size(); ++k) {
+  const auto kept = options.keep_tips ? tips(sections, options.min_piece_mm) : std::array<std::size_t, 2>{};
+  for (std::size_t k = kept[0]; k + kept[1] < sections.size(); ++k) {
     std::erase_if(sections[k], [&](const MarchedPiece& m) {
-      const double limit = m.piece.closed ? 2 * min_piece_mm : min_piece_mm;
-      if (m.piece.length_mm >= limit) return false;
+      const double limit = (m.piece.closed ? 2 : 1) * options.min_piece_mm;
+      if (!too_short(m.piece, options.min_piece_mm)) return false;
       if (++dropped > kShown) return true;
       char text[200];
       std::snprintf(text, sizeof text, "section %zu (%s): piece too short (%.3f mm, limit %.3f mm)", k,
@@ -193,7 +211,7 @@ std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& 
                                    const std::vector<double>& offsets, double spacing,
                                    const SliceOptions& options, std::vector<std::string>& warnings) {
   auto sections = march_sections(mesh, planes, offsets);
-  drop_short_pieces(sections, planes, offsets, options.min_piece_mm, warnings);
+  drop_short_pieces(sections, planes, offsets, options, warnings);
   return link_pieces(std::move(sections), spacing);
 }
 

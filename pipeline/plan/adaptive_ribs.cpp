@@ -17,11 +17,6 @@ constexpr std::size_t kFirstRibs = 5;
 // Of the mean distance of all sections: even ones are one apart, those next to an opening or a tip far less.
 constexpr double kLeastGap = 0.4;
 
-double least_gap(std::span<const RibTarget> sections) {
-  return kLeastGap * (sections.back().offset_mm - sections.front().offset_mm) /
-         static_cast<double>(sections.size() - 1);
-}
-
 std::size_t nearest_section(std::span<const RibTarget> sections, double offset_mm) {
   const auto away = [&](const RibTarget& s) { return std::abs(s.offset_mm - offset_mm); };
   return static_cast<std::size_t>(
@@ -38,12 +33,17 @@ double largest_deviation(std::span<const RibFit> fits) {
 
 }  // namespace
 
+double least_rib_gap_mm(std::span<const RibTarget> sections) {
+  return kLeastGap * (sections.back().offset_mm - sections.front().offset_mm) /
+         static_cast<double>(sections.size() - 1);
+}
+
 std::vector<std::size_t> first_ribs(std::span<const RibTarget> sections) {
   if (sections.size() < 2 || !(sections.back().offset_mm > sections.front().offset_mm)) {
     throw std::logic_error("first_ribs: at least two sections with ascending offsets are needed");
   }
   const double first = sections.front().offset_mm, last = sections.back().offset_mm;
-  const double least = least_gap(sections);
+  const double least = least_rib_gap_mm(sections);
   std::vector<std::size_t> ribs{0};
   for (std::size_t i = 1; i + 1 < kFirstRibs; ++i) {
     const std::size_t k =
@@ -63,7 +63,7 @@ std::vector<std::size_t> ribs_to_add(std::span<const RibTarget> sections, std::s
     splines.emplace_back(strip.fits);
     own.push_back(largest_deviation(strip.fits));
   }
-  const double least = least_gap(sections);
+  const double least = least_rib_gap_mm(sections);
   std::vector<char> off(sections.size(), 0);
   tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t k) {
     const auto next = std::lower_bound(ribs.begin(), ribs.end(), k);
@@ -72,8 +72,11 @@ std::vector<std::size_t> ribs_to_add(std::span<const RibTarget> sections, std::s
     if (offset - sections[*(next - 1)].offset_mm < least || sections[*next].offset_mm - offset < least)
       return;
     for (std::size_t i = 0; i < strips.size() && off[k] == 0; ++i) {
+      const double u0 = strips[i].u0, width = strips[i].u1 - u0;
+      const DesignPart part = sections[k].own_of(u0, strips[i].u1);
+      if (!(part.last > part.first)) continue;
       const std::vector<Eigen::Vector2d> target =
-          resample(sections[k], strips[i].u0, strips[i].u1, kRibSamples);
+          resample(sections[k], u0 + part.first * width, u0 + part.last * width, kRibSamples);
       const double distance = elastica::max_distance(target, splines[i].at(offset));
       off[k] = distance > limit_mm + own[i] ? 1 : 0;
     }

@@ -13,6 +13,9 @@ namespace hotblade::pipeline {
 // std::logic_error for fewer than two sections.
 [[nodiscard]] std::vector<std::size_t> first_ribs(std::span<const RibTarget> sections);
 
+// Ribs are no closer than this: a share of the sections' mean distance.
+[[nodiscard]] double least_rib_gap_mm(std::span<const RibTarget> sections);
+
 // One strip's ribs: the share of the sections that it cuts and its fits, in the order of `ribs`.
 struct FittedShare {
   double u0 = 0, u1 = 1;

@@ -318,14 +318,16 @@ Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes, const S
   // Between two ribs of a fan the design bulges out: each rib's points are turned half-way to its neighbours.
   const auto enclose = [&](const RibFit& rib, double offset) {
     const Frame plane = axes.plane(offset);
-    for (const Eigen::Vector2d& q : rib.target) {
+    const auto add = [&](const Eigen::Vector2d& q) {
       const Eigen::Vector3d p = plane.point(q.x(), q.y()) - block.centre;
       const Eigen::Vector3d in_block =
           block.tilted ? Eigen::Vector3d(p.dot(block.x), p.dot(block.y), p.dot(block.sweep))
                        : Eigen::Vector3d(q.x(), q.y(), offset);
       block.low = block.low.cwiseMin(in_block);
       block.high = block.high.cwiseMax(in_block);
-    }
+    };
+    for (const Eigen::Vector2d& q : rib.target) add(q);
+    for (const Eigen::Vector2d& q : rib.beside) add(q);
   };
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     const double offset = ribs[i].offset_mm;

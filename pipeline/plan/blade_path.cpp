@@ -27,13 +27,16 @@ constexpr double kFlatHalfTurn = 0.13;
 BladePlace place_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {
   const MidState mid = spline.mid_at(offset_mm);
   const double before = strip.share_a * (strip.blade_length_mm - mid.length);
+  const DesignPart formed = strip.formed_at(offset_mm);
   return {offset_mm,
           half_from_middle(mid),
           -0.5 * mid.length - before,
           strip.blade_length_mm,
+          before + formed.first * mid.length,
+          before + formed.last * mid.length,
+          true,
           before,
-          before + mid.length,
-          true};
+          before + mid.length};
 }
 
 BladeShape shape_of(const BladePlace& place) {
@@ -41,7 +44,8 @@ BladeShape shape_of(const BladePlace& place) {
 }
 
 BladePlace place_of(const BladeShape& shape) {
-  return {shape.offset_mm, shape.blade, 0, shape.blade.length, shape.foam0, shape.foam1, shape.in_foam};
+  return {shape.offset_mm, shape.blade,   0,          shape.blade.length, shape.foam0,
+          shape.foam1,     shape.in_foam, shape.rib0, shape.rib1};
 }
 
 // Flat arc and a working shape joined by a straight line in the state at the blade's middle.
@@ -140,7 +144,7 @@ double way_out_mm(const StripPlan& strip, const Forming& forming, double end_mm,
 
 BladeShape in_air(BladeShape shape, double offset_mm) {
   shape.offset_mm = offset_mm;
-  shape.foam0 = shape.foam1 = 0;
+  shape.foam0 = shape.foam1 = shape.rib0 = shape.rib1 = 0;
   shape.in_foam = false;
   return shape;
 }
@@ -215,7 +219,9 @@ std::vector<BladeShape> shapes_of(std::span<const BladePlace> places) {
                       {p.x, p.y, p.theta, p.kappa, place.curve.lambda1, place.curve.lambda2, place.length_mm},
                       place.foam0,
                       place.foam1,
-                      place.in_foam});
+                      place.in_foam,
+                      place.rib0,
+                      place.rib1});
   }
   return shapes;
 }

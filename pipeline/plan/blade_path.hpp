@@ -16,6 +16,7 @@ struct BladeShape {
   elastica::Elastica blade;     // in the strip's axes
   double foam0 = 0, foam1 = 0;  // arc lengths of the part that forms the design; equal when there is none
   bool in_foam = false;         // any part may touch the stock
+  double rib0 = 0, rib1 = 0;    // of the rib: what forms the design and what lies in the waste beside it
 };
 
 // The same before the blade's start is known: a curve, and where on it the blade starts.
@@ -25,6 +26,7 @@ struct BladePlace {
   double from_mm = 0, length_mm = 0;  // arc length on the curve, also before 0; of the blade
   double foam0 = 0, foam1 = 0;
   bool in_foam = false;
+  double rib0 = 0, rib1 = 0;
 };
 [[nodiscard]] std::vector<BladeShape> shapes_of(std::span<const BladePlace> places);
 

@@ -18,7 +18,7 @@ using elastica::Elastica;
 using elastica::MidState;
 
 constexpr int kState = 7, kClamp = 6;
-// Every fourth point of the target: an elastica's seven numbers are decided by far fewer.
+// Every fourth point that a rib follows: an elastica's seven numbers are decided by far fewer.
 constexpr int kPoints = 17;
 // A radian at a clamp counts as much as this many mm: the scale of the clamps' distance to the foam.
 constexpr double kArmMm = 100;
@@ -65,9 +65,11 @@ struct RibResidual {
   bool operator()(const double* s, double* r) const {
     const Elastica e = from_mid_state(scale.unpack(s));
     const std::vector<elastica::CurvePoint> on = sample(e, kPoints);
-    const std::size_t stride = (rib->target.size() - 1) / (kPoints - 1);
+    const std::vector<Eigen::Vector2d>& followed = rib->followed();
+    const std::size_t stride = (followed.size() - 1) / (kPoints - 1);
     for (std::size_t i = 0; i < kPoints; ++i) {
-      const Eigen::Vector2d d = (on[i].position() - rib->target[i * stride]) / scale.length;
+      const double count = rib->weights.empty() ? 1 : std::sqrt(rib->weights[i * stride] * kRibSamples);
+      const Eigen::Vector2d d = count * (on[i].position() - followed[i * stride]) / scale.length;
       *r++ = d.x();
       *r++ = d.y();
     }

@@ -73,7 +73,7 @@ std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& st
   std::vector<elastica::Part> foam;
   for (const BladeShape& shape : all.shapes) {
     blades.push_back(shape.blade);
-    foam.push_back(shape.in_foam ? elastica::Part{shape.foam0, shape.foam1} : elastica::Part{});
+    foam.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
   }
   FeedPoints in_foam = feed_points(blades, foam, all.frames);
   std::vector<PathSample> samples;
@@ -275,8 +275,9 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
           : "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
 }
 
-// Slowest blade point in foam over the cut; the time law starts and stops outside the block.
-double slowest_feed(const std::vector<BladePose>& poses) {
+// Slowest blade point in foam over the cut; the time law starts and stops outside the block. What of the
+// blade forms the design may change from pose to pose: where it does, the same points are looked at in both.
+double slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
   std::vector<elastica::Elastica> blades;
   std::vector<elastica::Part> foam;
   std::vector<Frame> frames;
@@ -286,11 +287,16 @@ double slowest_feed(const std::vector<BladePose>& poses) {
     frames.push_back(pose.frame);
   }
   const FeedPoints in_foam = feed_points(blades, foam, frames);
+  FeedPoints before = in_foam;
+  if (same_points && poses.size() > 1) {
+    before = feed_points(std::span(blades).first(poses.size() - 1), std::span(foam).last(poses.size() - 1),
+                         std::span(frames).first(poses.size() - 1));
+  }
   double slowest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < poses.size(); ++i) {
     if (!poses[i - 1].foam || !poses[i].foam) continue;
     for (std::size_t k = 0; k < kFeedPoints; ++k) {
-      slowest = std::min(slowest, (in_foam[i][k] - in_foam[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t));
+      slowest = std::min(slowest, (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t));
     }
   }
   return std::isfinite(slowest) ? slowest : 0;
@@ -312,7 +318,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   for (std::size_t i = 1; i < motion.poses.size(); ++i) {
     if (motion.poses[i].phase == "cut") motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
-  motion.slowest_feed_mm_s = slowest_feed(motion.poses);
+  motion.slowest_feed_mm_s = slowest_feed(motion.poses, !strip.formed.empty());
   if (strip.planes.turns()) motion.off_plane_mm = off_plane_mm(motion.poses);
   check_limits(strip, settings, motion);
   check_blade(strip, settings, motion);

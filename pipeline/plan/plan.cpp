@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "elastica/curve_distance.hpp"
+#include "elastica/lambda_residual.hpp"
 #include "pipeline/command_error.hpp"
 #include "pipeline/plan/budget.hpp"
 #include "pipeline/plan/strips.hpp"
@@ -55,8 +56,52 @@ Eigen::Vector2d to_frame(const Eigen::Vector2d& q, const Eigen::Vector2d& origin
   return {d.dot(x), x.x() * d.y() - x.y() * d.x()};
 }
 
+// Parameter at which a share of the curve's length has passed.
+double parameter_at(const elastica::Bezier& bezier, double share) {
+  constexpr int kPieces = 256;
+  const std::vector<double> passed = elastica::arc_lengths(bezier, kPieces);
+  const double wanted = share * passed.back();
+  const auto next = std::clamp<std::ptrdiff_t>(
+      std::lower_bound(passed.begin(), passed.end(), wanted) - passed.begin(), 1, kPieces);
+  const double from = passed[static_cast<std::size_t>(next - 1)], to = passed[static_cast<std::size_t>(next)];
+  return (static_cast<double>(next - 1) + (to > from ? (wanted - from) / (to - from) : 0)) / kPieces;
+}
+
+// The part between two parameters, by blossoming.
+elastica::Bezier part_of(const elastica::Bezier& b, double t0, double t1) {
+  const auto blossom = [&](double r, double s, double t) -> Eigen::Vector2d {
+    const auto mix = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q, double u) -> Eigen::Vector2d {
+      return p + u * (q - p);
+    };
+    const Eigen::Vector2d p0 = mix(b[0], b[1], r), p1 = mix(b[1], b[2], r), p2 = mix(b[2], b[3], r);
+    return mix(mix(p0, p1, s), mix(p1, p2, s), t);
+  };
+  return {blossom(t0, t0, t0), blossom(t0, t0, t1), blossom(t0, t1, t1), blossom(t1, t1, t1)};
+}
+
+// What the design says of a rib that goes on past its border, curves and all: templates and files show that.
+RibFit design_part(const RibFit& fit) {
+  if (fit.course.empty()) return fit;
+  RibFit part = fit;
+  part.course.clear();
+  if (fit.target.empty()) {
+    part.target = fit.course;
+    part.deviation_mm = elastica::max_distance(part.target, part.elastica);
+    return part;
+  }
+  const double length = fit.elastica.length;
+  part.elastica = segment(fit.elastica, fit.own.first * length, fit.own.last * length);
+  part.bezier =
+      part_of(fit.bezier, parameter_at(fit.bezier, fit.own.first), parameter_at(fit.bezier, fit.own.last));
+  const elastica::LambdaResidual residual = elastica::lambda_residual(part.bezier);
+  if (has_value(residual.status)) part.lambda_residual = residual.value;
+  part.deviation_mm = elastica::max_distance(part.target, part.elastica);
+  return part;
+}
+
 // A rib in its own frame: origin at its first end, x towards its last, y to the waste side.
-Rib make_rib(const RibFit& fit, const StripPlan& strip, const std::string& id) {
+Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id) {
+  const RibFit fit = design_part(whole);
   Rib rib;
   rib.id = id;
   const Eigen::Vector2d origin = fit.target.front();
@@ -242,6 +287,7 @@ bool plan_once(const surface::DesignSurface& design, const Settings& settings, c
   options.normal = result.ranking.front().normal;
   options.fan = result.ranking.front().fan;
   options.spacing_mm = result.spacing_mm;
+  options.keep_tips = true;
   const surface::RibGraph graph = slice(design, options);
   result.warnings = graph.warnings;
   watch.lap("slice");

@@ -22,12 +22,43 @@ using elastica::MidState;
 constexpr double kNeighbourWeight = 1e-5;
 constexpr int kSmoothingSweeps = 6;
 
+// What a point past the design's border counts, by its distance over an eighth of the rib: the blade is to go
+// on near it, but the design decides. Squares of distances are summed, so the least is a tenth of a distance.
+constexpr double kLeastCount = 0.003, kFade = 1.0 / 20;
+
+std::vector<double> weights_of(const DesignPart& own, int points) {
+  std::vector<double> weights;
+  double sum = 0;
+  for (int i = 0; i < points; ++i) {
+    const double u = static_cast<double>(i) / (points - 1);
+    const double away = std::max({0.0, own.first - u, u - own.last}) / kFade, square = 1 + away * away;
+    weights.push_back(kLeastCount + (1 - kLeastCount) / (square * square));
+    sum += weights.back();
+  }
+  for (double& w : weights) w /= sum;
+  return weights;
+}
+
+// The points to follow, and of them what the design says.
+void set_course(const RibTarget& rib, double u0, double u1, RibFit& fit) {
+  if (!rib.own) {
+    fit.target = resample(rib, u0, u1, kRibSamples);
+    return;
+  }
+  fit.course = resample(rib, u0, u1, kRibSamples);
+  fit.own = rib.own_of(u0, u1);
+  fit.weights = weights_of(fit.own, kRibSamples);
+  const double width = u1 - u0;
+  if (fit.own.last > fit.own.first)
+    fit.target = resample(rib, u0 + fit.own.first * width, u0 + fit.own.last * width, kRibSamples);
+}
+
 RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& settings) {
   RibFit fit;
   fit.offset_mm = rib.offset_mm;
   fit.max_slope_rad = rib.max_slope_rad;
-  fit.target = resample(rib, u0, u1, kRibSamples);
-  const elastica::BezierFit bezier = elastica::fit_bezier(fit.target);
+  set_course(rib, u0, u1, fit);
+  const elastica::BezierFit bezier = elastica::fit_bezier(fit.followed());
   fit.bezier = bezier.bezier;
   fit.bezier_deviation_mm = bezier.max;
   elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
@@ -41,9 +72,10 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   fit.lambda_residual = residual.value;
   std::vector<Elastica> starts;
   if (has_value(residual.status)) starts.push_back(first_guess(fit.bezier, residual));
-  const elastica::ElasticaFit best = fit_elastica(fit.target, starts, {kLeastTensionWeight, nullptr, 0});
+  const elastica::ElasticaFit best =
+      fit_elastica(fit.followed(), starts, {kLeastTensionWeight, nullptr, 0, fit.weights});
   fit.elastica = best.elastica;
-  fit.deviation_mm = best.max;
+  fit.deviation_mm = fit.course.empty() ? best.max : fit.deviation_of(best.elastica);
   fit.converged = best.converged;
   return fit;
 }
@@ -54,7 +86,7 @@ elastica::EndState turned_back(const elastica::EndState& s) {
 
 // Clamped at the end alone: the same problem run through backwards.
 elastica::ClampedFit fit_backwards(const RibFit& rib, const elastica::FitOptions& options) {
-  const std::vector<Eigen::Vector2d> points(rib.target.rbegin(), rib.target.rend());
+  const std::vector<Eigen::Vector2d> points(rib.followed().rbegin(), rib.followed().rend());
   const Elastica start[] = {reversed(rib.elastica)};
   elastica::FitOptions back = options;
   MidState prior;
@@ -63,6 +95,8 @@ elastica::ClampedFit fit_backwards(const RibFit& rib, const elastica::FitOptions
     prior.kappa = -prior.kappa;  // the tensions along and across the tangent stay
     back.prior = &prior;
   }
+  std::vector<double> weights(options.weights.rbegin(), options.weights.rend());
+  back.weights = weights;
   elastica::ClampedFit fit = fit_clamped(points, {turned_back(*rib.clamp_end), {}}, start, back);
   fit.elastica = reversed(fit.elastica);
   return fit;
@@ -72,27 +106,30 @@ elastica::ClampedFit fit_forwards(const RibFit& rib, const elastica::FitOptions&
   elastica::ClampedEnds ends{*rib.clamp_start, rib.clamp_end};
   if (ends.end) {
     ends.end->theta =
-        ends.start.theta + elastica::true_turning(rib.target, ends.start.theta, ends.end->theta);
+        ends.start.theta + elastica::true_turning(rib.followed(), ends.start.theta, ends.end->theta);
   }
   const Elastica start[] = {rib.elastica};
-  return fit_clamped(rib.target, ends, start, options);
+  return fit_clamped(rib.followed(), ends, start, options);
 }
 
 // Fits again from where the rib is.
-void refit(RibFit& rib, const elastica::FitOptions& options) {
+void refit(RibFit& rib, elastica::FitOptions options) {
+  options.weights = rib.weights;
   if (rib.clamp_start || rib.clamp_end) {
     const elastica::ClampedFit fit =
         rib.clamp_start ? fit_forwards(rib, options) : fit_backwards(rib, options);
     const bool kept = fit.status != elastica::ClampedStatus::kNoCurve;
-    rib.deviation_mm = kept ? fit.max : std::numeric_limits<double>::infinity();
+    rib.deviation_mm = !kept                ? std::numeric_limits<double>::infinity()
+                       : rib.course.empty() ? fit.max
+                                            : rib.deviation_of(fit.elastica);
     rib.converged = fit.status == elastica::ClampedStatus::kOk;
     if (kept) rib.elastica = fit.elastica;
     return;
   }
   const Elastica start[] = {rib.elastica};
-  const elastica::ElasticaFit fit = fit_elastica(rib.target, start, options);
+  const elastica::ElasticaFit fit = fit_elastica(rib.followed(), start, options);
   rib.elastica = fit.elastica;
-  rib.deviation_mm = fit.max;
+  rib.deviation_mm = rib.course.empty() ? fit.max : rib.deviation_of(fit.elastica);
   rib.converged = fit.converged;
 }
 
@@ -118,6 +155,10 @@ MidState neighbours_say(const std::vector<double>& offsets, const std::vector<Mi
 
 }  // namespace
 
+double RibFit::deviation_of(const Elastica& e) const {
+  return target.empty() ? 0 : elastica::max_distance(target, e);
+}
+
 std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
                              const FitSettings& settings) {
   std::vector<RibFit> fits(ribs.size());
@@ -130,9 +171,9 @@ void settle(RibFit& rib, const MidState& state) {
   rib.elastica = from_mid_state(state);
   if (rib.clamp_start || rib.clamp_end) {
     // A hundred times as strong as a neighbour's word: what the shared ends leave open is the state's.
-    refit(rib, {0, &state, 100 * kNeighbourWeight});
+    refit(rib, {0, &state, 100 * kNeighbourWeight, {}});
   } else {
-    rib.deviation_mm = elastica::max_distance(rib.target, rib.elastica);
+    rib.deviation_mm = rib.deviation_of(rib.elastica);
   }
 }
 
@@ -156,7 +197,7 @@ void smooth_ribs(std::vector<RibFit>& ribs, double tension_weight, double allowa
     tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
       const MidState prior = neighbours_say(offsets, mids, i);
       RibFit candidate = ribs[i];
-      refit(candidate, {tension_weight, &prior, kNeighbourWeight});
+      refit(candidate, {tension_weight, &prior, kNeighbourWeight, {}});
       if (candidate.deviation_mm <= bound[i]) ribs[i] = std::move(candidate);
     });
   }

@@ -15,8 +15,15 @@ namespace hotblade::pipeline {
 struct RibFit {
   double offset_mm = 0;
   double max_slope_rad = 0;             // of the design against the rib plane
-  std::vector<Eigen::Vector2d> target;  // evenly spaced, chain axes
-  elastica::Bezier bezier;              // after projection where its lambda-residual was above the threshold
+  std::vector<Eigen::Vector2d> target;  // evenly spaced, chain axes; empty where the design says nothing
+  // Of a rib that goes on past the design's border: all of it, evenly spaced, what each point of it counts
+  // (sum 1), and the target's share of it.
+  std::vector<Eigen::Vector2d> course;
+  std::vector<double> weights;
+  DesignPart own;
+  std::vector<Eigen::Vector2d>
+      beside;               // ends of the sections between this rib and the next ones, for the block
+  elastica::Bezier bezier;  // after projection where its lambda-residual was above the threshold
   double lambda_residual = 0;
   bool projected = false;
   double bezier_deviation_mm = 0;  // Bezier before projection against target
@@ -25,6 +32,13 @@ struct RibFit {
   bool converged = false;
   // Ends shared with the neighbouring strip's rib: kept exactly by every further fit.
   std::optional<elastica::EndState> clamp_start, clamp_end;
+
+  // The points that the elastica is fitted to.
+  [[nodiscard]] const std::vector<Eigen::Vector2d>& followed() const {
+    return course.empty() ? target : course;
+  }
+  // Deviation of an elastica from what the design says.
+  [[nodiscard]] double deviation_of(const elastica::Elastica& elastica) const;
 };
 
 inline constexpr int kRibSamples = 65;

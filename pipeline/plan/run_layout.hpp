@@ -7,6 +7,9 @@
 
 namespace hotblade::pipeline {
 
+// Ribs of sections of unequal width are completed to a common one (plan/complete.hpp), unless fewer strips,
+// or as many with fewer ribs, cut the sections as they are.
+//
 // Strips of these sections of the chain, at most `most_more` more than they need at the least, without names;
 // or one refusal. `sections`: at least two, offsets ascending.
 [[nodiscard]] StripLayout lay_out_run(const ChainTarget& chain, std::span<const RibTarget> sections,

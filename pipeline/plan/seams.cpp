@@ -95,9 +95,14 @@ void join_pieces(std::vector<std::vector<RibFit>>& pieces, double allowed_mm) {
 
 SeamFacts measure_seam(const std::vector<RibFit>& before, const std::vector<RibFit>& after) {
   SeamFacts facts;
-  for (std::size_t r = 0; r < std::min(before.size(), after.size()); ++r) {
-    const CurvePoint p = end_point(before[r].elastica);
-    const elastica::Elastica& q = after[r].elastica;
+  for (std::size_t r = 0, t = 0; r < before.size() && t < after.size();) {
+    const RibFit &a = before[r], &b = after[t];
+    if (a.offset_mm <= b.offset_mm) ++r;
+    if (b.offset_mm <= a.offset_mm) ++t;
+    const bool in_design = a.own.last >= 1 && b.own.first <= 0;
+    if (a.offset_mm != b.offset_mm || !in_design) continue;
+    const CurvePoint p = end_point(a.elastica);
+    const elastica::Elastica& q = b.elastica;
     facts.gap_mm = std::max(facts.gap_mm, std::hypot(q.x - p.x, q.y - p.y));
     facts.kink_deg =
         std::max(facts.kink_deg, std::abs(turn_between(p.theta, q.theta)) * 180 / std::numbers::pi);

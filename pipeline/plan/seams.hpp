@@ -14,7 +14,8 @@ namespace hotblade::pipeline {
 // side would deviate by more than `allowed_mm`.
 void join_pieces(std::vector<std::vector<RibFit>>& pieces, double allowed_mm);
 
-// What is left between the ribs' elasticas: largest over all ribs.
+// What is left between the ribs' elasticas: largest over all ribs that both sides have and where there is
+// design at the seam.
 struct SeamFacts {
   double gap_mm = 0, kink_deg = 0;
 };

@@ -25,7 +25,8 @@ std::optional<EdgeOver> edge_over_stock(Eigen::Vector3d size, const StockSetting
 }
 
 std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i) {
-  const Eigen::Vector2d q = ribs[i].target[ribs[i].target.size() / 2];
+  const std::vector<Eigen::Vector2d>& points = ribs[i].target.empty() ? ribs[i].course : ribs[i].target;
+  const Eigen::Vector2d q = points[points.size() / 2];
   const Eigen::Vector3d p = chain.plane(ribs[i].offset_mm).point(q.x(), q.y());
   return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
@@ -160,6 +161,7 @@ std::optional<StripPlan> with_shorter_blade(const StripPlan& strip, const Settin
   StripPlan next = make_strip_plan(strip, served.ribs, *served.blade.choice, settings);
   if (!fits_stock(next, settings)) return std::nullopt;
   next.id = strip.id;
+  next.formed = strip.formed;
   next.seam_before = strip.seam_before;
   return next;
 }

@@ -250,6 +250,12 @@ TargetReport make_targets(const surface::RibGraph& graph, const Settings& settin
   return report;
 }
 
+DesignPart RibTarget::own_of(double u0, double u1) const {
+  if (!own) return {};
+  const auto in_share = [&](double at) { return std::clamp((at / s.back() - u0) / (u1 - u0), 0.0, 1.0); };
+  return {in_share(own->first), in_share(own->last)};
+}
+
 std::vector<Eigen::Vector2d> resample(const RibTarget& rib, double u0, double u1, int n) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(static_cast<std::size_t>(n));

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,11 @@
 
 namespace hotblade::pipeline {
 
+// Of a rib, by arc length or by share of it: what the design says. The rest is waste.
+struct DesignPart {
+  double first = 0, last = 1;
+};
+
 // A rib's target in the axes of its chain.
 struct RibTarget {
   double offset_mm = 0;                 // of its plane
@@ -25,6 +31,11 @@ struct RibTarget {
   double max_slope_rad = 0;
   // Of the design for each mm of offset: its area, and that times |sin slope|.
   double area_mm = 0, leaning_mm = 0;
+  std::optional<DesignPart>
+      own;  // on `s`, of a rib that goes on past the design's border (plan/complete.hpp)
+
+  // What of the share [u0, u1] the design says, in shares of that; first == last where it says nothing.
+  [[nodiscard]] DesignPart own_of(double u0, double u1) const;
 };
 
 // Consecutive ribs in common axes, y on the waste side.

@@ -55,6 +55,41 @@ double apart(const Elastica& a, const Elastica& b) {
 
 constexpr FitOptions kNoPull{0, nullptr, 0};
 
+TEST(FitElastica, RecoversASegmentFromThePointsThatCount) {
+  std::mt19937_64 random(21);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Elastica e = random_rib(random);
+    std::vector<Eigen::Vector2d> q = positions(e, 65);
+    std::vector<double> weights(q.size(), 0);
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      if (i >= 12 && i < 55) {
+        weights[i] = 1.0 / 43;
+      } else {
+        q[i] += Eigen::Vector2d(0.05 * e.length, -0.03 * e.length);
+      }
+    }
+    const Elastica start[] = {e};
+    const ElasticaFit fit = fit_elastica(q, start, {0, nullptr, 0, weights});
+    const std::span<const Eigen::Vector2d> counting = std::span(q).subspan(12, 43);
+    EXPECT_LT(max_distance(counting, fit.elastica), 1e-6 * e.length) << trial;
+    EXPECT_LT(fit.rms, 1e-6 * e.length) << trial;
+  }
+}
+
+TEST(FitElastica, TakesEqualWeightsAsNone) {
+  std::mt19937_64 random(22);
+  const Elastica e = random_rib(random);
+  std::vector<Eigen::Vector2d> q = positions(e, 65);
+  for (std::size_t i = 0; i < q.size(); ++i)
+    q[i].y() += 0.01 * e.length * std::sin(0.3 * static_cast<double>(i));
+  const std::vector<double> weights(q.size(), 1.0 / 65);
+  EXPECT_LT(
+      apart(fit_elastica(q, {}, {}).elastica, fit_elastica(q, {}, {1e-6, nullptr, 0, weights}).elastica),
+      1e-6 * e.length);
+  EXPECT_THROW(static_cast<void>(fit_elastica(q, {}, {0, nullptr, 0, std::span(weights).first(3)})),
+               std::logic_error);
+}
+
 TEST(FitElastica, RecoversASegmentFromItsOwnSamples) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 200; ++trial) {
