@@ -71,6 +71,8 @@ class FoldSearch {
         weight_(options.mm_per_rad > 0 ? options.mm_per_rad / e.length : 0.5),
         largest_(options.largest_mm / e.length) {
     const JacobiFields end = end_map(unit_blade(unknowns_of(e)));
+    held_ = {e, end.index, 0, end};
+    clamps_ = clamps_of(e);
     chord_ = end.point.position();
     turn_ = end.point.theta;
     home_ = placed(unknowns_of(e), end);
@@ -84,15 +86,15 @@ class FoldSearch {
     FollowOptions walk;
     walk.smallest_step = 0.05;  // a start need not be exact
     Place best = home_;
-    Elastica shape = e_;
+    ClampedShape shape = held_;
     for (int i = 1; i <= kPlaces; ++i) {
       const FollowReport way =
-          follow(shape, clamps_at(largest_ * i / kPlaces * direction.normalized()), walk);
-      const auto end = seen(way.shape.elastica);
+          follow_on(shape, clamps_at(largest_ * i / kPlaces * direction.normalized()), walk);
+      const auto end = seen(way.shape);
       if (!end) break;
       if (std::abs(end->fold) < std::abs(best.fold)) best = *end;
       if (way.status != FollowStatus::kFollowed) break;
-      shape = way.shape.elastica;
+      shape = way.shape;
     }
     descend(best);
   }
@@ -131,13 +133,21 @@ class FoldSearch {
   }
 
  private:
-  // Nothing where the blade is taut, or winds more than a blade can.
-  [[nodiscard]] std::optional<Place> at(const Vector4d& q) const {
+  // Winds no more than a blade can.
+  [[nodiscard]] static bool usable(const Vector4d& q) {
     constexpr double kLargestRate = 60;
     const Elastica blade = unit_blade(q);
-    if (!q.allFinite() || !(taylor_rate(0, blade.kappa, blade.lambda1, blade.lambda2) < kLargestRate))
-      return {};
-    const JacobiFields end = end_map(blade);
+    return q.allFinite() && taylor_rate(0, blade.kappa, blade.lambda1, blade.lambda2) < kLargestRate;
+  }
+
+  // Nothing where the blade is taut, or not usable.
+  [[nodiscard]] std::optional<Place> at(const Vector4d& q) const {
+    if (!usable(q)) return {};
+    return untaut(q, end_map(unit_blade(q)));
+  }
+
+  [[nodiscard]] std::optional<Place> untaut(const Vector4d& q, const JacobiFields& end) const {
+    const Elastica blade = unit_blade(q);
     const Vector2d c = end.point.position();
     if (blade.lambda1 * c.x() + blade.lambda2 * c.y() < -kLargestTension) return {};
     return placed(q, end);
@@ -162,10 +172,16 @@ class FoldSearch {
   }
 
   // A shape of this blade between erring clamps.
-  [[nodiscard]] std::optional<Place> seen(const Elastica& shape) const {
+  [[nodiscard]] std::optional<Place> seen(const Elastica& shape) const { return at(seen_by(shape)); }
+  [[nodiscard]] std::optional<Place> seen(const ClampedShape& shape) const {
+    const Vector4d q = seen_by(shape.elastica);
+    if (!usable(q)) return {};
+    return untaut(q, shape.end);
+  }
+  [[nodiscard]] Vector4d seen_by(const Elastica& shape) const {
     Vector4d q = unknowns_of(shape);
     q[0] = std::remainder(shape.theta - e_.theta, 2 * std::numbers::pi);
-    return at(q);
+    return q;
   }
 
   // By differences of the exact first derivatives; a turn of A alone needs no other curve.
@@ -299,8 +315,8 @@ class FoldSearch {
   [[nodiscard]] bool reached(const Place& p) {
     FollowOptions walk;
     walk.smallest_step = 1e-3;
-    const FollowReport way = follow(e_, clamps_at(1.01 * p.error), walk);
-    const auto end = seen(way.shape.elastica);
+    const FollowReport way = follow_on(held_, clamps_at(1.01 * p.error), walk);
+    const auto end = seen(way.shape);
     if (!end) return false;
     // Near a fold shapes change with the square root of the way that is left.
     constexpr double kThere = 0.97, kNear = 1.5, kAtEdge = 0.3;
@@ -316,7 +332,7 @@ class FoldSearch {
   // The pair of clamps with this error, seen as the blade stands.
   [[nodiscard]] ClampPair clamps_at(const Vector4d& error) const {
     const double l = e_.length;
-    const ClampPair held = clamps_of(e_);
+    const ClampPair& held = clamps_;
     const Vector2d apart = l * kHalf * turned(e_.theta, error.head<2>());
     return {{held.a.x - apart.x(), held.a.y - apart.y(), held.a.theta + error[2] / weight_},
             {held.b.x + apart.x(), held.b.y + apart.y(), held.b.theta + error[3] / weight_}};
@@ -330,6 +346,8 @@ class FoldSearch {
   }
 
   Elastica e_;
+  ClampedShape held_;  // e_ with its end
+  ClampPair clamps_;
   double weight_, largest_;
   // Shapes this close in bending are one.
   static constexpr double kSame = 0.02;

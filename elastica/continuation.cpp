@@ -88,7 +88,15 @@ std::optional<Solved> newton(Vector3d p, const Vector3d& wanted) {
 }
 
 ClampedShape shape_of(const Solved& s, const ClampPose& a, double length) {
-  return {placed(s.p, a, length), s.end.index, s.steps};
+  return {placed(s.p, a, length), s.end.index, s.steps, s.end};
+}
+
+// Of a blade that starts so, by the end of the blade 1 long.
+ClampPair clamps_by(const Elastica& e, const CurvePoint& unit_end) {
+  const double co = std::cos(e.theta), si = std::sin(e.theta);
+  return {{e.x, e.y, e.theta},
+          {e.x + e.length * (co * unit_end.x - si * unit_end.y),
+           e.y + e.length * (si * unit_end.x + co * unit_end.y), e.theta + unit_end.theta}};
 }
 
 ClampPose between(const ClampPose& p, const ClampPose& q, double t) {
@@ -110,9 +118,10 @@ void check(const Elastica& e, const ClampPair& c) {
 // One blade on its way; `at` is the last place reached.
 class Walk {
  public:
-  Walk(const Elastica& from, const ClampPair& to) : from_(clamps_of(from)), to_(to), length_(from.length) {
+  Walk(const Elastica& from, const JacobiFields& end, const ClampPair& to)
+      : from_(clamps_by(from, end.point)), to_(to), length_(from.length) {
     at_.p = unknowns_of(from);
-    at_.end = end_map(unit_blade(at_.p));
+    at_.end = end;
   }
 
   [[nodiscard]] double place() const { return place_; }
@@ -171,7 +180,13 @@ std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair&
 
 FollowReport follow(const Elastica& from, const ClampPair& to, const FollowOptions& options) {
   check(from, to);
-  Walk walk(from, to);
+  const JacobiFields end = end_map(unit_blade(unknowns_of(from)));
+  return follow_on(ClampedShape{from, end.index, 0, end}, to, options);
+}
+
+FollowReport follow_on(const ClampedShape& from, const ClampPair& to, const FollowOptions& options) {
+  check(from.elastica, to);
+  Walk walk(from.elastica, from.end, to);
   FollowReport report;
   double step = 1;
   while (walk.place() < 1) {

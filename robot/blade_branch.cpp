@@ -93,6 +93,7 @@ BladeFinding BladeBranch::start(const Relative& b) {
   const auto arc = flat_arc(b.x, b.y, b.theta, length_mm_);
   if (!arc) return {BladeStatus::kNoFlatArc, 0.5 * std::abs(b.theta), 0.17};
   shape_ = *arc;
+  followed_ = {};
   started_ = true;
   return {};
 }
@@ -100,14 +101,16 @@ BladeFinding BladeBranch::start(const Relative& b) {
 BladeFinding BladeBranch::bend_to(const Relative& b) {
   const double chord = std::hypot(b.x, b.y);
   if (chord >= kTaut * length_mm_ - limits_.rounding_mm) return pull_taut(b, chord);
+  const elastica::ClampPair to{{0, 0, 0}, {b.x, b.y, b.theta}};
   // From a straight blade the clamps' turn picks the side.
   const Elastica from = taut_ ? relaxed(b.x, b.y, b.theta, length_mm_).shape : shape_;
+  const bool end_known = !taut_ && followed_.elastica.length > 0;
   taut_ = false;
-  return follow_from(from, b);
+  return follow_by(end_known ? elastica::follow_on(followed_, to) : elastica::follow(from, to), b);
 }
 
-BladeFinding BladeBranch::follow_from(const Elastica& from, const Relative& b) {
-  const elastica::FollowReport way = elastica::follow(from, {{0, 0, 0}, {b.x, b.y, b.theta}});
+BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Relative& b) {
+  followed_ = way.shape;
   shape_ = way.shape.elastica;
   if (way.status == elastica::FollowStatus::kFollowed) return {};
   if (way.status == elastica::FollowStatus::kOutOfReach)
@@ -124,6 +127,7 @@ BladeFinding BladeBranch::pull_taut(const Relative& b, double chord) {
   constexpr double kStretch = 4;  // times the slack: a blade under tension is shorter than a relaxed one
   if (!(wanted <= length_mm_ + kStretch * slack)) return lose(BladeStatus::kOutOfReach, wanted, length_mm_);
   shape_ = straight.shape;
+  followed_ = {};
   taut_ = true;
   return {};
 }

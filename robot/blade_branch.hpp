@@ -7,6 +7,7 @@
 
 #include <limits>
 
+#include "elastica/continuation.hpp"
 #include "elastica/elastica.hpp"
 #include "robot/pose.hpp"
 
@@ -73,7 +74,7 @@ class BladeBranch {
   BladeFinding start(const Relative& b);
   BladeFinding bend_to(const Relative& b);
   BladeFinding pull_taut(const Relative& b, double chord);
-  BladeFinding follow_from(const elastica::Elastica& from, const Relative& b);
+  BladeFinding follow_by(const elastica::FollowReport& way, const Relative& b);
   BladeFinding check_limits();
   BladeFinding lose(BladeStatus status, double value, double bound);
 
@@ -81,7 +82,8 @@ class BladeBranch {
   double length_mm_ = 0;
   bool started_ = false, taut_ = false;
   elastica::Elastica shape_;
-  double theta_ = 0;  // of clamp B against clamp A, not modulo 2 pi
+  elastica::ClampedShape followed_;  // shape_ with its end, where it was followed; else without a length
+  double theta_ = 0;                 // of clamp B against clamp A, not modulo 2 pi
   double margin_ = 0;
   elastica::Elastica margin_shape_;  // that the margin was computed for
   int poses_since_margin_ = 0;

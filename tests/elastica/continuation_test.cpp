@@ -157,6 +157,21 @@ TEST(Follow, ScaleAndPlaceDoNotMatter) {
   EXPECT_NEAR(m.shape.elastica.kappa * scale, mm.shape.elastica.kappa, 1e-12);
 }
 
+TEST(FollowOn, GoesTheSameWayAsFromTheShapeAlone) {
+  FollowReport at = follow(arc(0.3), leaning(800 * std::sin(0.3) / 0.3, 0.3));
+  ASSERT_EQ(at.status, FollowStatus::kFollowed);
+  for (int i = 1; i <= 100; ++i) {
+    ClampPair to = leaning(790 - 2 * i, 0.3 + 0.001 * i);
+    to.b.theta += 0.002 * i;
+    const FollowReport alone = follow(at.shape.elastica, to);
+    at = follow_on(at.shape, to);
+    ASSERT_EQ(at.status, FollowStatus::kFollowed);
+    EXPECT_LT(miss(at.shape.elastica, to), 1e-7);
+    EXPECT_LT(shape_distance(at.shape.elastica, alone.shape.elastica), 1e-7);
+    EXPECT_EQ(at.shape.index, alone.shape.index);
+  }
+}
+
 TEST(Follow, RefusesNonsense) {
   EXPECT_THROW((void)follow(arc(0.3), {{0, 0, NAN}, {1, 0, 0}}), std::logic_error);
   EXPECT_THROW((void)follow({0, 0, 0, 0, 0, 0, 0}, leaning(1, 0)), std::logic_error);
