@@ -207,6 +207,42 @@ class Graph {
   double spacing_mm_;
 };
 
+// Short pieces that end a chain: with others as short at the most, each goes on in a longer one to one side
+// and in none to the other. By sections, then pieces.
+std::vector<char> tips_of_chains(const std::vector<std::vector<MarchedPiece>>& sections, double spacing,
+                                 double min_piece_mm) {
+  const std::vector<RibNode> nodes = link_pieces(sections, spacing);
+  const auto is_short = [&](int n) {
+    const SectionPiece& piece = nodes[static_cast<std::size_t>(n)].piece;
+    return !piece.closed && too_short(piece, min_piece_mm);
+  };
+  const auto comes_to_longer = [&](int n, int RibNode::*side) {
+    while (n != RibNode::kNone && is_short(n)) n = nodes[static_cast<std::size_t>(n)].*side;
+    return n != RibNode::kNone;
+  };
+  std::vector<char> tips(nodes.size(), 0);
+  for (int n = 0; n < static_cast<int>(nodes.size()); ++n) {
+    if (!is_short(n)) continue;
+    tips[static_cast<std::size_t>(n)] =
+        comes_to_longer(n, &RibNode::next) != comes_to_longer(n, &RibNode::previous) ? 1 : 0;
+  }
+  return tips;
+}
+
+// Sections with planes at the chains' ends: of short pieces the chains' tips are kept.
+std::vector<RibNode> linked_with_tips(std::vector<std::vector<MarchedPiece>> sections, double spacing,
+                                      double min_piece_mm) {
+  const std::vector<char> tips = tips_of_chains(sections, spacing, min_piece_mm);
+  std::size_t n = 0;
+  for (auto& pieces : sections) {
+    std::erase_if(pieces, [&](const MarchedPiece& m) {
+      const bool tip = tips[n++] != 0;
+      return !tip && too_short(m.piece, min_piece_mm);
+    });
+  }
+  return link_pieces(std::move(sections), spacing);
+}
+
 std::vector<RibNode> linked_pieces(const TriangleMesh& mesh, const PlaneFamily& planes,
                                    const std::vector<double>& offsets, double spacing,
                                    const SliceOptions& options, std::vector<std::string>& warnings) {
@@ -245,7 +281,9 @@ RibGraph slice(const DesignSurface& design, const SliceOptions& options) {
   if (all.size() > offsets.size()) {
     offsets = std::move(all);
     std::vector<std::string> unsaid;  // short pieces at a border's tips: the even planes have told of others
-    nodes = linked_pieces(mesh, planes, offsets, spacing, options, unsaid);
+    nodes = options.keep_tips
+                ? linked_with_tips(march_sections(mesh, planes, offsets), spacing, options.min_piece_mm)
+                : linked_pieces(mesh, planes, offsets, spacing, options, unsaid);
   }
   cut_loops_open(nodes, planes, offsets, u, v);
   RibGraph graph = Graph(std::move(nodes), planes, offsets, u, v, spacing).build();

@@ -67,7 +67,9 @@ struct SliceOptions {
   double spacing_mm = 20;      // largest distance between planes
   double end_inset_mm = 0.05;  // the first and last plane lie this far inside the design's extent
   double min_piece_mm = 5;     // shorter pieces are dropped, with a warning
-  bool keep_tips = false;      // but not the only piece of a section where the design ends in a tip
+  // But not the only piece of a section where the design ends in a tip, nor the last one of a chain that
+  // ends on the way.
+  bool keep_tips = false;
 };
 
 // Section planes are spread evenly from the first to the last. Where a border runs so nearly along the first

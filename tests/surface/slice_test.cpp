@@ -436,6 +436,28 @@ TEST(Slice, DropsShortPiecesAndSaysWhere) {
   EXPECT_EQ(g.chains.at(0).ribs.at(0).section, 2);
 }
 
+TEST(Slice, KeepsTheTipsOfTheDesignAndOfItsArmsWhereAskedTo) {
+  // Two triangles on a strip, with tips at x = 100 and at x = 75.
+  TriangleMesh comb;
+  comb.vertices = {{0, 0, 0}, {0, 40, 0}, {0, 80, 0}, {100, 20, 0}, {75, 60, 0}, {-50, 0, 0}, {-50, 80, 0}};
+  comb.triangles = {{0, 3, 1}, {1, 4, 2}, {5, 0, 1}, {5, 1, 6}, {6, 1, 2}};
+  SliceOptions options = along(Vector3d::UnitX(), 20, 0.05);
+  const auto last_of_arms = [&] {
+    const RibGraph g = slice(from_mesh(comb), options);
+    std::vector<double> last;
+    for (const Chain& chain : g.chains) {
+      const double at = g.sections[static_cast<std::size_t>(chain.ribs.back().section)].offset_mm + 25;
+      if (at > 1) last.push_back(at);
+    }
+    std::sort(last.begin(), last.end());
+    return last;
+  };
+  EXPECT_THAT(last_of_arms(), ::testing::ElementsAre(::testing::Lt(74), ::testing::Lt(99)));
+  options.keep_tips = true;
+  EXPECT_THAT(last_of_arms(),
+              ::testing::ElementsAre(::testing::DoubleNear(74.95, 1e-9), ::testing::DoubleNear(99.95, 1e-9)));
+}
+
 TEST(Slice, FindsNoSectionsInADirectionWithoutExtent) {
   const RibGraph g = slice(from_mesh(grid(4, 4, plate)), along(Vector3d::UnitZ()));
   EXPECT_THAT(g.sections, IsEmpty());
