@@ -100,6 +100,14 @@ Vector3d ragged(double u, double v) {
   return {u, y, 90 - 90 * ((y - 300) / 330) * ((y - 300) / 330) + 25 * std::sin(pi * u / 800)};
 }
 
+// A shell arched both ways whose long borders are round: 60 mm wide at one end, 140 at the other and 530
+// between them.
+Vector3d petal(double u, double v) {
+  const double t = u / 1000, across = v / 280 - 1;
+  const double y = across * (30 + 40 * t + 215 * std::sin(pi * t));
+  return {u, y, 110 * std::sin(pi * (0.15 + 0.7 * t)) - 70 * (y / 280) * (y / 280)};
+}
+
 // An arch bent round a corner: 400 mm span, its rise 80 to 100 mm, from 300 to 700 mm off the z axis, about
 // which it turns by 69 degrees. u runs at 500 mm off the axis.
 Vector3d corner(double u, double v) {
@@ -140,6 +148,7 @@ std::vector<SampleSurface> sample_surfaces() {
       {"branch", "Panel that parts into two arms, 900 mm long", 900, 610, 45, 61, branch, 0.05, 150, 1, "mm",
        beside_the_gap},
       {"ragged", "Arch with ragged borders, 800 x 600 mm", 800, 600, 60, 50, ragged, 0.13, 150},
+      {"petal", "Petal of a shell, 1000 mm long, 60 to 530 mm wide", 1000, 560, 60, 36, petal, 0.1, 150},
       {"corner", "Arch of 400 mm span bent round a corner of 69 degrees", 600, 400, 60, 44, corner, 0.1, 150},
   };
 }
