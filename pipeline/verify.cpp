@@ -13,55 +13,17 @@
 #include <utility>
 
 #include "gpu/mesh_distance.hpp"
+#include "pipeline/design_border.hpp"
 #include "pipeline/design_samples.hpp"
 #include "pipeline/mesh_view.hpp"
 #include "pipeline/near_cells.hpp"
 #include "pipeline/plan/blade_path.hpp"
 #include "pipeline/swept_surface.hpp"
 #include "robot/blade_section.hpp"
-#include "surface/face_links.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
-
-// Edges with one face, by the corner of the face that they start at, and their vertices.
-struct Border {
-  surface::FaceLinks links;
-  std::vector<bool> vertex;
-
-  explicit Border(const MeshView& mesh)
-      : links(surface::link_faces(mesh.triangles)), vertex(mesh.vertices.size(), false) {
-    for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-      if (!edge(c)) continue;
-      const auto& t = mesh.triangles[c / 3];
-      vertex[static_cast<std::size_t>(t[c % 3])] = vertex[static_cast<std::size_t>(t[(c + 1) % 3])] = true;
-    }
-  }
-  [[nodiscard]] bool edge(std::size_t corner) const {
-    return links.beyond[corner] == surface::FaceLinks::kNone;
-  }
-};
-
-// Does the nearest point lie on the design's border? Shares of area below kOnEdge are rounding.
-bool on_border(const MeshView& mesh, const Border& border, const gpu::Nearest& nearest) {
-  constexpr double kOnEdge = 1e-7;
-  const Facet f = facet(mesh, nearest.triangle);
-  const auto& t = mesh.triangles[static_cast<std::size_t>(nearest.triangle)];
-  const double area = f.area();
-  if (!(area > 0)) return false;
-  const std::array<double, 3> share{Facet{nearest.point, f.b, f.c}.area() / area,
-                                    Facet{f.a, nearest.point, f.c}.area() / area,
-                                    Facet{f.a, f.b, nearest.point}.area() / area};
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (share[i] > 1 - kOnEdge) return border.vertex[static_cast<std::size_t>(t[i])];
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (share[i] < kOnEdge && border.edge(3 * static_cast<std::size_t>(nearest.triangle) + (i + 1) % 3))
-      return true;
-  }
-  return false;
-}
 
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
 double clamp_mismatch_mm(const Program& program) {
@@ -147,7 +109,7 @@ class CutPart {
   [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) {
     const MeshView mesh{vertices_, triangles_};
     if (!border_) border_.emplace(mesh);
-    return on_border(mesh, *border_, nearest);
+    return border_->holds(mesh, nearest);
   }
 
  private:
@@ -169,7 +131,7 @@ class CutPart {
   std::span<const std::array<int, 3>> triangles_;
   std::optional<NearCells> cells_;
   std::optional<gpu::MeshDistance> search_;
-  std::optional<Border> border_;
+  std::optional<DesignBorder> border_;
 };
 
 // One comparison of a cut with the design: its steps and what they share.
@@ -242,7 +204,7 @@ class CutMeasurement {
   [[nodiscard]] Compared compare_with_design(std::size_t i, const gpu::Nearest& on_design) const {
     Compared c{on_design.distance};
     const Eigen::Vector3d n = facet(mesh_, on_design.triangle).normal();
-    if (on_border(mesh_, *border_, on_design)) {
+    if (border_->holds(mesh_, on_design)) {
       const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > near();
@@ -351,7 +313,7 @@ class CutMeasurement {
       // Only what the same strip forms: another strip's part lies in another block.
       if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
         continue;
-      if (on_border(mesh_, *border_, touched[i]) || part_->on_edge(formed[i])) continue;
+      if (border_->holds(mesh_, touched[i]) || part_->on_edge(formed[i])) continue;
       const std::size_t vertex = part_->vertex_of(formed[i].triangle);
       Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;
@@ -367,7 +329,7 @@ class CutMeasurement {
   const Program& program_;
   MeshView mesh_;  // the design's
   const VerifyOptions& options_;
-  std::optional<Border> border_;
+  std::optional<DesignBorder> border_;
   std::optional<gpu::MeshDistance> to_design_;
   std::optional<CutPart> part_;  // of the cut; all of it where touches are asked for
   DeviationStatistics statistics_;

@@ -112,13 +112,12 @@ std::vector<double> feeds(const Program& program, const CutSurface& surface) {
 
 }  // namespace
 
-Coloring coloring_of(Color color, const Program& program, const CutSurface& surface,
-                     const surface::DesignSurface* design) {
+Coloring coloring_of(Color color, const Program& program, const CutSurface& surface) {
   Coloring out;
   if (color == Color::kStrip || surface.vertices.empty()) return out;
   if (color == Color::kCurvature) return curvature_coloring(program, surface);
   if (color == Color::kDeviation) {
-    out.values = signed_deviation_mm(design->mesh, program.design.keep, surface.vertices);
+    out.values = surface.deviation_mm;
     out.scale = deviation_scale(out.values, program.verification.tolerance_mm);
   } else if (color == Color::kMargin) {
     out.values = margins(program, surface);

@@ -14,8 +14,7 @@ struct Coloring {
 };
 
 // Feed in mm/s between the rows of the surface, curvature in per cent of the curvature at yield, stability
-// margin of the pose, or signed deviation from `design` (mm), which may be null for every other colour.
-[[nodiscard]] Coloring coloring_of(Color color, const Program& program, const CutSurface& surface,
-                                   const surface::DesignSurface* design);
+// margin of the pose, or signed deviation (mm), which the surface must have.
+[[nodiscard]] Coloring coloring_of(Color color, const Program& program, const CutSurface& surface);
 
 }  // namespace hotblade::pipeline::preview

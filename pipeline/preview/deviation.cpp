@@ -1,5 +1,9 @@
 // Which side of the design a point of the cut lies on, and how far.
+#include <cmath>
+#include <limits>
+
 #include "gpu/mesh_distance.hpp"
+#include "pipeline/design_border.hpp"
 #include "pipeline/preview/scene.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -24,15 +28,22 @@ double waste_sign(const surface::TriangleMesh& design, const std::string& keep) 
 }  // namespace
 
 std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, const std::string& keep,
-                                        const std::vector<Eigen::Vector3d>& points) {
-  const gpu::MeshDistance distance(design.vertices, design.triangles);
-  const auto nearest = distance.query(points);
-  const auto sides = distance.sides(points, nearest);
+                                        const std::vector<Eigen::Vector3d>& points, double near_mm) {
+  const gpu::MeshDistance to_design(design.vertices, design.triangles);
+  const auto nearest = to_design.query(points);
+  const auto sides = to_design.sides(points, nearest);
   const double to_waste = waste_sign(design, keep);
+  const MeshView mesh{design.vertices, design.triangles};
+  const DesignBorder border(mesh);
   std::vector<double> signed_mm(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double side = to_waste * static_cast<double>(sides[i]);
-    signed_mm[i] = side < 0 ? -nearest[i].distance : nearest[i].distance;
+    double distance = nearest[i].distance;
+    if (border.holds(mesh, nearest[i])) {
+      const Eigen::Vector3d d = points[i] - nearest[i].point, n = facet(mesh, nearest[i].triangle).normal();
+      const bool beyond = (d - n.dot(d) * n).norm() > near_mm;
+      distance = beyond ? std::numeric_limits<double>::quiet_NaN() : std::abs(n.dot(d));
+    }
+    signed_mm[i] = to_waste * static_cast<double>(sides[i]) < 0 ? -distance : distance;
   }
   return signed_mm;
 }

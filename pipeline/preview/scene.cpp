@@ -11,6 +11,7 @@
 #include "pipeline/preview/cut_values.hpp"
 #include "pipeline/preview/ghosts.hpp"
 #include "pipeline/swept_surface.hpp"
+#include "pipeline/verify.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -103,6 +104,19 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   if (!has_design) scene.caption.push_back("no design at hand: deviation is not shown");
 }
 
+// Measures the cut against the design. What lies past the design's border, in the waste, is left out.
+void measure(CutSurface& cut, const surface::DesignSurface& design, const Program& program) {
+  const double near_mm = VerifyOptions{}.reach * program.verification.tolerance_mm;
+  cut.deviation_mm = signed_deviation_mm(design.mesh, program.design.keep, cut.vertices, near_mm);
+  std::erase_if(cut.triangles, [&](const std::array<int, 3>& triangle) {
+    return std::any_of(triangle.begin(), triangle.end(), [&](int vertex) {
+      return std::isnan(cut.deviation_mm[static_cast<std::size_t>(vertex)]);
+    });
+  });
+  // Of vertices that no triangle has.
+  for (double& value : cut.deviation_mm) value = std::isnan(value) ? 0 : value;
+}
+
 }  // namespace
 
 std::optional<Color> color_named(const std::string& name) {
@@ -140,10 +154,15 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   const Program& part = whole ? program : chosen;
   SweptSurface swept = swept_surface(part, sample_mm(program));
   scene.waste_direction = mean_direction(swept.normals);
-  scene.cut = {std::move(swept.vertices),         std::move(swept.triangles),
-               std::move(swept.strip_of_vertex),  std::move(swept.pose_of_vertex),
-               std::move(swept.curvature_per_mm), {}};
-  Coloring coloring = coloring_of(color, part, scene.cut, design);
+  scene.cut = {std::move(swept.vertices),
+               std::move(swept.triangles),
+               std::move(swept.strip_of_vertex),
+               std::move(swept.pose_of_vertex),
+               std::move(swept.curvature_per_mm),
+               {},
+               {}};
+  if (design) measure(scene.cut, *design, program);
+  Coloring coloring = coloring_of(color, part, scene.cut);
   scene.scale = std::move(coloring.scale);
   scene.cut.values = std::move(coloring.values);
   // To be seen: twice the blade's width, and no less than a hundredth of a large part.

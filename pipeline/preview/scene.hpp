@@ -28,6 +28,7 @@ struct CutSurface {
   std::vector<int> strip_of_vertex;      // index into Scene::strip_names
   std::vector<int> pose_of_vertex;       // index into the strip's poses
   std::vector<double> curvature_per_mm;  // of the blade, without sign
+  std::vector<double> deviation_mm;      // signed (signed_deviation_mm); empty without a design
   std::vector<double> values;
 };
 
@@ -81,9 +82,11 @@ struct SceneOptions {
 
 // Signed distance of each point from the design, mm: positive on the waste side (foam left standing),
 // negative where the cut is too deep. Waste lies above or below along z, or before or behind the face
-// normals, as `keep` says.
+// normals, as `keep` says. Past the design's border it is the distance across the design's plane there, and
+// NaN farther past it than `near_mm`: there the cut is in waste, as verify counts it.
 [[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design,
                                                       const std::string& keep,
-                                                      const std::vector<Eigen::Vector3d>& points);
+                                                      const std::vector<Eigen::Vector3d>& points,
+                                                      double near_mm);
 
 }  // namespace hotblade::pipeline::preview

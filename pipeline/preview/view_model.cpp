@@ -70,7 +70,7 @@ ViewModel view_model(const Program& program, const surface::DesignSurface* desig
        {Color::kDeviation, Color::kStrip, Color::kCurvature, Color::kMargin, Color::kFeed}) {
     if (color == Color::kDeviation && !design) continue;
     model.facts.colors.push_back(color);
-    model.colorings[color] = coloring_of(color, model.program, model.scene.cut, design);
+    model.colorings[color] = coloring_of(color, model.program, model.scene.cut);
   }
   model.triangle_s = triangle_times(model);
   for (const Strip& strip : model.program.strips) {
