@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -289,20 +288,6 @@ TEST(ScanPoses, TakesWhatIsWritten) {
 }
 
 // That a program as it was written takes the quick way shows in its time alone.
-TEST(ParseProgramQuickly, IsQuickerThanTheTree) {
-  const std::string text = to_json(vault_program({.strips = 3})), other = relaid(text);
-  const auto seconds = [](const std::string& of) {
-    double least = 1e9;
-    for (int i = 0; i < 7; ++i) {
-      const std::clock_t start = std::clock();
-      static_cast<void>(parse_program(of, "job.json"));
-      least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    }
-    return least;
-  };
-  EXPECT_LT(2 * seconds(text), seconds(other));
-}
-
 TEST(ParseProgramQuickly, ReadsWhatTheTreeReads) {
   const std::string text = to_json(vault_program({.strips = 3}));
   EXPECT_EQ(outcome(text), text);
