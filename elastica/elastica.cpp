@@ -19,8 +19,7 @@ bool finite(const Elastica& e) {
 
 // Pieces of equal length, none longer than the series can carry.
 int piece_count(const Elastica& e) {
-  const double omega = taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
-  const double pieces = std::ceil(e.length * omega / kStepOmega);
+  const double pieces = std::ceil(turns_at_most(e, e.length) / kStepOmega);
   if (!(pieces <= ElasticaCurve::kMaxPieces)) {
     throw std::logic_error("elastica winds too tightly for its length to be evaluated");
   }
@@ -96,6 +95,10 @@ Elastica turned(const Elastica& e, const CurvePoint& start) {
 
 Eigen::Vector2d CurvePoint::tangent() const {
   return {std::cos(theta), std::sin(theta)};
+}
+
+double turns_at_most(const Elastica& e, double length) {
+  return length * taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
 }
 
 ElasticaCurve::ElasticaCurve(const Elastica& elastica) : elastica_(elastica) {

@@ -55,6 +55,10 @@ class ElasticaCurve {
   std::vector<Piece> pieces_;
 };
 
+// A bound of how far `length` of the curve turns, rad, and a measure of what its evaluation costs; NaN where
+// a parameter is not finite. ElasticaCurve refuses about a thousand turns.
+[[nodiscard]] double turns_at_most(const Elastica& elastica, double length);
+
 // n >= 2 points, evenly spaced by arc length, both ends included.
 [[nodiscard]] std::vector<CurvePoint> sample(const Elastica& elastica, int n);
 

@@ -32,6 +32,9 @@ struct Stock {
   Eigen::Vector3d size_mm{0, 0, 0};
 };
 
+// Of the block's lowest corner where it stands in the cell, mm.
+[[nodiscard]] double height_above_table_mm(const Stock& stock, const Pose& design_to_cell);
+
 struct Rib {
   std::string id;
   Frame frame;

@@ -73,7 +73,7 @@ struct MotionSettings {
 
 struct MachineSettings {
   std::array<double, 3> envelope_mm{4000, 4000, 3000};  // centred on the table in x and y, z from 0
-  double plinth_mm = 150;                               // the stock stands this far above the table
+  double plinth_mm = 0;  // the stock stands this far above the table; 0: as far as needed (plan/motion.hpp)
   // Errors of each clamp, for the error budget. Repeatability of mid-size arms is 0.03 to 0.1 mm (ISO 9283
   // data sheets); calibrated, their absolute error is a few tenths: put your cell's here.
   double clamp_error_mm = 0.1, clamp_error_rad = 0.0002;

@@ -127,7 +127,9 @@ constexpr SettingField kFields[] = {
     {"machine", "envelope_mm", "mm", 100, 100000, "",
      "Space of the cell: length and width centred on the table, height from the table up",
      [](S& s) -> Place { return &s.machine.envelope_mm; }},
-    {"machine", "plinth_mm", "mm", 0, 3000, "", "The stock stands this far above the table",
+    {"machine", "plinth_mm", "mm", 0, 3000, "",
+     "The stock stands this far above the table; 0 takes 150, or as much more as a strip's clamps need to "
+     "stay clear of it",
      [](S& s) -> Place { return &s.machine.plinth_mm; }},
     {"machine", "clamp_error_mm", "mm", 0, 10, "", "Error of a clamp's position, for the error budget",
      [](S& s) -> Place { return &s.machine.clamp_error_mm; }},

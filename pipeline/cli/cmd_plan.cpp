@@ -49,6 +49,17 @@ std::string strip_table(const PlanResult& result) {
   return text;
 }
 
+// Where the blocks stand; empty without blocks.
+std::string plinth_line(const PlanResult& result) {
+  if (result.strips.empty()) return "";
+  const auto lower = [](const StripFacts& a, const StripFacts& b) { return a.plinth_mm < b.plinth_mm; };
+  const auto [low, high] = std::minmax_element(result.strips.begin(), result.strips.end(), lower);
+  const std::string low_text = fmt::format("{:.0f}", low->plinth_mm),
+                    high_text = fmt::format("{:.0f}", high->plinth_mm);
+  return fmt::format("blocks stand {}{} mm above the table\n", low_text,
+                     high_text == low_text ? "" : " to " + high_text);
+}
+
 void print_summary(const PlanResult& result, const fs::path& directory, const Emitted& emitted) {
   const Verification& v = result.program.verification;
   const Deviation& d = v.deviation_mm;
@@ -57,6 +68,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   std::cout << strip_table(result);
   std::cout << fmt::format("strips {}, ribs {} of sections at most {:.3g} mm apart\n", result.strips.size(),
                            ribs, result.spacing_mm);
+  std::cout << plinth_line(result);
   if (result.verification.cut_samples == 0) {
     std::cout << "deviation not measured: nothing is cut\n";
   } else {

@@ -129,10 +129,10 @@ bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Jo
   console.end_progress();
   const auto& size = strip.stock.size_mm;
   std::cerr << fmt::format(
-      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm, {}\nblade and block in place, cell clear? "
-      "Enter to "
-      "start, Ctrl-C to stop: ",
-      strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(), clock_text(duration_s(job)));
+      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm standing {:.0f} mm above the table, {}\n"
+      "blade and block in place, cell clear? Enter to start, Ctrl-C to stop: ",
+      strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(),
+      height_above_table_mm(strip.stock, strip.design_to_cell), clock_text(duration_s(job)));
   std::string line;
   return static_cast<bool>(std::getline(std::cin, line)) && !interrupted();
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "elastica/stability.hpp"
+#include "pipeline/plan/rib_spline.hpp"
 
 namespace hotblade::pipeline {
 
@@ -103,12 +104,9 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   if (own > sharpest) return {kRibCurvature, 1 / own};
   const double spare = length - rib.elastica.length;
   if (spare <= 0) return {kLength, rib.elastica.length};
-  // A curve that winds this fast has lost any blade long before, and is not worth evaluating.
-  const Elastica& e = rib.elastica;
-  const double rate = elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
-  constexpr double kWinds = 100;
-  if (rate * length > kWinds) return {kCurvature, 1 / rate};
-  const elastica::ElasticaCurve curve(extended(e, length, share));
+  if (const double turns = turns_at_most(rib.elastica, length); !(turns < kMostTurnsRad))
+    return {kCurvature, length / turns};
+  const elastica::ElasticaCurve curve(extended(rib.elastica, length, share));
   c.curvature = curve.max_abs_curvature();
   if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
@@ -223,6 +221,39 @@ bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
   return q.clamp_curvature_per_mm < kWorthIt * p.clamp_curvature_per_mm;
 }
 
+// Blades as they stand between two ribs, at quarters of the gap, and what they see of the block.
+struct BetweenRibs {
+  elastica::MidState rib;
+  StockRect rect;
+  int after = 0;  // the rib before it
+};
+
+std::vector<BetweenRibs> between_ribs(const std::vector<RibFit>& ribs, const RibAxes& axes,
+                                      const Block& block) {
+  std::vector<BetweenRibs> all;
+  const RibSpline spline(ribs);
+  for (std::size_t i = 0; i + 1 < ribs.size(); ++i) {
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const double offset = ribs[i].offset_mm + share * (ribs[i + 1].offset_mm - ribs[i].offset_mm);
+      all.push_back({spline.mid_at(offset), block.seen_from(axes.plane(offset)), static_cast<int>(i)});
+    }
+  }
+  return all;
+}
+
+// What the clamps have left between ribs, at the nearest place, and the rib before it.
+std::pair<double, int> clearance_between(const std::vector<BetweenRibs>& between, double length,
+                                         double share) {
+  std::pair<double, int> nearest{std::numeric_limits<double>::infinity(), 0};
+  for (const BetweenRibs& b : between) {
+    if (winds_up(b.rib, length)) return {0, b.after};
+    const elastica::ElasticaCurve curve(extended(from_mid_state(b.rib), length, share));
+    for (const double s : {0.0, length})
+      nearest = std::min(nearest, {b.rect.distance(curve.at(s).position()), b.after});
+  }
+  return nearest;
+}
+
 // What the shares of one length came to.
 struct LengthTrial {
   std::optional<BladeChoice> choice;
@@ -230,7 +261,8 @@ struct LengthTrial {
   int rib = -1;
 };
 
-LengthTrial try_length(const std::vector<PlacedRib>& ribs, double length, const Settings& settings) {
+LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<BetweenRibs>& between,
+                       double length, const Settings& settings) {
   // Of the extension, on clamp A's side; the more even ones first.
   constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
   LengthTrial trial;
@@ -238,7 +270,15 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, double length, const 
     std::vector<RibCheck> checks(ribs.size());
     tbb::parallel_for(std::size_t{0}, ribs.size(),
                       [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, settings); });
-    const auto worst = std::min_element(checks.begin(), checks.end(), worse);
+    auto worst = std::min_element(checks.begin(), checks.end(), worse);
+    if (worst->stage == kPassed) {
+      const auto [clearance, rib] = clearance_between(between, length, share);
+      if (clearance < settings.stock.clearance_mm) {
+        worst = checks.begin() + rib;
+        worst->stage = kClearance;
+        worst->value = clearance;
+      }
+    }
     if (worst->stage == kPassed) {
       const BladeChoice choice = summarise(checks, length, share);
       if (!trial.choice || less_loaded(choice, *trial.choice)) trial.choice = choice;
@@ -356,11 +396,12 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
     if (i + 1 < ribs.size())
       rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
   }
+  const std::vector<BetweenRibs> between = between_ribs(ribs, axes, block);
   BladeReport report;
   int furthest = -1;
   std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
-    const LengthTrial trial = try_length(placed, length, settings);
+    const LengthTrial trial = try_length(placed, between, length, settings);
     if (trial.choice) {
       report.choice = trial.choice;
       return report;

@@ -59,11 +59,14 @@ struct RibResidual {
   const RibFit* rib;
   Scale scale;
   State start;
+  double blade_length_mm;
 
   static constexpr int kResiduals = 2 * kPoints + 6 + kState;
 
   bool operator()(const double* s, double* r) const {
-    const Elastica e = from_mid_state(scale.unpack(s));
+    const MidState mid = scale.unpack(s);
+    if (winds_up(mid, blade_length_mm)) return false;  // a step too far: the solver takes a shorter one
+    const Elastica e = from_mid_state(mid);
     const std::vector<elastica::CurvePoint> on = sample(e, kPoints);
     const std::vector<Eigen::Vector2d>& followed = rib->followed();
     const std::size_t stride = (followed.size() - 1) / (kPoints - 1);
@@ -105,6 +108,8 @@ class ClampBend : public ceres::SizedCostFunction<kClamp, kState, kState, kState
       : scales_(scales), difference_(difference), weight_(weight), options_(options) {}
 
   bool Evaluate(double const* const* states, double* residuals, double** jacobians) const override {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (winds_up(scales_[k].unpack(states[k]), options_.blade_length_mm)) return false;
     Eigen::Map<Clamps> r(residuals);
     r.setZero();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -177,8 +182,8 @@ std::vector<MidState> solve(const std::vector<RibFit>& ribs, double weight, cons
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     using Cost = ceres::NumericDiffCostFunction<RibResidual, ceres::CENTRAL, RibResidual::kResiduals, kState>;
     const Scale scale{ribs[i].elastica.length};
-    problem.AddResidualBlock(new Cost(new RibResidual{&ribs[i], scale, states[i]}), nullptr,
-                             states[i].data());
+    problem.AddResidualBlock(new Cost(new RibResidual{&ribs[i], scale, states[i], options.blade_length_mm}),
+                             nullptr, states[i].data());
   }
   add_bends(problem, ribs, states, weight, options);
   ceres::Solver::Options solver;
@@ -223,6 +228,8 @@ double clamp_acceleration_mm_s2(const std::vector<RibFit>& ribs, const JointFitO
 
 JointFitReport joint_fit(std::vector<RibFit>& ribs, const JointFitOptions& options) {
   JointFitReport report;
+  for (const RibFit& rib : ribs)
+    if (winds_up(mid_state(rib.elastica), options.blade_length_mm)) return report;
   report.acceleration_before_mm_s2 = report.acceleration_after_mm_s2 =
       clamp_acceleration_mm_s2(ribs, options);
   if (ribs.size() < 3) return report;

@@ -25,7 +25,8 @@ struct JointFitReport {
 // the elastica, and the second differences of both clamp poses along the sweep. Only neighbours meet in a
 // residual, so the normal equations are banded and the cost grows linearly with the ribs. The heaviest weight
 // of a fixed list under which every rib keeps its allowance is taken; ends shared with a neighbouring strip
-// stay. Fewer than three ribs are left as they are. The result does not depend on threads.
+// stay. Fewer than three ribs are left as they are, and so are ribs whose blade would wind up
+// (kMostTurnsRad). The result does not depend on threads.
 [[nodiscard]] JointFitReport joint_fit(std::vector<RibFit>& ribs, const JointFitOptions& options);
 
 // Largest clamp acceleration of the ribs as they are, mm/s2.

@@ -208,7 +208,9 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
 }
 
 struct Measured {
-  double speed = 0, accel = 0, turn = 0, turn_accel = 0, outside = 0, lowest = 1e300, shortest_step = 1e300;
+  double speed = 0, accel = 0, turn = 0, turn_accel = 0, shortest_step = 1e300;
+  double aside = 0;  // of the envelope
+  double lowest = 1e300, highest = 0;
 };
 
 // Limits measured again from the finished waypoints, in the cell frame, by differences in time.
@@ -220,9 +222,9 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
     double dt = 1;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Eigen::Vector3d cell = transformed(strip.design_to_cell, poses[i].*clamp).p;
-      m.outside =
-          std::max({m.outside, std::abs(cell.x()) - machine.envelope_mm[0] / 2,
-                    std::abs(cell.y()) - machine.envelope_mm[1] / 2, cell.z() - machine.envelope_mm[2]});
+      m.aside = std::max({m.aside, std::abs(cell.x()) - machine.envelope_mm[0] / 2,
+                          std::abs(cell.y()) - machine.envelope_mm[1] / 2});
+      m.highest = std::max(m.highest, cell.z());
       m.lowest = std::min(m.lowest, cell.z());
       if (i == 0) continue;
       dt = poses[i].t - poses[i - 1].t;
@@ -244,6 +246,12 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
 
 void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const Measured m = measure(motion.poses, strip, settings.machine);
+  constexpr double kRaiseStepMm = 10;
+  if (settings.machine.plinth_mm == 0)
+    motion.raise_mm =
+        kRaiseStepMm * std::ceil(std::max(0.0, settings.stock.clearance_mm - m.lowest) / kRaiseStepMm);
+  const double lowest = m.lowest + motion.raise_mm;
+  const double outside = std::max(m.aside, m.highest + motion.raise_mm - settings.machine.envelope_mm[2]);
   // Written so that a value that is not a number is refused.
   const auto limit = [&](const char* name, double value, double bound, const char* unit, const char* hint) {
     if (!(value <= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
@@ -253,7 +261,7 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   limit("clamp acceleration", m.accel, settings.motion.accel_mm_s2, "mm/s2", slower);
   limit("clamp angular speed", m.turn, settings.motion.angular_rad_s, "rad/s", slower);
   limit("clamp angular acceleration", m.turn_accel, settings.motion.angular_accel_rad_s2, "rad/s2", slower);
-  limit("distance outside the envelope", m.outside, 0, "mm", "choose a shorter blade or a larger machine");
+  limit("distance outside the envelope", outside, 0, "mm", "choose a shorter blade or a larger machine");
   // Registers count time in u32 microseconds.
   constexpr double kLongest_s = 4294.0;
   limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
@@ -266,7 +274,7 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   constexpr double kShortestStep_s = 0.005, kTimeRounding_s = 1e-6;
   at_least("time between waypoints", m.shortest_step, kShortestStep_s - kTimeRounding_s, "s",
            "raise motion.waypoint_s");
-  at_least("clamp height above the table", m.lowest, settings.stock.clearance_mm, "mm",
+  at_least("clamp height above the table", lowest, settings.stock.clearance_mm, "mm",
            "raise machine.plinth_mm");
   at_least(
       "feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",

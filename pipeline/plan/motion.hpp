@@ -14,9 +14,17 @@
 
 namespace hotblade::pipeline {
 
+// Above the table, where machine.plinth_mm leaves it open: what a blade's way out below the block mostly
+// needs.
+inline constexpr double kUsualPlinthMm = 150;
+
 struct BladeMotion {
   std::vector<BladePose> poses;
   double duration_s = 0, cut_s = 0;
+  // How much higher than on the usual plinth the block has to stand for its clamps to stay clear of the
+  // table, in whole cm, where machine.plinth_mm leaves it open. Poses lie in the design's frame and do not
+  // change.
+  double raise_mm = 0;
   double off_plane_mm = 0;  // how far the clamps leave a common plane between waypoints, where planes turn
   double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
   // Over all poses.

@@ -182,6 +182,7 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   // The twist tilts the section, whose edges move by half its width.
   f.droop_error_mm = f.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * motion.twist_rad;
   f.stock_volume_mm3 = plan.stock.size_mm.prod();
+  f.plinth_mm = height_above_table_mm(plan.stock, plan.design_to_cell);
   f.plane_turn_rad =
       plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
   f.off_plane_mm = motion.off_plane_mm;
@@ -260,6 +261,7 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     check_interrupt(hooks);
     PosedStrip posed = posed_shorter(pose_strip(layout.strips[i], settings), settings);
+    posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
     done[i].facts = facts_of(posed.strip, posed.motion, settings);
     done[i].refusals = std::move(posed.motion.refusals);
     done[i].warnings = std::move(posed.motion.warnings);

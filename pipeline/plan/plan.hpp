@@ -38,9 +38,10 @@ struct StripFacts {
   }
   std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
   double stock_volume_mm3 = 0;
+  double plinth_mm = 0;        // the block stands this far above the table
   double foam_kept_share = 0;  // of it that becomes the part (report/foam_share.hpp)
-  double plane_turn_rad = 0;  // between the first and the last rib's plane; 0: they are parallel
-  double off_plane_mm = 0;    // how far the clamps leave a common plane between waypoints
+  double plane_turn_rad = 0;   // between the first and the last rib's plane; 0: they are parallel
+  double off_plane_mm = 0;     // how far the clamps leave a common plane between waypoints
 };
 
 // along_a, across_a, turn_a, along_b, across_b, turn_b.

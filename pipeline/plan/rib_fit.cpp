@@ -159,6 +159,12 @@ double RibFit::deviation_of(const Elastica& e) const {
   return target.empty() ? 0 : elastica::max_distance(target, e);
 }
 
+bool winds_up(const MidState& rib, double length_mm) {
+  // In the axes of its tangent.
+  const Elastica along{0, 0, 0, rib.kappa, rib.tension1, rib.tension2, rib.length};
+  return !(turns_at_most(along, std::max(rib.length, length_mm)) < kMostTurnsRad);
+}
+
 std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
                              const FitSettings& settings) {
   std::vector<RibFit> fits(ribs.size());

@@ -42,6 +42,11 @@ struct RibFit {
 };
 
 inline constexpr int kRibSamples = 65;
+// Of a blade (elastica::turns_at_most): one that winds faster has snapped or yielded long before, and is not
+// worth evaluating.
+inline constexpr double kMostTurnsRad = 100;
+// Whether a blade of this length through a rib's state does so.
+[[nodiscard]] bool winds_up(const elastica::MidState& rib, double length_mm);
 // Of fit_ribs: decides only what the points leave open.
 inline constexpr double kLeastTensionWeight = 1e-6;
 

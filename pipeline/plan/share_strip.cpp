@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 
+#include "pipeline/plan/motion.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -46,8 +48,8 @@ void place_stock(StripPlan& strip, const Block& block, const Settings& settings)
   const Eigen::Vector2d middle = 0.5 * (low.head<2>() + high.head<2>());
   const Eigen::Vector3d foot = block.centre + middle.x() * x + middle.y() * block.y + high.z() * sweep;
   strip.design_to_cell.q = robot::canonical(Eigen::Quaterniond(r));
-  strip.design_to_cell.p =
-      Eigen::Vector3d(0, 0, settings.machine.plinth_mm) - strip.design_to_cell.q.toRotationMatrix() * foot;
+  const double plinth = settings.machine.plinth_mm > 0 ? settings.machine.plinth_mm : kUsualPlinthMm;
+  strip.design_to_cell.p = Eigen::Vector3d(0, 0, plinth) - strip.design_to_cell.q.toRotationMatrix() * foot;
 }
 
 // The calmest fit within `allowed` that a blade can be extended from; else the refusal of the closest fit.

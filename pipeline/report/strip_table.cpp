@@ -70,6 +70,7 @@ const auto kColumns = std::to_array<StripColumn>({
     {kCut, "rib fit", "mm", fixed<&F::worst_fit_mm, 3>},
     {kCut, "kink at seam", "deg", fixed<&F::seam_kink_deg, 2>},
     {kCut, "block", "mm", block},
+    {kCut, "plinth", "mm", fixed<&F::plinth_mm, 0>},
     {kCut, "foam kept", "%",
      [](const StripRow& r) { return fmt::format("{:.0f}", 100 * r.facts.foam_kept_share); }},
     {kCut, "slowest feed", "mm/s", fixed<&F::slowest_feed_mm_s, 2>},

@@ -112,6 +112,20 @@ TEST(MaxAbsCurvature, MatchesDenseSampling) {
   }
 }
 
+TEST(TurnsAtMost, BoundsTheTurningOfInflectionalAndWindingCurves) {
+  for (const Elastica& e : {Elastica{0, 0, 0.3, 0.02, 1e-4, 3e-5, 800},
+                            {1, 2, 2.0, 0.3, 1e-3, 0, 100},
+                            {1, 2, 3.0, -0.1, 0, 0, 100},
+                            {0, 0, 0, 1e-3, -2e-4, 0, 500}}) {
+    double turned = 0;
+    const std::vector<CurvePoint> on = sample(e, 2001);
+    for (std::size_t i = 1; i < on.size(); ++i) turned += std::abs(on[i].theta - on[i - 1].theta);
+    EXPECT_LE(turned, turns_at_most(e, e.length) * (1 + 1e-12));
+    EXPECT_GT(turned, 0.1 * turns_at_most(e, e.length));
+  }
+  EXPECT_TRUE(std::isnan(turns_at_most({0, 0, 0, std::nan(""), 0, 0, 1}, 1)));
+}
+
 TEST(ElasticaCurve, RejectsWhatIsNotACurve) {
   EXPECT_THROW(ElasticaCurve({0, 0, 0, 0, 0, 0, -1}), std::logic_error);
   EXPECT_THROW(ElasticaCurve({0, 0, std::nan(""), 0, 0, 0, 1}), std::logic_error);

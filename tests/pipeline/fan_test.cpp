@@ -55,10 +55,9 @@ Settings fan_settings(const Placed& place) {
   Settings settings;
   settings.design.units = "mm";
   settings.design.keep = "back";
-  // Close fits instead of calm ones; the tilted blade reaches farther down.
+  // Close fits instead of calm ones.
   settings.fit.deviation_share = 0.03;
   settings.fit.between_share = 0.01;
-  settings.machine.plinth_mm = 400;
   const Vector3d p = place(Vector3d(0, 0, 120)), d = place.turn * Vector3d(0, 0, 3);
   settings.slice.fan_axis = {{p.x(), p.y(), p.z(), d.x(), d.y(), d.z()}};
   return settings;

@@ -87,6 +87,22 @@ TEST(JointFit, KeepsEndsThatAreSharedWithANeighbour) {
   }
 }
 
+// A tip: the last rib is so short that its elastica may wind up at will on the way to the clamps.
+TEST(JointFit, HasAnAnswerWhereAShortRibWindsUp) {
+  std::vector<RibFit> ribs = jittery_ribs(6, 0.05);
+  RibFit& tip = ribs.back();
+  tip.target.clear();
+  for (int i = 0; i < kRibSamples; ++i)
+    tip.target.emplace_back(150 + 0.05 * i / (kRibSamples - 1), 30 + 0.01 * (i % 2));
+  tip.elastica = {150, 30, 0.3, 0.002, 0, 1e3, 0.05};
+  tip.deviation_mm = elastica::max_distance(tip.target, tip.elastica);
+  ASSERT_THROW(elastica::ElasticaCurve({150, 30, 0.3, 0.002, 0, 1e7, 400}), std::logic_error);
+  tip.elastica.lambda2 = 1e7;
+  JointFitReport report;
+  EXPECT_NO_THROW(report = joint_fit(ribs, options_with(0.3)));
+  EXPECT_EQ(report.weight, 0);
+}
+
 TEST(ClampAcceleration, OfCirclesMovedAlongAParabolaIsItsSecondDerivative) {
   std::vector<RibFit> ribs;
   for (int i = 0; i < 6; ++i) {

@@ -129,5 +129,37 @@ TEST(LayOutStrips, PutsTheBlockOnThePlinthAboveTheTableCentred) {
   EXPECT_NEAR((strip.design_to_cell.q * strip.sweep).z(), -1, 1e-12);
 }
 
+double lowest_clamp_mm(const StripPlan& strip, const BladeMotion& motion) {
+  double lowest = 1e9;
+  for (const BladePose& pose : motion.poses)
+    for (const Pose& clamp : {pose.a, pose.b})
+      lowest = std::min(lowest, transformed(strip.design_to_cell, clamp).p.z());
+  return lowest;
+}
+
+TEST(MoveBlade, RaisesTheBlockAsFarAsTheClampsNeedIt) {
+  StripPlan low = planned().strip;
+  low.design_to_cell.p.z() -= 130;
+  const BladeMotion raised = move_blade(low, along_x());
+  for (const Refusal& r : raised.refusals) ADD_FAILURE() << describe(r);
+  const double lowest = lowest_clamp_mm(low, raised);
+  ASSERT_LT(lowest, 40);
+  EXPECT_GE(lowest + raised.raise_mm, 40);
+  EXPECT_LT(lowest + raised.raise_mm, 50);
+  EXPECT_EQ(std::fmod(raised.raise_mm, 10), 0);
+  EXPECT_EQ(planned().motion.raise_mm, 0);
+}
+
+TEST(MoveBlade, RefusesClampsBelowTheTableOnAPlinthThatIsGiven) {
+  StripPlan low = planned().strip;
+  low.design_to_cell.p.z() -= 130;
+  Settings given = along_x();
+  given.machine.plinth_mm = 20;
+  const BladeMotion motion = move_blade(low, given);
+  EXPECT_EQ(motion.raise_mm, 0);
+  ASSERT_EQ(motion.refusals.size(), 1U);
+  EXPECT_EQ(motion.refusals.front().limit, "clamp height above the table");
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

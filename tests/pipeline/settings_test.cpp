@@ -186,7 +186,8 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
               HasSubstr("given with slice.direction"));
   EXPECT_THAT(set_error("motion.min_feed_mm_s=8"), HasSubstr("at most motion.feed_mm_s, 7"));
   EXPECT_THAT(set_error("motion.feed_mm_s=101"), HasSubstr("at most motion.travel_mm_s, 100"));
-  EXPECT_THAT(set_error("machine.envelope_mm=[4000, 4000, 100]"), HasSubstr("machine.plinth_mm (150"));
+  EXPECT_THAT(usage_error({{}, {"machine.envelope_mm=[4000, 4000, 100]", "machine.plinth_mm=150"}, {}}),
+              HasSubstr("machine.plinth_mm (150"));
   EXPECT_THAT(set_error("design.facing=[0, 0, 0]"), HasSubstr("leave it out to cut all faces"));
 }
 
