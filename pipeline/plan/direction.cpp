@@ -18,10 +18,12 @@ namespace {
 using Eigen::Vector3d;
 
 // A direction nearly along a straight border is worse than the one along it: its first rib is a sliver.
-bool nearly_along(const Vector3d& n, const std::vector<Vector3d>& borders) {
-  constexpr double kSame = 0.99;  // within 8 degrees, about half of the hemisphere's steps
+constexpr double kSame = 0.99;    // within 8 degrees
+constexpr double kBeside = 0.98;  // within 11 degrees, over half of the hemisphere's steps
+
+bool nearly_along(const Vector3d& n, const std::vector<Vector3d>& borders, double cosine) {
   return std::any_of(borders.begin(), borders.end(),
-                     [&](const Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
+                     [&](const Vector3d& m) { return std::abs(m.dot(n)) > cosine; });
 }
 
 // Directions whose planes hold a side of the border: exactly where that lies in a plane, else as seen along
@@ -31,10 +33,10 @@ std::vector<Vector3d> border_directions(const surface::TriangleMesh& mesh, const
   std::vector<Vector3d> directions;
   for (const BorderRun& side : sides) {
     const auto plane = is_straight(side) ? std::nullopt : plane_of(side);
-    if (plane && !nearly_along(plane->n, directions)) directions.push_back(plane->n);
+    if (plane && !nearly_along(plane->n, directions, kSame)) directions.push_back(plane->n);
   }
   for (const Vector3d& n : along_borders(mesh, body)) {
-    if (!nearly_along(n, directions)) directions.push_back(n);
+    if (!nearly_along(n, directions, kBeside)) directions.push_back(n);
   }
   return directions;
 }
@@ -44,7 +46,7 @@ std::vector<Vector3d> candidate_directions(const surface::DesignSurface& design,
   std::vector<Vector3d> candidates = borders, free = hemisphere(body);
   if (const auto n = least_steep(design.mesh)) free.push_back(*n);
   for (const Vector3d& n : free) {
-    if (!nearly_along(n, borders)) candidates.push_back(n);
+    if (!nearly_along(n, borders, kBeside)) candidates.push_back(n);
   }
   for (Vector3d& n : candidates) n = with_sense(design.mesh, body, n);
   return candidates;
@@ -161,7 +163,7 @@ class Search {
         for (const double side : {-1.0, 1.0}) {
           const double angle = side * degrees * std::numbers::pi / 180;
           const Vector3d n = Eigen::AngleAxisd(angle, axis) * from.normal;
-          if (!nearly_along(n, borders_)) tilted.push_back(n);
+          if (!nearly_along(n, borders_, kBeside)) tilted.push_back(n);
         }
       }
       plan(tilted, {});
@@ -199,7 +201,7 @@ std::optional<std::size_t> next_direction(const std::vector<DirectionScore>& ran
     const bool known = std::any_of(ranking.begin(), ranking.end(), [&](const DirectionScore& other) {
       if (other.refused.empty()) return false;
       const bool same_kind = ranking[i].fan.has_value() == other.fan.has_value();
-      return same_kind && nearly_along(ranking[i].normal, {other.normal});
+      return same_kind && nearly_along(ranking[i].normal, {other.normal}, kSame);
     });
     if (!known && !ranking[i].estimated) return i;
   }

@@ -82,16 +82,19 @@ double mesh_error_mm(const Swept& p, int nu, int nv) {
   return worst;
 }
 
+enum class Direction { kGiven, kSearched };
+
 // The plan of a surface turned in space; ribs may be as far off as the facets are high, and the surface
 // between them by half as much.
-PlanResult plan_swept(const Swept& p, int nu, int nv, double mesh_error, const Eigen::Quaterniond& turn) {
+PlanResult plan_swept(const Swept& p, int nu, int nv, double mesh_error, const Eigen::Quaterniond& turn,
+                      Direction direction = Direction::kGiven) {
   Settings settings;
   settings.design.units = "mm";
   settings.design.keep = "back";
   settings.fit.deviation_share = mesh_error / settings.design.tolerance_mm;
   settings.fit.between_share = 0.5 * settings.fit.deviation_share;
   const Vector3d sweep = turn * Vector3d::UnitX();
-  settings.slice.direction = {{sweep.x(), sweep.y(), sweep.z()}};
+  if (direction == Direction::kGiven) settings.slice.direction = {{sweep.x(), sweep.y(), sweep.z()}};
   const auto design = grid_design("swept", nu, nv, [&](double u, double v) -> Vector3d {
     return turn * p(u, v) + Vector3d(310, -140, 75);
   });
@@ -141,6 +144,22 @@ TEST_P(ElasticaSweep, IsTheSameInEveryPositionInSpace) {
     EXPECT_EQ(result.strips[0].ribs, first.strips[0].ribs);
     EXPECT_EQ(result.strips[0].blade_length_mm, first.strips[0].blade_length_mm);
     EXPECT_NEAR(result.verification.deviation.max, first.verification.deviation.max, 0.02 * error);
+  }
+}
+
+TEST_P(ElasticaSweep, ComesBackAlongADirectionThatIsSearchedFor) {
+  const Swept p{GetParam()};
+  const double error = mesh_error_mm(p, 24, 48);
+  for (const Eigen::Quaterniond& turn : turns()) {
+    const PlanResult result = plan_swept(p, 24, 48, error, turn, Direction::kSearched);
+    for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+    ASSERT_EQ(result.strips.size(), 1u);
+    EXPECT_EQ(result.verification.uncut_mm2, 0);
+    EXPECT_LE(result.verification.deviation.max, 1.5 * error);
+    EXPECT_FALSE(result.ranking.front().fan);
+    // The borders at both ends lie in planes, to the half band that they are moved by.
+    const Vector3d found = result.ranking.front().normal, sweep = turn * Vector3d::UnitX();
+    EXPECT_LT(found.cross(sweep).norm(), 0.002);
   }
 }
 
