@@ -148,7 +148,7 @@ std::vector<SampleSurface> sample_surfaces() {
       {"branch", "Panel that parts into two arms, 900 mm long", 900, 610, 45, 61, branch, 0.05, 150, 1, "mm",
        beside_the_gap},
       {"ragged", "Arch with ragged borders, 800 x 600 mm", 800, 600, 60, 50, ragged, 0.13, 150},
-      {"petal", "Petal of a shell, 1000 mm long, 60 to 530 mm wide", 1000, 560, 60, 36, petal, 0.1, 150},
+      {"petal", "Petal of a shell, 1000 mm long, 60 to 530 mm wide", 1000, 560, 60, 36, petal, 0.1, 150, 0.5},
       {"corner", "Arch of 400 mm span bent round a corner of 69 degrees", 600, 400, 60, 44, corner, 0.1, 150},
   };
 }
