@@ -2,8 +2,6 @@
 
 add_library(hotblade_options INTERFACE)
 target_compile_options(hotblade_options INTERFACE -Wall -Wextra -Wconversion -Wshadow -Wpedantic)
-# GCC 12 sees overlapping copies in std::string's operator+ that are not there (GCC bug 105651).
-target_compile_options(hotblade_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 # Same decisions on every machine: no fused multiply-add chosen by the compiler.
 target_compile_options(hotblade_options INTERFACE -ffp-contract=off)
 # GCC 12 reports an overlap in `"text" + std::string` that cannot happen (GCC bug 105651).
@@ -18,26 +16,57 @@ if(HOTBLADE_SANITIZE)
   target_link_options(hotblade_options INTERFACE -fsanitize=${HOTBLADE_SANITIZE})
 endif()
 
-# hotblade_room(<room> SOURCES ... HEADERS ... [PUBLIC targets...] [PRIVATE targets...])
+# hotblade_room(<room>[/<inner room>] [SOURCES ...] HEADERS ... [PUBLIC targets...] [PRIVATE targets...]): the files of
+# one folder as one target, hotblade_<room>[_<inner room>]. Each listed header must compile alone (tests/house).
 function(hotblade_room room)
   cmake_parse_arguments(ARG "" "" "SOURCES;HEADERS;PUBLIC;PRIVATE" ${ARGN})
-  add_library(hotblade_${room} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
-  set_target_properties(hotblade_${room} PROPERTIES LINKER_LANGUAGE CXX)
-  target_compile_features(hotblade_${room} PUBLIC cxx_std_20)
-  target_include_directories(hotblade_${room} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hotblade>)
-  target_link_libraries(hotblade_${room} PUBLIC Eigen3::Eigen ${ARG_PUBLIC} PRIVATE hotblade_options ${ARG_PRIVATE})
+  string(REPLACE "/" "_" target "hotblade_${room}")
+  set(folder "${PROJECT_SOURCE_DIR}/${room}")
+  foreach(source IN LISTS ARG_SOURCES)
+    # A generated source comes with its whole path.
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY "${folder}")
+    list(APPEND sources "${source}")
+  endforeach()
+  set(includes $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/hotblade>)
+  if(sources)
+    add_library(${target} STATIC ${sources})
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    target_include_directories(${target} PUBLIC ${includes})
+    target_link_libraries(${target} PUBLIC Eigen3::Eigen ${ARG_PUBLIC} PRIVATE hotblade_options ${ARG_PRIVATE})
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${includes})
+    target_link_libraries(${target} INTERFACE Eigen3::Eigen ${ARG_PUBLIC})
+  endif()
   list(TRANSFORM ARG_HEADERS PREPEND "${room}/")
   set_property(GLOBAL APPEND PROPERTY HOTBLADE_HEADERS ${ARG_HEADERS})
+  string(REGEX MATCH "^[^/]+" house_room "${room}")
+  set_property(GLOBAL APPEND PROPERTY HOTBLADE_ROOMS_OF_${house_room} ${target})
 endfunction()
 
-# hotblade_test(<room> SOURCES ... [LINK targets...]): one GoogleTest program hotblade_<room>_tests, discovered by ctest.
+# hotblade_whole_room(<room>): hotblade_<room>, all its inner rooms together.
+function(hotblade_whole_room room)
+  get_property(inner GLOBAL PROPERTY HOTBLADE_ROOMS_OF_${room})
+  add_library(hotblade_${room} INTERFACE)
+  target_link_libraries(hotblade_${room} INTERFACE ${inner})
+endfunction()
+
+# hotblade_test(<room>[/<inner room>] SOURCES ... [LINK targets...]): one GoogleTest program
+# hotblade_<room>[_<inner room>]_tests of tests/<room>, discovered by ctest. Sources of another folder come with their
+# path from tests/.
 function(hotblade_test room)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
-  add_executable(hotblade_${room}_tests ${ARG_SOURCES})
-  target_link_libraries(hotblade_${room}_tests PRIVATE hotblade_options ${ARG_LINK} GTest::gmock GTest::gtest_main)
-  target_compile_definitions(hotblade_${room}_tests PRIVATE
-    HOTBLADE_SOURCE_DIR="${PROJECT_SOURCE_DIR}" HOTBLADE_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  string(REPLACE "/" "_" target "hotblade_${room}_tests")
+  foreach(source IN LISTS ARG_SOURCES)
+    if(source MATCHES "/")
+      list(APPEND sources "${PROJECT_SOURCE_DIR}/tests/${source}")
+    else()
+      list(APPEND sources "${PROJECT_SOURCE_DIR}/tests/${room}/${source}")
+    endif()
+  endforeach()
+  add_executable(${target} ${sources})
+  target_link_libraries(${target} PRIVATE hotblade_options hotblade_test_paths ${ARG_LINK} GTest::gmock
+    GTest::gtest_main)
   include(GoogleTest)
-  gtest_discover_tests(hotblade_${room}_tests DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600)
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600)
 endfunction()

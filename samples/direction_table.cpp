@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/direction.hpp"
+#include "pipeline/plan/direction/direction.hpp"
 #include "samples/sample_surfaces.hpp"
-#include "surface/design_surface.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "pipeline/plan/plan.hpp"
-#include "pipeline/report/foam_share.hpp"
+#include "pipeline/verify/foam_share.hpp"
 #include "samples/sample_surfaces.hpp"
 
 namespace {

@@ -1,5 +1,5 @@
 /* A cubic Bezier against an elastica: the paper's L2 and H1, and bounds of the Hausdorff distance
- * (elastica/curve_distance.hpp).
+ * (elastica/bezier/curve_distance.hpp).
  *
  * Frame: the elastica starts at the origin. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_CURVE_PAIR_H

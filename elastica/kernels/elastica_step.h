@@ -1,4 +1,4 @@
-/* An elastica in state form, run along by steps of its Taylor series (elastica/taylor.hpp): every lane its
+/* An elastica in state form, run along by steps of its Taylor series (elastica/curve/taylor.hpp): every lane its
  * own curve and its own distance. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_ELASTICA_STEP_H
 #define HOTBLADE_ELASTICA_KERNELS_ELASTICA_STEP_H

@@ -1,5 +1,5 @@
 // The search behind the Hausdorff distance of two plane curves, refined until its bounds are near enough
-// (elastica/curve_distance.hpp, gpu/pair_distance.hpp).
+// (elastica/bezier/curve_distance.hpp, gpu/curve/pair_distance.hpp).
 //
 // A Side is a curve over [0, 1]: at(u) gives a Point of it, bend(a, b) bounds its second derivative between
 // two.

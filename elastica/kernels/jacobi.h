@@ -1,5 +1,5 @@
 /* Jacobi's elliptic functions sn, cn, dn and the integral of dn^2 (or cn^2) by a descending Landen ladder
- * that is made once per modulus (elastica/closed_form.hpp) and climbed by every sample: at the bottom, where
+ * that is made once per modulus (elastica/curve/closed_form.hpp) and climbed by every sample: at the bottom, where
  * the modulus vanishes to rounding, they are sine and cosine. One division a level, no branches. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_JACOBI_H
 #define HOTBLADE_ELASTICA_KERNELS_JACOBI_H
@@ -58,7 +58,7 @@ HB_INLINE hb_jacobi hb_jacobi_at(const hb_ladder* ladder, HB_REAL argument) {
 }
 
 /* Sine, cosine, delta and Int dn^2 of modulus k at u, from the ladder's own: above 1 it is the ladder of the
- * reciprocal modulus 1/k at v = k u, with the integral of cn^2 (elastica/closed_form.hpp). */
+ * reciprocal modulus 1/k at v = k u, with the integral of cn^2 (elastica/curve/closed_form.hpp). */
 HB_INLINE hb_jacobi hb_jacobi_of_modulus(const hb_ladder* ladder, double k, const hb_jacobi* j) {
   const HB_REAL per = HB_BROADCAST(k > 1 ? 1 / k : 1.0);
   hb_jacobi out;

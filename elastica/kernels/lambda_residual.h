@@ -1,4 +1,4 @@
-/* The lambda-residual of a cubic Bezier (elastica/lambda_residual.hpp) by 24 Gauss nodes and two passes:
+/* The lambda-residual of a cubic Bezier (elastica/bezier/lambda_residual.hpp) by 24 Gauss nodes and two passes:
  * moments and least squares first, then the residual itself, because differences of moments cancel.
  *
  * The curve is written in powers of u = t - 1/2, so that the nodes +u and -u share their even and odd halves
@@ -40,7 +40,7 @@ HB_CONSTANT double hb_gauss[HB_GAUSS_PAIRS][7] = {
      3.370383862004360992e-8, 1.079481589771341685e-9, 0.06396909767337607849}};
 #define HB_GAUSS_WEIGHT 6
 
-/* Status codes, in the order of elastica/lambda_residual.hpp's ResidualStatus. */
+/* Status codes, in the order of elastica/bezier/lambda_residual.hpp's ResidualStatus. */
 #define HB_RESIDUAL_OK 0.0
 #define HB_RESIDUAL_STRAIGHT 1.0
 #define HB_RESIDUAL_CUSP 2.0

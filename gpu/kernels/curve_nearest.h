@@ -3,7 +3,7 @@
  * Where the squared distance is convex over a piece - its second derivative's Bernstein coefficients tell -
  * the minimum there is the only one, and how far a point is from it follows from the slope: with D half the
  * squared distance and D'' >= m, d^2 - d_min^2 <= D'^2 / m. So an answer is either proven, to HB_CURVE_ERROR,
- * or left to the careful search on the host (gpu/curve_search.cpp). A curve that is one polynomial is first
+ * or left to the careful search on the host (gpu/curve/curve_search.cpp). A curve that is one polynomial is first
  * tried as a whole, then piece by piece: only pieces whose chord is within reach count. */
 #ifndef HOTBLADE_GPU_KERNELS_CURVE_NEAREST_H
 #define HOTBLADE_GPU_KERNELS_CURVE_NEAREST_H

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "gpu/backend.hpp"
-#include "pipeline/verify.hpp"
+#include "gpu/backend/backend.hpp"
+#include "pipeline/verify/verify.hpp"
 
 namespace CLI {
 class App;

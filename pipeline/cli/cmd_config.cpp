@@ -5,7 +5,7 @@
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
-#include "pipeline/settings.hpp"
+#include "pipeline/settings/settings.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -8,14 +8,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "elastica/curve_distance.hpp"
-#include "elastica/equilibria.hpp"
-#include "elastica/fit.hpp"
-#include "elastica/fit_bezier.hpp"
-#include "elastica/fit_clamped.hpp"
-#include "elastica/lambda_residual.hpp"
-#include "elastica/project.hpp"
-#include "elastica/project_zone.hpp"
+#include "elastica/bezier/curve_distance.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/blade/equilibria.hpp"
+#include "elastica/fit/fit.hpp"
+#include "elastica/fit/fit_bezier.hpp"
+#include "elastica/fit/fit_clamped.hpp"
+#include "elastica/projection/project.hpp"
+#include "elastica/projection/project_zone.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/curve_lines.hpp"
 

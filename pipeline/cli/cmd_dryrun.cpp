@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "pipeline/cli/command.hpp"
-#include "pipeline/design_file.hpp"
-#include "pipeline/dryrun.hpp"
-#include "pipeline/plan/as_cut.hpp"
+#include "pipeline/program/design_file.hpp"
+#include "pipeline/run/dryrun.hpp"
+#include "pipeline/verify/as_cut.hpp"
 
 namespace hotblade::pipeline {
 namespace {

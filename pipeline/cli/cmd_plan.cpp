@@ -13,11 +13,11 @@
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
-#include "pipeline/emit.hpp"
 #include "pipeline/plan/plan.hpp"
-#include "pipeline/read_design.hpp"
-#include "surface/design_surface.hpp"
-#include "surface/self_crossings.hpp"
+#include "pipeline/program/read_design.hpp"
+#include "pipeline/report/emit.hpp"
+#include "surface/read/design_surface.hpp"
+#include "surface/read/self_crossings.hpp"
 
 namespace hotblade::pipeline {
 namespace {

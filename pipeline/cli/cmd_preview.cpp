@@ -8,7 +8,6 @@
 #include <iostream>
 #include <memory>
 
-#include "pipeline/atomic_file.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/preview/draw.hpp"
@@ -16,8 +15,9 @@
 #include "pipeline/preview/movie.hpp"
 #include "pipeline/preview/stage.hpp"
 #include "pipeline/preview/window.hpp"
-#include "pipeline/program.hpp"
-#include "pipeline/read_design.hpp"
+#include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/program.hpp"
+#include "pipeline/program/read_design.hpp"
 
 namespace hotblade::pipeline {
 namespace {

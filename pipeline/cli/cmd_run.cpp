@@ -9,11 +9,11 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/branch.hpp"
 #include "pipeline/cli/command.hpp"
-#include "pipeline/run_journal.hpp"
-#include "pipeline/strip_jobs.hpp"
-#include "robot/client.hpp"
+#include "pipeline/program/strip_jobs.hpp"
+#include "pipeline/run/run_journal.hpp"
+#include "pipeline/verify/branch.hpp"
+#include "robot/client/client.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -12,10 +12,10 @@
 #include <thread>
 
 #include "pipeline/cli/command.hpp"
-#include "pipeline/strip_jobs.hpp"
-#include "robot/controller.hpp"
-#include "robot/execution_log.hpp"
-#include "robot/server.hpp"
+#include "pipeline/program/strip_jobs.hpp"
+#include "robot/controller/controller.hpp"
+#include "robot/controller/execution_log.hpp"
+#include "robot/controller/server.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -8,8 +8,8 @@
 #include <iostream>
 #include <memory>
 
-#include "pipeline/atomic_file.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/program/atomic_file.hpp"
 #include "pipeline/study/study.hpp"
 
 namespace hotblade::pipeline {

@@ -10,11 +10,11 @@
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
-#include "pipeline/design_file.hpp"
-#include "pipeline/plan/as_cut.hpp"
-#include "pipeline/program.hpp"
-#include "pipeline/verify.hpp"
-#include "surface/design_surface.hpp"
+#include "pipeline/program/design_file.hpp"
+#include "pipeline/program/program.hpp"
+#include "pipeline/verify/as_cut.hpp"
+#include "pipeline/verify/verify.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/command_error.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace CLI {
 class App;

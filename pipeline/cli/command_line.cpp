@@ -7,8 +7,8 @@
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/help.hpp"
-#include "pipeline/version.hpp"
-#include "surface/design_surface.hpp"
+#include "pipeline/program/version.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -5,9 +5,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "elastica/arcs.hpp"
-#include "elastica/quadratic.hpp"
-#include "elastica/quadratic_tangent.hpp"
+#include "elastica/arcs/arcs.hpp"
+#include "elastica/quadratic/quadratic.hpp"
+#include "elastica/quadratic/quadratic_tangent.hpp"
 #include "pipeline/cli/curve_lines.hpp"
 
 namespace hotblade::pipeline::curve_lines {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "elastica/elastica.hpp"
+#include "elastica/curve/elastica.hpp"
 #include "pipeline/cli/command.hpp"
 
 namespace hotblade::pipeline::curve_lines {

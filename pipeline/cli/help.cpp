@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "pipeline/edit_distance.hpp"
+#include "pipeline/settings/edit_distance.hpp"
 
 namespace hotblade::pipeline {
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "pipeline/cli/help.hpp"
-#include "pipeline/version.hpp"
+#include "pipeline/program/version.hpp"
 
 namespace hotblade::pipeline {
 

@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pipeline/command_error.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/settings.hpp"
+#include "pipeline/settings/settings.hpp"
 
 namespace CLI {
 class App;

@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "pipeline/atomic_file.hpp"
+#include "pipeline/program/atomic_file.hpp"
 
 namespace hotblade::pipeline {
 

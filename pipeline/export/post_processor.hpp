@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pipeline/export/exported_file.hpp"
-#include "pipeline/program.hpp"
+#include "pipeline/program/program.hpp"
 
 namespace hotblade::pipeline {
 

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "elastica/arcs.hpp"
+#include "elastica/arcs/arcs.hpp"
 #include "pipeline/export/dxf.hpp"
 
 namespace hotblade::pipeline {

@@ -1,9 +1,9 @@
 // Rib curves for templates and CAD: every rib flat in its own plane, with its id, as polylines or as circular
-// arcs of the rib's length (elastica/arcs.hpp). mm; the error bound and the length stand in the file.
+// arcs of the rib's length (elastica/arcs/arcs.hpp). mm; the error bound and the length stand in the file.
 #pragma once
 
 #include "pipeline/export/exported_file.hpp"
-#include "pipeline/program.hpp"
+#include "pipeline/program/program.hpp"
 
 namespace hotblade::pipeline {
 

@@ -4,7 +4,7 @@
 
 #include <iterator>
 
-#include "pipeline/swept_surface.hpp"
+#include "pipeline/verify/swept_surface.hpp"
 
 namespace hotblade::pipeline {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/export/exported_file.hpp"
-#include "pipeline/program.hpp"
+#include "pipeline/program/program.hpp"
 
 namespace hotblade::pipeline {
 

@@ -13,14 +13,14 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "elastica/curve_distance.hpp"
-#include "elastica/lambda_residual.hpp"
-#include "pipeline/command_error.hpp"
-#include "pipeline/plan/budget.hpp"
-#include "pipeline/plan/strips.hpp"
-#include "pipeline/report/foam_share.hpp"
-#include "pipeline/version.hpp"
-#include "surface/slice.hpp"
+#include "elastica/bezier/curve_distance.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "pipeline/plan/strips/strips.hpp"
+#include "pipeline/program/version.hpp"
+#include "pipeline/settings/command_error.hpp"
+#include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/foam_share.hpp"
+#include "surface/slice/slice.hpp"
 
 namespace hotblade::pipeline {
 

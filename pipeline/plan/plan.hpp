@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/direction.hpp"
-#include "pipeline/plan/motion.hpp"
-#include "pipeline/program.hpp"
-#include "pipeline/verify.hpp"
+#include "pipeline/plan/direction/direction.hpp"
+#include "pipeline/plan/motion/motion.hpp"
+#include "pipeline/program/program.hpp"
+#include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
 
@@ -22,7 +22,7 @@ struct StripFacts {
   double joint_fit_mm = 0;  // of worst_fit_mm, what solving the ribs together added to their own fits
   double seam_gap_mm = 0, seam_kink_deg = 0;  // largest, to the strip before along the ribs
   double deviation_max_mm = 0;
-  // Of the ribs solved together (plan/joint_fit.hpp).
+  // Of the ribs solved together (pipeline/plan/ribs/joint_fit.hpp).
   double clamp_acceleration_before_mm_s2 = 0, clamp_acceleration_after_mm_s2 = 0;
   double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
   double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
@@ -31,7 +31,7 @@ struct StripFacts {
   double in_plane_sag_mm = 0;  // largest sag in the plane; 0 where rib planes are level
   double clamp_error_mm = 0;   // what the clamps' errors of position and angle move the cut
   // Smallest clamp errors that make the blade snap, or straight with no side to bow to
-  // (plan/clamp_margins.hpp); the smaller is margin_mm.
+  // (pipeline/plan/motion/clamp_margins.hpp); the smaller is margin_mm.
   double smallest_fold_mm = 0, smallest_straight_mm = 0;
   [[nodiscard]] double smallest_margin_mm() const {
     return smallest_fold_mm < smallest_straight_mm ? smallest_fold_mm : smallest_straight_mm;
@@ -39,7 +39,7 @@ struct StripFacts {
   std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
   double stock_volume_mm3 = 0;
   double plinth_mm = 0;        // the block stands this far above the table
-  double foam_kept_share = 0;  // of it that becomes the part (report/foam_share.hpp)
+  double foam_kept_share = 0;  // of it that becomes the part (pipeline/verify/foam_share.hpp)
   double plane_turn_rad = 0;   // between the first and the last rib's plane; 0: they are parallel
   double off_plane_mm = 0;     // how far the clamps leave a common plane between waypoints
 };

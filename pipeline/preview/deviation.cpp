@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
-#include "gpu/mesh_distance.hpp"
-#include "pipeline/design_border.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/preview/scene.hpp"
+#include "pipeline/verify/design_border.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

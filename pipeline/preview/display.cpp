@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 // After all others: its macros take names that they use.
 #include <X11/Xlib.h>

@@ -11,9 +11,9 @@
 
 #include <array>
 
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/offscreen.hpp"
 #include "pipeline/preview/overlay.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

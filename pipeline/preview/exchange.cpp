@@ -18,10 +18,10 @@
 
 #include <algorithm>
 
-#include "pipeline/atomic_file.hpp"
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw_parts.hpp"
 #include "pipeline/preview/geometry.hpp"
+#include "pipeline/program/atomic_file.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

@@ -4,9 +4,9 @@
 #include <vtkNew.h>
 #include <vtkOggTheoraWriter.h>
 
-#include "pipeline/atomic_file.hpp"
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/stage.hpp"
+#include "pipeline/program/atomic_file.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

@@ -9,7 +9,7 @@
 #include <array>
 #include <string>
 
-#include "pipeline/command_error.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

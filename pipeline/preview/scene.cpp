@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/cut_values.hpp"
 #include "pipeline/preview/ghosts.hpp"
-#include "pipeline/swept_surface.hpp"
-#include "pipeline/verify.hpp"
+#include "pipeline/settings/command_error.hpp"
+#include "pipeline/verify/swept_surface.hpp"
+#include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

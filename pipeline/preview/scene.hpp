@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/program.hpp"
-#include "surface/design_surface.hpp"
+#include "pipeline/program/program.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline::preview {
 

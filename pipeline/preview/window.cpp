@@ -13,8 +13,8 @@
 #include <memory>
 #include <string>
 
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/stage.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

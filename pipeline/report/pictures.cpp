@@ -3,9 +3,9 @@
 #include <array>
 #include <utility>
 
-#include "pipeline/command_error.hpp"
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/exchange.hpp"
+#include "pipeline/settings/command_error.hpp"
 
 namespace hotblade::pipeline {
 

@@ -6,7 +6,7 @@
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/report/report_html.hpp"
-#include "surface/design_surface.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/verify.hpp"
+#include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/plan/clamp_margins.hpp"
+#include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/report/report_plots.hpp"
 
 namespace hotblade::pipeline {

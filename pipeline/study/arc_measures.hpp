@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "elastica/arcs.hpp"
+#include "elastica/arcs/arcs.hpp"
 #include "pipeline/study/random_curves.hpp"
 
 namespace hotblade::pipeline::study {

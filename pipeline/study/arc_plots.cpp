@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "elastica/arcs.hpp"
+#include "elastica/arcs/arcs.hpp"
 #include "pipeline/study/arc_measures.hpp"
 
 namespace hotblade::pipeline::study {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "elastica/fit.hpp"
-#include "elastica/fit_bezier.hpp"
-#include "elastica/lambda_residual.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/fit/fit.hpp"
+#include "elastica/fit/fit_bezier.hpp"
 #include "pipeline/study/random_curves.hpp"
 
 namespace hotblade::pipeline::study {

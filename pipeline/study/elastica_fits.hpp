@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "elastica/bezier.hpp"
+#include "elastica/bezier/bezier.hpp"
 #include "pipeline/study/distribution.hpp"
 
 namespace hotblade::pipeline::study {

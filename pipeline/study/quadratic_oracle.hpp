@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "elastica/quadratic_tangent.hpp"
+#include "elastica/quadratic/quadratic_tangent.hpp"
 #include "pipeline/study/random_curves.hpp"
 
 namespace hotblade::pipeline::study {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <functional>
 
-#include "elastica/bezier.hpp"
-#include "elastica/standard_position.hpp"
+#include "elastica/bezier/bezier.hpp"
+#include "elastica/bezier/standard_position.hpp"
 
 namespace hotblade::pipeline::study {
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "elastica/arcs_reach.hpp"
+#include "elastica/arcs/arcs_reach.hpp"
 #include "pipeline/study/arc_measures.hpp"
 #include "pipeline/study/arc_plots.hpp"
 #include "pipeline/study/study.hpp"

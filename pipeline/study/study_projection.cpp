@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "elastica/project.hpp"
-#include "elastica/standard_position.hpp"
+#include "elastica/bezier/standard_position.hpp"
+#include "elastica/projection/project.hpp"
 #include "pipeline/study/distribution.hpp"
 #include "pipeline/study/random_curves.hpp"
 #include "pipeline/study/study.hpp"

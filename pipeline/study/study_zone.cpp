@@ -6,8 +6,8 @@
 #include <array>
 #include <numbers>
 
-#include "elastica/lambda_residual.hpp"
-#include "elastica/project_zone.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/projection/project_zone.hpp"
 #include "pipeline/study/distribution.hpp"
 #include "pipeline/study/elastica_fits.hpp"
 #include "pipeline/study/random_curves.hpp"

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <random>
 
-#include "elastica/curve_distance.hpp"
-#include "elastica/fit_bezier.hpp"
-#include "elastica/quadratic_chain.hpp"
-#include "gpu/curve_distance.hpp"
-#include "gpu/lambda_residuals.hpp"
-#include "gpu/pair_distance.hpp"
+#include "elastica/bezier/curve_distance.hpp"
+#include "elastica/fit/fit_bezier.hpp"
+#include "elastica/quadratic/quadratic_chain.hpp"
+#include "gpu/curve/curve_distance.hpp"
+#include "gpu/curve/lambda_residuals.hpp"
+#include "gpu/curve/pair_distance.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-#include "gpu/mesh_distance.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
 #include "tests/bench/distance_peers.hpp"
 
 namespace {

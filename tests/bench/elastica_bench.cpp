@@ -8,14 +8,14 @@
 #include <numbers>
 #include <random>
 
-#include "elastica/continuation.hpp"
-#include "elastica/equilibria.hpp"
-#include "elastica/fit.hpp"
-#include "elastica/fit_bezier.hpp"
-#include "elastica/lambda_residual.hpp"
-#include "elastica/project.hpp"
-#include "elastica/spline.hpp"
-#include "elastica/stability.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/blade/continuation.hpp"
+#include "elastica/blade/equilibria.hpp"
+#include "elastica/blade/stability.hpp"
+#include "elastica/fit/fit.hpp"
+#include "elastica/fit/fit_bezier.hpp"
+#include "elastica/projection/project.hpp"
+#include "elastica/projection/spline.hpp"
 
 namespace {
 

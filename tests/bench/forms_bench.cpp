@@ -14,8 +14,8 @@
 #include <random>
 #include <vector>
 
-#include "elastica/closed_form.hpp"
-#include "elastica/residual_batch.hpp"
+#include "elastica/bezier/residual_batch.hpp"
+#include "elastica/curve/closed_form.hpp"
 
 namespace {
 

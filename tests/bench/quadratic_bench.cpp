@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "elastica/quadratic.hpp"
-#include "elastica/quadratic_tangent.hpp"
+#include "elastica/quadratic/quadratic.hpp"
+#include "elastica/quadratic/quadratic_tangent.hpp"
 
 namespace {
 

@@ -12,11 +12,11 @@
 #include <stdexcept>
 #include <thread>
 
-#include "robot/client.hpp"
-#include "robot/controller.hpp"
-#include "robot/execution_log.hpp"
-#include "robot/server.hpp"
-#include "tests/robot/sample_job.hpp"
+#include "robot/client/client.hpp"
+#include "robot/controller/controller.hpp"
+#include "robot/controller/execution_log.hpp"
+#include "robot/controller/server.hpp"
+#include "tests/robot/wire/sample_job.hpp"
 
 namespace hotblade::robot {
 namespace {

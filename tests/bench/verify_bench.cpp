@@ -9,10 +9,10 @@
 #include <map>
 #include <random>
 
-#include "gpu/mesh_distance.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/plan/plan.hpp"
-#include "pipeline/swept_surface.hpp"
-#include "pipeline/verify.hpp"
+#include "pipeline/verify/swept_surface.hpp"
+#include "pipeline/verify/verify.hpp"
 #include "tests/bench/distance_peers.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 

@@ -11,11 +11,11 @@
 #include <random>
 #include <string>
 
-#include "pipeline/command_error.hpp"
-#include "pipeline/program.hpp"
-#include "pipeline/settings.hpp"
-#include "surface/design_surface.hpp"
-#include "surface/slice.hpp"
+#include "pipeline/program/program.hpp"
+#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "surface/read/design_surface.hpp"
+#include "surface/slice/slice.hpp"
 
 namespace {
 

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Checks the rules of the house on a source tree: check_house.sh ROOT [HEADER_LIST]
-#   direction    a room includes only the rooms it may
+#   room         a source file lies in a room of the house
+#   direction    a room includes only the rooms below it (the table `downhill`)
 #   root         quoted includes are written from the project root
 #   heavy        heavy libraries stay out of headers
 #   long         no source file over 600 lines
 #   unlisted     every header is in HEADER_LIST, the file that names those compiled alone (when given)
 # Prints one line a breach, `file:line: rule: what`, and exits with 1 when there is any, with 2 when there is nothing to
 # check.
-set -euo pipefail
+set -euof pipefail  # -f: room/* is a name here, no pattern of files
 root=$1
 header_list=${2:-}
 cd "$root"
@@ -16,28 +17,79 @@ readonly rooms='elastica surface gpu robot pipeline'
 readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml)'
 readonly max_lines=600
 
-# Whether a file of room $1 may include the file $2.
+# The house, lowest room first: each inner room with the rooms it may include beside itself. `room/*` stands for a
+# whole big room. A line may name only rooms above it in this table, so the table itself has no circle.
+readonly downhill='
+elastica/kernels:
+elastica/curve: elastica/kernels
+elastica/bezier: elastica/kernels elastica/curve
+elastica/fit: elastica/kernels elastica/curve elastica/bezier
+elastica/projection: elastica/kernels elastica/curve elastica/bezier elastica/fit
+elastica/blade: elastica/kernels elastica/curve
+elastica/quadratic: elastica/kernels elastica/curve
+elastica/arcs: elastica/kernels elastica/curve
+surface/read:
+surface/slice: surface/read
+gpu/kernels: elastica/kernels
+gpu/backend: elastica/kernels gpu/kernels
+gpu/mesh: elastica/kernels gpu/kernels gpu/backend
+gpu/curve: elastica/kernels gpu/kernels gpu/backend
+robot/pose: elastica/*
+robot/blade: elastica/* robot/pose
+robot/wire: elastica/* robot/pose robot/blade
+robot/controller: elastica/* robot/pose robot/blade robot/wire
+robot/client: elastica/* robot/pose robot/blade robot/wire
+pipeline/settings: elastica/* robot/pose robot/blade
+pipeline/program: elastica/* surface/* robot/* pipeline/settings
+pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
+pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
+pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
+pipeline/plan/strips: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
+pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips
+pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips pipeline/plan/direction
+pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
+pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
+pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
+pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
+pipeline/study: elastica/* pipeline/settings pipeline/program
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
+'
+
+declare -A may
+while IFS=: read -r inner included; do
+  [[ -z $inner ]] || may[$inner]=" $inner$included "
+done <<< "$downhill"
+
+# Whether the table names only rooms that stand above the line.
+check_table() {
+  local inner included above=' ' target
+  while IFS=: read -r inner included; do
+    [[ -n $inner ]] || continue
+    for target in $included; do
+      [[ $target == *'/*' || $above == *" $target "* ]] || echo "$inner: circle: $target is not below it"
+      [[ $target != "${inner%%/*}/*" ]] || echo "$inner: circle: $target holds it"
+    done
+    above+="$inner "
+  done <<< "$downhill"
+}
+
+# Whether a file of the inner room $1 may include a file of the inner room $2.
 may_include() {
-  case $1:$2 in
-    pipeline:*) true ;;
-    "$1:$1/"*) true ;;
-    gpu:elastica/kernels/*) true ;;
-    robot:elastica/*) true ;;
-    *) false ;;
-  esac
+  [[ ${may[$1]:-} == *" $2 "* || ${may[$1]:-} == *" ${2%%/*}/* "* ]]
 }
 
 check_quoted_include() {
-  local file=$1 line=$2 target=$3 room=${1%%/*} target_room=${3%%/*}
-  if [[ " $rooms " != *" $target_room "* ]]; then
+  local file=$1 line=$2 target=$3 room=${1%/*}
+  if [[ " $rooms " != *" ${target%%/*} "* ]]; then
     echo "$file:$line: root: \"$target\" does not start with a room"
-  elif ! may_include "$room" "$target"; then
+  elif ! may_include "$room" "${target%/*}"; then
     echo "$file:$line: direction: $room may not include \"$target\""
   fi
 }
 
 check_file() {
   local file=$1 line text target
+  [[ -n ${may[${file%/*}]:-} ]] || echo "$file:1: room: ${file%/*} is no room of the house"
   while IFS=: read -r line text; do
     if [[ $text =~ \#[[:space:]]*include[[:space:]]*\"([^\"]+)\" ]]; then
       check_quoted_include "$file" "$line" "${BASH_REMATCH[1]}"
@@ -55,6 +107,8 @@ check_file() {
 
 files=0
 breaches=0
+table=$(check_table)
+[[ -z $table ]] || { echo "$table"; exit 1; }
 for room in $rooms; do
   [[ -d $room ]] || continue
   while read -r file; do

@@ -12,31 +12,40 @@ fail() {
 
 [[ $(bash "$check" "$tree" || echo "rc $?") == *"rc 2" ]] || fail "an empty tree must not pass"
 
-mkdir -p "$tree"/{elastica/kernels,surface,gpu,robot,pipeline}
-printf '#include <Eigen/Core>\n' > "$tree/elastica/curve.hpp"
-printf '#include "surface/slice.hpp"\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/slice.cpp"
-printf '#include "elastica/kernels/curve.h"\n' > "$tree/gpu/near.cpp"
-printf '#include "elastica/curve.hpp"\n' > "$tree/robot/pose.cpp"
-printf '#include "robot/pose.hpp"\n#include "gpu/near.hpp"\n' > "$tree/pipeline/plan.cpp"
-echo elastica/curve.hpp > "$tree/headers.txt"
+mkdir -p "$tree"/{elastica/{kernels,curve},surface/{read,slice},gpu/mesh,robot/pose,pipeline/{program,plan/{ribs,motion}}}
+printf '#include <Eigen/Core>\n' > "$tree/elastica/curve/curve.hpp"
+printf '#include "surface/read/mesh.hpp"\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/slice/slice.cpp"
+printf '#include "elastica/kernels/curve.h"\n' > "$tree/gpu/mesh/near.cpp"
+printf '#include "elastica/curve/curve.hpp"\n' > "$tree/robot/pose/pose.cpp"
+printf '#include "robot/pose/pose.hpp"\n#include "gpu/mesh/near.hpp"\n' > "$tree/pipeline/plan/plan.cpp"
+printf '#include "pipeline/plan/ribs/target.hpp"\n' > "$tree/pipeline/plan/motion/motion.cpp"
+echo elastica/curve/curve.hpp > "$tree/headers.txt"
 good=$(bash "$check" "$tree" headers.txt) || fail "a good tree must pass, but: $good"
 [[ -z $good ]] || fail "a good tree must pass in silence, but: $good"
 
-printf '#include "surface/slice.hpp"\n' > "$tree/elastica/bad_direction.cpp"
-printf '\n  #  include "elastica/curve.hpp"\n' > "$tree/gpu/bad_direction.cpp"
-printf '#include "pipeline/plan.hpp"\n' > "$tree/robot/bad_direction.cpp"
-printf '#include "curve.hpp"\n' > "$tree/pipeline/bad_root.cpp"
-printf '#include <string>\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/bad_heavy.hpp"
-seq 601 > "$tree/surface/bad_long.cpp"
-echo surface/bad_heavy.hpp >> "$tree/headers.txt"
-: > "$tree/robot/bad_unlisted.hpp"
-expected='elastica/bad_direction.cpp:1: direction: elastica may not include "surface/slice.hpp"
-surface/bad_heavy.hpp:2: heavy: <CGAL/Surface_mesh.h> belongs in a .cpp
-surface/bad_long.cpp:601: long: 601 lines, at most 600
-gpu/bad_direction.cpp:2: direction: gpu may not include "elastica/curve.hpp"
-robot/bad_direction.cpp:1: direction: robot may not include "pipeline/plan.hpp"
-robot/bad_unlisted.hpp:1: unlisted: not in its room'\''s HEADERS, so not compiled alone
-pipeline/bad_root.cpp:1: root: "curve.hpp" does not start with a room'
+printf '#include "surface/slice/slice.hpp"\n' > "$tree/elastica/curve/bad_direction.cpp"
+printf '\n  #  include "elastica/curve/curve.hpp"\n' > "$tree/gpu/mesh/bad_direction.cpp"
+printf '#include "pipeline/plan/plan.hpp"\n' > "$tree/robot/pose/bad_direction.cpp"
+printf '#include "surface/slice/slice.hpp"\n' > "$tree/surface/read/bad_uphill.cpp"
+printf '#include "pipeline/plan/motion/motion.hpp"\n' > "$tree/pipeline/plan/ribs/bad_uphill.cpp"
+printf '#include "pipeline/plan/plan.hpp"\n' > "$tree/pipeline/program/bad_uphill.cpp"
+printf '#include "curve.hpp"\n' > "$tree/pipeline/plan/bad_root.cpp"
+printf '#include <string>\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/read/bad_heavy.hpp"
+seq 601 > "$tree/surface/read/bad_long.cpp"
+: > "$tree/surface/bad_room.cpp"
+echo surface/read/bad_heavy.hpp >> "$tree/headers.txt"
+: > "$tree/robot/pose/bad_unlisted.hpp"
+expected='elastica/curve/bad_direction.cpp:1: direction: elastica/curve may not include "surface/slice/slice.hpp"
+surface/bad_room.cpp:1: room: surface is no room of the house
+surface/read/bad_heavy.hpp:2: heavy: <CGAL/Surface_mesh.h> belongs in a .cpp
+surface/read/bad_long.cpp:601: long: 601 lines, at most 600
+surface/read/bad_uphill.cpp:1: direction: surface/read may not include "surface/slice/slice.hpp"
+gpu/mesh/bad_direction.cpp:2: direction: gpu/mesh may not include "elastica/curve/curve.hpp"
+robot/pose/bad_direction.cpp:1: direction: robot/pose may not include "pipeline/plan/plan.hpp"
+robot/pose/bad_unlisted.hpp:1: unlisted: not in its room'\''s HEADERS, so not compiled alone
+pipeline/plan/bad_root.cpp:1: root: "curve.hpp" does not start with a room
+pipeline/plan/ribs/bad_uphill.cpp:1: direction: pipeline/plan/ribs may not include "pipeline/plan/motion/motion.hpp"
+pipeline/program/bad_uphill.cpp:1: direction: pipeline/program may not include "pipeline/plan/plan.hpp"'
 code=0
 found=$(bash "$check" "$tree" headers.txt) || code=$?
 [[ $code -eq 1 ]] || fail "a bad tree must exit with 1, not $code"

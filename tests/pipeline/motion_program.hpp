@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "pipeline/program.hpp"
+#include "pipeline/program/program.hpp"
 #include "tests/pipeline/vault_program.hpp"
-#include "tests/robot/sample_job.hpp"
+#include "tests/robot/wire/sample_job.hpp"
 
 namespace hotblade::pipeline::testing {
 

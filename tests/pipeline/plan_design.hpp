@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
-#include "pipeline/settings.hpp"
-#include "surface/design_surface.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "surface/read/design_surface.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {

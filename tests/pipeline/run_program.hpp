@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/paths.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 extern char** environ;
@@ -26,7 +27,7 @@ class Program {
  public:
   // `args` without the program's name; the working directory is the caller's.
   explicit Program(const std::vector<std::string>& args) {
-    std::vector<std::string> words{std::string(HOTBLADE_BINARY_DIR) + "/hotblade"};
+    std::vector<std::string> words{hotblade::testing::binary_dir() + "/hotblade"};
     words.insert(words.end(), args.begin(), args.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());

@@ -1,7 +1,7 @@
 // The barrel vault that vault_program() cuts, as a design.
 #pragma once
 
-#include "surface/design_surface.hpp"
+#include "surface/read/design_surface.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline::testing {

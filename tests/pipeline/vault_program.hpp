@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "pipeline/program.hpp"
+#include "pipeline/program/program.hpp"
 
 namespace hotblade::pipeline::testing {
 

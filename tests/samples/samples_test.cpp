@@ -8,16 +8,18 @@
 #include <fstream>
 #include <sstream>
 
-#include "elastica/fit.hpp"
+#include "elastica/fit/fit.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "samples/sample_surfaces.hpp"
-#include "surface/design_surface.hpp"
+#include "surface/read/design_surface.hpp"
+
+#include "tests/paths.hpp"
 
 namespace hotblade::samples {
 namespace {
 
 using Eigen::Vector3d;
-const std::filesystem::path kSamples = std::filesystem::path(HOTBLADE_SOURCE_DIR) / "samples";
+const std::filesystem::path kSamples = std::filesystem::path(hotblade::testing::source_dir()) / "samples";
 
 std::string bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -92,7 +94,8 @@ double max_curvature(const SampleSurface& s, double u, double v) {
 }
 
 TEST_P(Samples, CommittedFileIsWhatTheGeneratorWrites) {
-  const auto out = std::filesystem::path(HOTBLADE_BINARY_DIR) / "tests_tmp" / ("samples_" + GetParam().name);
+  const auto out =
+      std::filesystem::path(hotblade::testing::binary_dir()) / "tests_tmp" / ("samples_" + GetParam().name);
   std::filesystem::create_directories(out);
   ASSERT_EQ(std::system((std::string("\"") + MAKE_SAMPLES + "\" \"" + out.string() + "\"").c_str()), 0);
   const std::string file = GetParam().name + ".obj";

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "surface/design_surface.hpp"
+#include "surface/read/design_surface.hpp"
 
 namespace hotblade::surface {
 

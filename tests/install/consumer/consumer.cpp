@@ -1,8 +1,8 @@
 // Ends with 0 when the installed headers and library evaluate a curve.
 #include <cmath>
 
-#include "elastica/elastica.hpp"
-#include "elastica/lambda_residual.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/curve/elastica.hpp"
 
 int main() {
   using namespace hotblade::elastica;

@@ -1,0 +1,41 @@
+// Lambda-residuals of many cubic Beziers: structure of arrays, SIMD chosen at run time.
+//
+// e and status as lambda_residual's (elastica/bezier/lambda_residual.hpp), to 1e-9 where e is well
+// determined; each curve's result depends on its own numbers and the instruction set alone, so splitting a
+// batch changes no bit. Nothing allocates; several threads may run at once. All spans of one call have the
+// same size (std::logic_error).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/kernels/simd.hpp"
+
+namespace hotblade::elastica {
+
+// Control points p0 .. p3 of n curves, any length unit.
+struct BezierBatch {
+  std::span<const double> x0, y0, x1, y1, x2, y2, x3, y3;
+};
+
+// Curves in standard position (elastica/bezier/standard_position.hpp): end edges of lengths l1, l2 (chords)
+// in directions a1, a2 (rad, |a| up to 1e6).
+struct EdgeBatch {
+  std::span<const double> a1, a2, l1, l2;
+};
+
+// e[i] is 0 where status[i] is not kOk.
+struct ResidualBatch {
+  std::span<double> e;
+  std::span<ResidualStatus> status;
+};
+
+void lambda_residuals(const BezierBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
+void lambda_residuals(const EdgeBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
+
+// de/dl1 and de/dl2 as well (both 0 where e is 0), exact derivatives of the quadrature.
+void lambda_residual_gradients(const EdgeBatch& curves, const ResidualBatch& out, std::span<double> by_l1,
+                               std::span<double> by_l2, Simd simd = best_simd());
+
+}  // namespace hotblade::elastica

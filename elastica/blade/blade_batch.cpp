@@ -1,0 +1,259 @@
+#include "elastica/blade/blade_batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+#include "elastica/blade/blade_lanes.hpp"
+#include "elastica/blade/stability.hpp"
+
+namespace hotblade::elastica {
+
+namespace {
+
+static_assert(kDroopCells == kGravityCells);
+
+const BladeKernels& kernels(Simd simd) {
+  if (!supported(simd)) throw std::logic_error("blade batch: instruction set not supported by this machine");
+  switch (simd) {
+    case Simd::kAvx512:
+      return kBladeAvx512;
+    case Simd::kAvx2:
+      return kBladeAvx2;
+    case Simd::kBaseline:
+      break;
+  }
+  return kBladeBaseline;
+}
+
+void expect_size(std::size_t n, std::size_t size) {
+  if (n != size) throw std::logic_error("blade batch: spans of different sizes");
+}
+
+void expect_finite(const Elastica& e) {
+  for (const double v : {e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length}) {
+    if (!std::isfinite(v)) throw std::logic_error("elastica parameters must be finite");
+  }
+}
+
+// A few blades at a time: as many as the widest lanes take, and a few times that.
+constexpr std::size_t kBlock = 64;
+using Block = std::array<double, kBlock>;
+
+// Each thread keeps one: fetched anew for every call its pages would cost as much as the work.
+class Scratch {
+ public:
+  Scratch()
+      : doubles_(static_cast<double*>(
+            ::operator new (kScratchDoubles * sizeof(double), std::align_val_t{kScratchAlignment}))) {}
+  ~Scratch() { ::operator delete (doubles_, std::align_val_t{kScratchAlignment}); }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  static double* of_this_thread() {
+    static thread_local const Scratch scratch;
+    return scratch.doubles_;
+  }
+
+ private:
+  double* doubles_;
+};
+
+// Some blades made `unit` long, at the origin along x.
+struct UnitBlock {
+  Block kappa, lambda1, lambda2, cos, sin;
+
+  void set(std::size_t i, const Elastica& e, double unit) {
+    expect_finite(e);
+    cos[i] = std::cos(e.theta);
+    sin[i] = std::sin(e.theta);
+    kappa[i] = e.kappa * unit;
+    lambda1[i] = (cos[i] * e.lambda1 + sin[i] * e.lambda2) * unit * unit;
+    lambda2[i] = (cos[i] * e.lambda2 - sin[i] * e.lambda1) * unit * unit;
+  }
+  [[nodiscard]] UnitBlades lanes() const { return {kappa.data(), lambda1.data(), lambda2.data()}; }
+  [[nodiscard]] double rate(std::size_t i) const { return taylor_rate(0, kappa[i], lambda1[i], lambda2[i]); }
+};
+
+// Taylor steps of a blade that ElasticaCurve would refuse are too many.
+void expect_evaluable(double rate) {
+  if (!(rate <= kStepOmega * ElasticaCurve::kMaxPieces))
+    throw std::logic_error("elastica winds too tightly for its length to be evaluated");
+}
+
+}  // namespace
+
+void points_at(std::span<const Elastica> blades, std::span<const double> s, std::span<CurvePoint> out,
+               Simd simd) {
+  expect_size(blades.size(), s.size());
+  expect_size(blades.size(), out.size());
+  UnitBlock unit;
+  Block first, x, y, turn;
+  for (std::size_t from = 0; from < blades.size(); from += kBlock) {
+    const std::size_t n = std::min(kBlock, blades.size() - from);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double length = std::abs(s[from + i]);
+      unit.set(i, blades[from + i], length);
+      expect_evaluable(unit.rate(i));
+      first[i] = length > 0 ? s[from + i] / length : 0;
+    }
+    kernels(simd).parts(
+        {unit.lanes(), first.data(), first.data(), 1, x.data(), y.data(), nullptr, nullptr, turn.data()}, n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Elastica& e = blades[from + i];
+      const double length = std::abs(s[from + i]), dx = length * (unit.cos[i] * x[i] - unit.sin[i] * y[i]),
+                   dy = length * (unit.sin[i] * x[i] + unit.cos[i] * y[i]);
+      out[from + i] = {e.x + dx, e.y + dy, e.theta + turn[i], e.kappa - e.lambda1 * dy + e.lambda2 * dx};
+    }
+  }
+}
+
+PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts, std::size_t points,
+                        Simd simd) {
+  expect_size(blades.size(), parts.size());
+  if (points < 2) throw std::logic_error("a part needs at least 2 points");
+  PartPoints all;
+  all.points = points;
+  for (auto* v : {&all.x, &all.y, &all.cos, &all.sin, &all.turn, &all.curvature})
+    v->resize(blades.size() * points);
+  UnitBlock unit;
+  Block first, last, length;
+  for (std::size_t from = 0; from < blades.size(); from += kBlock) {
+    const std::size_t n = std::min(kBlock, blades.size() - from), at = from * points;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Part& part = parts[from + i];
+      length[i] = std::max(std::abs(part.first), std::abs(part.last));
+      unit.set(i, blades[from + i], length[i]);
+      expect_evaluable(unit.rate(i));
+      first[i] = length[i] > 0 ? part.first / length[i] : 0;
+      last[i] = length[i] > 0 ? part.last / length[i] : 0;
+    }
+    kernels(simd).parts({unit.lanes(), first.data(), last.data(), points, &all.x[at], &all.y[at],
+                         &all.cos[at], &all.sin[at], &all.turn[at]},
+                        n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Elastica& e = blades[from + i];
+      const double co = unit.cos[i], si = unit.sin[i];
+      for (std::size_t k = at + i * points; k < at + (i + 1) * points; ++k) {
+        const double x = all.x[k], y = all.y[k], c = all.cos[k], s = all.sin[k];
+        const double dx = length[i] * (co * x - si * y), dy = length[i] * (si * x + co * y);
+        all.x[k] = e.x + dx;
+        all.y[k] = e.y + dy;
+        all.cos[k] = co * c - si * s;
+        all.sin[k] = si * c + co * s;
+        all.curvature[k] = e.kappa - e.lambda1 * dy + e.lambda2 * dx;
+      }
+    }
+  }
+  return all;
+}
+
+double max_abs_curvature(const Elastica& e, const PartPoints& whole, std::size_t i) {
+  // Curvature peaks where the tangent points along the force. Points this close cannot hide such a passage:
+  // where it turns back, the curve has no curvature.
+  constexpr double kClose = 0.5;
+  const double rate = taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
+  if (!(rate * e.length <= kClose * static_cast<double>(whole.points - 1)))
+    return ElasticaCurve(e).max_abs_curvature();
+  const std::size_t first = i * whole.points, last = first + whole.points - 1;
+  const double ends = std::max(std::abs(e.kappa), std::abs(whole.curvature[last]));
+  bool left = false, along = false;
+  for (std::size_t k = first; k <= last; ++k) {
+    const bool is_left = e.lambda1 * whole.sin[k] - e.lambda2 * whole.cos[k] >= 0;
+    const bool is_along = e.lambda1 * whole.cos[k] + e.lambda2 * whole.sin[k] > 0;
+    if (k > first && is_left != left && is_along && along) {
+      const double force = std::hypot(e.lambda1, e.lambda2);
+      const double start = e.lambda1 * std::cos(e.theta) + e.lambda2 * std::sin(e.theta);
+      return std::max(ends, std::sqrt(e.kappa * e.kappa + 2 * (force - start)));
+    }
+    left = is_left;
+    along = is_along;
+  }
+  return ends;
+}
+
+void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd) {
+  expect_size(blades.size(), out.size());
+  UnitBlock unit;
+  Block margin;
+  std::array<std::size_t, kBlock> index;
+  const auto flush = [&](std::size_t n) {
+    kernels(simd).margins({unit.lanes(), margin.data(), Scratch::of_this_thread()}, n);
+    for (std::size_t i = 0; i < n; ++i) out[index[i]] = margin[i];
+  };
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    const Elastica& e = blades[i];
+    unit.set(n, e, e.length);
+    if (!(e.length > 0) || !(unit.rate(n) <= kBatchRate)) {
+      out[i] = stability_margin(e);
+      continue;
+    }
+    index[n] = i;
+    if (++n < kBlock) continue;
+    flush(n);
+    n = 0;
+  }
+  if (n > 0) flush(n);
+}
+
+namespace {
+
+DroopReach reach_of(const Elastica& e, const DroopLoad& load, const StiffnessRatios& ratios) {
+  const Droop droop = elastica::droop(e, load.load, ratios);
+  DroopReach reach{0, 0, droop.stable};
+  for (std::size_t k = load.first; k <= load.last; ++k) {
+    reach.shift = std::max(reach.shift, std::abs(droop.shift[k]));
+    reach.twist = std::max(reach.twist, std::abs(droop.twist[k]));
+  }
+  return reach;
+}
+
+void expect_droop(const Elastica& e, const DroopLoad& load) {
+  if (!std::isfinite(load.load)) throw std::logic_error("a load on a blade must be finite");
+  if (!(e.length > 0)) throw std::logic_error("a loaded blade needs a length above 0");
+  if (load.first > load.last || load.last > kGravityCells) throw std::logic_error("droop: no such nodes");
+}
+
+}  // namespace
+
+void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
+            std::span<DroopReach> out, Simd simd) {
+  expect_size(blades.size(), loads.size());
+  expect_size(blades.size(), out.size());
+  if (!(ratios.upright > 0) || !(ratios.torsion > 0))
+    throw std::logic_error("stiffness ratios of a blade must be positive");
+  UnitBlock unit;
+  Block load, first, last, shift, twist, stable;
+  std::array<std::size_t, kBlock> index;
+  const auto flush = [&](std::size_t n) {
+    kernels(simd).droops(
+        {unit.lanes(), load.data(), first.data(), last.data(), ratios.upright, ratios.torsion, shift.data(),
+         twist.data(), stable.data(), Scratch::of_this_thread()},
+        n);
+    for (std::size_t i = 0; i < n; ++i)
+      out[index[i]] = {blades[index[i]].length * shift[i], twist[i], stable[i] > 0};
+  };
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    const Elastica& e = blades[i];
+    expect_droop(e, loads[i]);
+    unit.set(n, e, e.length);
+    if (!(unit.rate(n) <= kBatchRate)) {
+      out[i] = reach_of(e, loads[i], ratios);
+      continue;
+    }
+    load[n] = loads[i].load * e.length * e.length * e.length;
+    first[n] = static_cast<double>(loads[i].first);
+    last[n] = static_cast<double>(loads[i].last);
+    index[n] = i;
+    if (++n < kBlock) continue;
+    flush(n);
+    n = 0;
+  }
+  if (n > 0) flush(n);
+}
+
+}  // namespace hotblade::elastica

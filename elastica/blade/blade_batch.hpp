@@ -1,0 +1,69 @@
+// What is asked of every pose of a motion, for many blades at once: points, stability margins and droops,
+// SIMD lanes across blades.
+//
+// Each answer is that of the function named, to 1e-9 of its size, and depends on its own blade and the
+// instruction set alone: splitting a batch changes no bit. Blades that wind faster than kBatchRate over their
+// length go to that function itself. All spans of one call have the same size (std::logic_error); non-finite
+// blades throw as ElasticaCurve does. Several threads may run at once.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "elastica/blade/gravity.hpp"
+#include "elastica/curve/elastica.hpp"
+#include "elastica/kernels/simd.hpp"
+
+namespace hotblade::elastica {
+
+// length * taylor_rate(): a cell of stability.hpp is one Taylor step of order 10 up to here.
+inline constexpr double kBatchRate = 25.6;
+
+// point_at(blades[i], s[i]).
+void points_at(std::span<const Elastica> blades, std::span<const double> s, std::span<CurvePoint> out,
+               Simd simd = best_simd());
+
+// Arc lengths of a part, also outside [0, length].
+struct Part {
+  double first = 0, last = 0;
+};
+
+// Points of one blade beside one another, as arrays of their own.
+struct PartPoints {
+  std::size_t points = 0;         // of each blade
+  std::vector<double> x, y;       // of blade i: [i * points, (i + 1) * points)
+  std::vector<double> cos, sin;   // of the tangent
+  std::vector<double> turn;       // of the tangent since the blade's start, rad, not modulo 2 pi
+  std::vector<double> curvature;  // signed
+  [[nodiscard]] Eigen::Vector2d at(std::size_t blade, std::size_t k) const {
+    return {x[blade * points + k], y[blade * points + k]};
+  }
+};
+
+// `points` >= 2 (std::logic_error) even ones on a part of every blade, both ends included.
+[[nodiscard]] PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts,
+                                      std::size_t points, Simd simd = best_simd());
+
+// ElasticaCurve(blade).max_abs_curvature() by points of its whole length, of which blade `i` has its part.
+[[nodiscard]] double max_abs_curvature(const Elastica& blade, const PartPoints& whole, std::size_t i);
+
+// stability_margin(blades[i]).
+void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd = best_simd());
+
+// An even load along the plane's normal and the nodes of gravity.hpp between which the droop is wanted.
+struct DroopLoad {
+  double load = 0;
+  std::size_t first = 0, last = kGravityCells;
+};
+
+// The largest shift and twist at these nodes.
+struct DroopReach {
+  double shift = 0, twist = 0;
+  bool stable = false;
+};
+
+// Of droop(blades[i], loads[i].load, ratios).
+void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
+            std::span<DroopReach> out, Simd simd = best_simd());
+
+}  // namespace hotblade::elastica

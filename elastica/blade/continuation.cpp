@@ -1,0 +1,210 @@
+#include "elastica/blade/continuation.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "elastica/blade/end_map.hpp"
+#include "elastica/blade/stability.hpp"
+
+namespace hotblade::elastica {
+
+namespace {
+
+using Eigen::Vector3d;
+
+// Everything below is for a blade of length 1 that starts at the origin along the x axis: unknowns
+// (kappa, lambda1, lambda2), wanted (x, y, theta) of the end.
+
+Vector3d wanted_end(const ClampPair& c, double length) {
+  const double dx = (c.b.x - c.a.x) / length, dy = (c.b.y - c.a.y) / length;
+  const double co = std::cos(c.a.theta), si = std::sin(c.a.theta);
+  return {co * dx + si * dy, co * dy - si * dx, c.b.theta - c.a.theta};
+}
+
+Vector3d unknowns_of(const Elastica& e) {
+  const double co = std::cos(e.theta), si = std::sin(e.theta), l2 = e.length * e.length;
+  // theta'' = |lambda| sin(angle of lambda - theta): the force turns with the frame.
+  return {e.kappa * e.length, (co * e.lambda1 + si * e.lambda2) * l2, (co * e.lambda2 - si * e.lambda1) * l2};
+}
+
+Elastica unit_blade(const Vector3d& p) {
+  return {0, 0, 0, p[0], p[1], p[2], 1};
+}
+
+Elastica placed(const Vector3d& p, const ClampPose& a, double length) {
+  const double co = std::cos(a.theta), si = std::sin(a.theta), l2 = length * length;
+  return {a.x,   a.y, a.theta, p[0] / length, (co * p[1] - si * p[2]) / l2, (si * p[1] + co * p[2]) / l2,
+          length};
+}
+
+// Whether Newton's method may go on from these unknowns.
+bool usable(const Vector3d& p, const Vector3d& wanted) {
+  // More than ten waves, or as many turns: not where a blade comes to from a neighbouring shape.
+  constexpr double kLargestRate = 100;
+  return p.allFinite() && taylor_rate(0, p[0], p[1], p[2]) < kLargestRate &&
+         p[1] * wanted[0] + p[2] * wanted[1] > -kLargestTension;
+}
+
+// What Newton's method reaches on a relaxed blade.
+constexpr double kFineTolerance = 1e-12;
+
+struct Solved {
+  Vector3d p;
+  JacobiFields end;
+  double first_correction = 0;  // size of Newton's first step, in the measure of bend_of()
+  int steps = 0;
+};
+
+// Size of a change of the unknowns as a change of curvature: a force changes curvature by its moment.
+double bend_of(const Vector3d& d) {
+  return std::abs(d[0]) + 0.5 * (std::abs(d[1]) + std::abs(d[2]));
+}
+
+std::optional<Solved> newton(Vector3d p, const Vector3d& wanted) {
+  constexpr int kMostSteps = 12;
+  Solved s;
+  double last = std::numeric_limits<double>::infinity();
+  for (int i = 0; i <= kMostSteps; ++i) {
+    if (!usable(p, wanted)) return std::nullopt;
+    s.end = end_map(unit_blade(p));
+    const Vector3d miss = wanted - Vector3d(s.end.point.x, s.end.point.y, s.end.point.theta);
+    const double error = miss.cwiseAbs().maxCoeff();
+    // Rounding may keep a taut blade from the tolerance proper: the step that no longer helps is the last.
+    if (error < kFineTolerance || (error < kClampTolerance && error > 0.25 * last)) {
+      s.p = p;
+      s.steps = i;
+      return s;
+    }
+    // Far from convergence after the first steps: Newton's method wanders.
+    if (i > 3 && error > 0.5 * last) return std::nullopt;
+    last = error;
+    const Vector3d step = s.end.fields.partialPivLu().solve(miss);
+    if (i == 0) s.first_correction = bend_of(step);
+    p += step;
+  }
+  return std::nullopt;
+}
+
+ClampedShape shape_of(const Solved& s, const ClampPose& a, double length) {
+  return {placed(s.p, a, length), s.end.index, s.steps, s.end};
+}
+
+// Of a blade that starts so, by the end of the blade 1 long.
+ClampPair clamps_by(const Elastica& e, const CurvePoint& unit_end) {
+  const double co = std::cos(e.theta), si = std::sin(e.theta);
+  return {{e.x, e.y, e.theta},
+          {e.x + e.length * (co * unit_end.x - si * unit_end.y),
+           e.y + e.length * (si * unit_end.x + co * unit_end.y), e.theta + unit_end.theta}};
+}
+
+ClampPose between(const ClampPose& p, const ClampPose& q, double t) {
+  return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
+}
+
+ClampPair between(const ClampPair& p, const ClampPair& q, double t) {
+  return {between(p.a, q.a, t), between(p.b, q.b, t)};
+}
+
+void check(const Elastica& e, const ClampPair& c) {
+  for (const double v : {e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length, c.a.x, c.a.y, c.a.theta,
+                         c.b.x, c.b.y, c.b.theta}) {
+    if (!std::isfinite(v)) throw std::logic_error("blade and clamp poses must be finite");
+  }
+  if (!(e.length > 0)) throw std::logic_error("a blade needs a length");
+}
+
+// One blade on its way; `at` is the last place reached.
+class Walk {
+ public:
+  Walk(const Elastica& from, const JacobiFields& end, const ClampPair& to)
+      : from_(clamps_by(from, end.point)), to_(to), length_(from.length) {
+    at_.p = unknowns_of(from);
+    at_.end = end;
+  }
+
+  [[nodiscard]] double place() const { return place_; }
+  [[nodiscard]] ClampedShape shape() const { return shape_of(at_, between(from_, to_, place_).a, length_); }
+
+  // Why the branch cannot be followed any further. At a fold or a branching the smallest eigenvalue goes
+  // through zero; a blade pulled straight keeps its own, or only gets stiffer.
+  [[nodiscard]] FollowStatus lost_by(double smallest_step) const {
+    constexpr double kNearFold = 1, kTaut = 0.5 * kLargestTension, kSteps = 10;
+    const Vector3d ahead = wanted(std::min(1.0, place_ + kSteps * smallest_step));
+    const bool straight = ahead.head<2>().norm() > 1;
+    const bool taut = -(at_.p[1] * ahead[0] + at_.p[2] * ahead[1]) > kTaut;
+    if (!straight && !taut) return FollowStatus::kSnapped;
+    return stability_margin(unit_blade(at_.p)) < kNearFold ? FollowStatus::kSnapped
+                                                           : FollowStatus::kOutOfReach;
+  }
+
+  // The equilibrium at t on the same branch, if it can be told from here.
+  bool step_to(double t) {
+    const Vector3d here(at_.end.point.x, at_.end.point.y, at_.end.point.theta);
+    const Vector3d predicted = at_.end.fields.partialPivLu().solve(wanted(t) - here);
+    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t));
+    // The corrector's part of the step measures how far the branch bends; beyond this share, and beyond what
+    // is small for any blade, another branch might have been met.
+    constexpr double kBend = 0.2, kSmall = 1e-3;
+    if (!next || next->end.index != at_.end.index) return false;
+    if (next->first_correction > kBend * bend_of(predicted) + kSmall) return false;
+    if (bend_of(next->p - at_.p - predicted) > 2 * (kBend * bend_of(predicted) + kSmall)) return false;
+    at_ = *next;
+    place_ = t;
+    return true;
+  }
+
+ private:
+  [[nodiscard]] Vector3d wanted(double t) const { return wanted_end(between(from_, to_, t), length_); }
+
+  ClampPair from_, to_;
+  double length_;
+  Solved at_;
+  double place_ = 0;
+};
+
+}  // namespace
+
+ClampPair clamps_of(const Elastica& elastica) {
+  const CurvePoint b = ElasticaCurve(elastica).at(elastica.length);
+  return {{elastica.x, elastica.y, elastica.theta}, {b.x, b.y, b.theta}};
+}
+
+std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair& clamps) {
+  check(near, clamps);
+  const std::optional<Solved> s = newton(unknowns_of(near), wanted_end(clamps, near.length));
+  if (!s) return std::nullopt;
+  return shape_of(*s, clamps.a, near.length);
+}
+
+FollowReport follow(const Elastica& from, const ClampPair& to, const FollowOptions& options) {
+  check(from, to);
+  const JacobiFields end = end_map(unit_blade(unknowns_of(from)));
+  return follow_on(ClampedShape{from, end.index, 0, end}, to, options);
+}
+
+FollowReport follow_on(const ClampedShape& from, const ClampPair& to, const FollowOptions& options) {
+  check(from.elastica, to);
+  Walk walk(from.elastica, from.end, to);
+  FollowReport report;
+  double step = 1;
+  while (walk.place() < 1) {
+    ++report.steps;
+    const double t = std::min(1.0, walk.place() + step);
+    if (walk.step_to(t)) {
+      step *= 2;
+      continue;
+    }
+    step = 0.5 * (t - walk.place());
+    if (step < options.smallest_step) {
+      report.status = walk.lost_by(options.smallest_step);
+      break;
+    }
+  }
+  report.shape = walk.shape();
+  report.fraction = walk.place();
+  return report;
+}
+
+}  // namespace hotblade::elastica

@@ -1,0 +1,79 @@
+// The shape a clamped blade takes: Newton's method from a neighbouring shape, and the branch of equilibria
+// followed along a move of the clamps, with folds (snap-through) found between poses.
+//
+// A blade of given length between given clamps has many equilibria; the one it takes is the one reached from
+// the shape before (docs/elastica.md, Continuation). Units: any length unit, rad.
+#pragma once
+
+#include <optional>
+
+#include "elastica/blade/end_map.hpp"
+#include "elastica/curve/elastica.hpp"
+
+namespace hotblade::elastica {
+
+struct ClampPose {
+  double x = 0, y = 0, theta = 0;
+};
+
+// Both clamps; tangents point from a to b, and b.theta - a.theta is the blade's true turning, not modulo 2
+// pi.
+struct ClampPair {
+  ClampPose a, b;
+};
+
+// The poses that hold the curve: its ends.
+[[nodiscard]] ClampPair clamps_of(const Elastica& elastica);
+
+// An equilibrium, and whether it is a strict minimum of the energy.
+struct ClampedShape {
+  Elastica elastica;
+  int index = 0;  // negative eigenvalues of the second variation; 0 is stable
+  int newton_steps = 0;
+  JacobiFields end;  // of the same blade 1 long, at the origin along x
+  [[nodiscard]] bool stable() const { return index == 0; }
+};
+
+// Largest distance of the end point from its clamp over the length, and of the tangent in rad; a thousand
+// times less unless the blade is taut.
+inline constexpr double kClampTolerance = 1e-9;
+
+// Largest tension times length^2 (-lambda along the chord) of a shape that is looked for. Along a blade
+// pulled taut errors of the start state grow by exp(sqrt(tension)), here by 6e4, and the basin of Newton's
+// method shrinks with the square of that.
+inline constexpr double kLargestTension = 120;
+
+// The equilibrium of `near`'s length between `clamps` that Newton's method reaches from the shape `near`;
+// absent when it does not converge. Quick, and right for small moves; it may land on another branch after a
+// large one: follow() does not.
+[[nodiscard]] std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair& clamps);
+
+enum class FollowStatus {
+  kFollowed,    // the shape at the clamps' new poses
+  kSnapped,     // the branch ends or loses stability on the way: the blade snaps to another shape
+  kOutOfReach,  // the clamps pull the blade taut: beyond, no equilibrium or none that a start state can carry
+};
+
+struct FollowOptions {
+  // Step of the way at which a branch that cannot be followed counts as lost; places of snaps are that exact.
+  double smallest_step = 1e-7;
+};
+
+struct FollowReport {
+  FollowStatus status = FollowStatus::kFollowed;
+  ClampedShape shape;   // at `fraction` of the way
+  double fraction = 0;  // 1 when followed; otherwise the last place where the shape still holds
+  int steps = 0;        // tried, refused ones included
+};
+
+// Moves the clamps of `from` to `to`, positions and angles linear in time, and follows the shape. A step is
+// taken when Newton's method lands near the tangent predictor, and no eigenvalue of the second variation has
+// changed sign. Throws std::logic_error when a number is not finite or `from` has no length.
+[[nodiscard]] FollowReport follow(const Elastica& from, const ClampPair& to,
+                                  const FollowOptions& options = {});
+
+// The same from a shape whose end is known, as that of a report: a third of the work of a small step less.
+[[nodiscard]] FollowReport follow_on(const ClampedShape& from, const ClampPair& to,
+                                     const FollowOptions& options = {});
+
+}  // namespace hotblade::elastica

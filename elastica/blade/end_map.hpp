@@ -1,0 +1,37 @@
+// Where a blade's far end is, and how it moves when the start curvature and the end force change.
+//
+// The three Jacobi fields of the start state (derivatives of the curve by kappa, lambda1, lambda2 with the
+// start clamp held) are carried along the curve by the same Taylor recurrence as the curve itself. At the end
+// they are the derivatives that Newton's method needs; their determinant along the curve vanishes at the
+// conjugate points, and their Schur complement counts the negative eigenvalues of the second variation
+// (docs/elastica.md, Stability).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "elastica/curve/elastica.hpp"
+#include "elastica/kernels/simd.hpp"
+
+namespace hotblade::elastica {
+
+// Derivatives of (x, y, theta) (rows) at one point by (kappa, lambda1, lambda2) (columns).
+struct JacobiFields {
+  double s = 0;  // arc length
+  CurvePoint point;
+  Eigen::Matrix3d fields = Eigen::Matrix3d::Zero();
+  Eigen::RowVector3d rates = Eigen::RowVector3d::Zero();  // of the theta row, d/ds
+  // Negative eigenvalues of the second variation with clamps at the start and here.
+  int index = 0;
+};
+
+// The fields at the end alone. Throws std::logic_error as ElasticaCurve does.
+[[nodiscard]] JacobiFields end_map(const Elastica& elastica, Simd simd = best_simd());
+
+// The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them
+// d theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. `at_least`
+// pieces.
+[[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least = 1,
+                                                      Simd simd = best_simd());
+
+}  // namespace hotblade::elastica

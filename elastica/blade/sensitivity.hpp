@@ -1,0 +1,43 @@
+// What a clamp's error does to the shape: how far the blade moves, to first order.
+//
+// Units: mm, rad.
+#pragma once
+
+#include <array>
+
+#include "elastica/blade/continuation.hpp"
+
+namespace hotblade::elastica {
+
+// One coordinate of one clamp, in the order of Sensitivity's arrays: along and across clamp A's tangent, turn
+// of A, then the same of clamp B in its own axes.
+enum class ClampCoordinate { kAlongA, kAcrossA, kTurnA, kAlongB, kAcrossB, kTurnB };
+
+struct SensitivityOptions {
+  double position_error_mm = 0.1;
+  double angle_error_rad = 1e-3;
+};
+
+struct Sensitivity {
+  // Largest displacement of a point of the blade, mm, for the error of each coordinate, to first order: the
+  // displacement at equal arc length. Infinite where the shape is lost (its fields are singular).
+  std::array<double, 6> displacement_mm{};
+  // All six errors at once at their worst signs bring at most this.
+  double total_mm = 0;
+};
+
+// The derivative of the shape by the clamps, from the Jacobi fields. Throws std::logic_error as end_map()
+// does.
+[[nodiscard]] Sensitivity sensitivity(const Elastica& elastica, const SensitivityOptions& options = {});
+
+// A blade between aligned clamps whose chord is shorter than it by `slack` bows by so much.
+[[nodiscard]] double straight_bow(double length, double slack);
+
+// What the errors of both clamps at once move a nearly straight blade, where displacement grows with the
+// square root of an error along it and derivatives say nothing: pushed together or pulled apart by twice the
+// position error, turned at both ends, moved across. `keeps_side` false: it may also bow to the other side.
+// To leading order in slack over length.
+[[nodiscard]] double straight_response_mm(double length, double slack, bool keeps_side,
+                                          const SensitivityOptions& options = {});
+
+}  // namespace hotblade::elastica

@@ -1,0 +1,29 @@
+#include "elastica/kernels/simd.hpp"
+
+namespace hotblade::elastica {
+
+bool supported(Simd simd) {
+#ifdef __x86_64__
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  switch (simd) {
+    case Simd::kBaseline:
+      return true;
+    case Simd::kAvx2:
+      return avx2;
+    case Simd::kAvx512:
+      return avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+             __builtin_cpu_supports("avx512vl");
+  }
+#endif
+  return simd == Simd::kBaseline;
+}
+
+Simd best_simd() {
+  static const Simd best = supported(Simd::kAvx512) ? Simd::kAvx512
+                           : supported(Simd::kAvx2) ? Simd::kAvx2
+                                                    : Simd::kBaseline;
+  return best;
+}
+
+}  // namespace hotblade::elastica

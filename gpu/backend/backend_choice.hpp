@@ -1,0 +1,101 @@
+// Which backend answers a query: started when first needed, timed where that can pay, dropped for good when
+// it fails.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "gpu/backend/backend.hpp"
+#include "gpu/backend/opencl_device.hpp"
+
+namespace hotblade::gpu {
+
+// Work that the CPU ends sooner is not worth starting a device: a context and a compiled kernel take 0.1 to 1
+// s.
+inline constexpr double kDeviceStart_s = 0.5;
+
+// "1.2 s", for messages.
+[[nodiscard]] std::string rounded_seconds(double seconds);
+
+// Search is what runs on the device, with facts(). Safe for concurrent callers.
+template <typename Search>
+class BackendChoice {
+ public:
+  using Device = std::shared_ptr<const Search>;
+  explicit BackendChoice(Backend wanted) : wanted_(wanted) {}
+
+  // The device that is to answer, or null for the host. host_s() and device_s(search) give the seconds that
+  // the query would take, make() starts the search; what throws DeviceError leaves the work to the host.
+  template <typename HostSeconds, typename Make, typename DeviceSeconds>
+  [[nodiscard]] Device choose(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
+    const std::lock_guard lock(mutex_);
+    if (wanted_ == Backend::kCpu) return nullptr;
+    try {
+      if (wanted_ == Backend::kAuto && !is_faster(host_s, make, device_s)) return nullptr;
+      if (!started(make)) return nullptr;
+    } catch (const DeviceError& error) {
+      forget(error);
+      return nullptr;
+    }
+    use_.backend = Backend::kOpenCl;
+    use_.name = "opencl " + device_->facts().name;
+    return device_;
+  }
+
+  // After a failure: the host answers from now on, and used() says why.
+  void drop(const DeviceError& error) {
+    const std::lock_guard lock(mutex_);
+    forget(error);
+  }
+
+  [[nodiscard]] BackendUse used() const {
+    const std::lock_guard lock(mutex_);
+    return use_;
+  }
+
+ private:
+  template <typename Make>
+  bool started(const Make& make) {
+    if (!device_ && failure_.empty()) device_ = make();
+    if (!device_) use_ = {Backend::kCpu, "cpu", failure_};
+    return device_ != nullptr;
+  }
+
+  void forget(const DeviceError& error) {
+    device_.reset();
+    forget_opencl_device();
+    failure_ = std::string(error.what()) + "; distances are computed on the CPU";
+    use_ = {Backend::kCpu, "cpu", failure_};
+  }
+
+  template <typename HostSeconds, typename Make, typename DeviceSeconds>
+  bool is_faster(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
+    use_ = {};
+    const double host = host_s();
+    use_.reason = "the CPU needs about " + rounded_seconds(host);
+    if (host < kDeviceStart_s) {
+      use_.reason += ", less than starting a device (" + rounded_seconds(kDeviceStart_s) + ")";
+      return false;
+    }
+    const DeviceFacts facts = find_opencl_device();
+    // Measured: the host's own code is several times faster than the same search through a CPU's OpenCL
+    // driver.
+    if (facts.is_cpu && !facts.asked_for) {
+      use_.reason += ", and the only OpenCL device is a CPU (" + facts.name + ")";
+      return false;
+    }
+    if (!started(make)) return false;
+    const double device = device_s(*device_);
+    use_.reason += ", " + facts.name + " about " + rounded_seconds(device);
+    return device < host;
+  }
+
+  const Backend wanted_;
+  mutable std::mutex mutex_;
+  Device device_;
+  std::string failure_;
+  BackendUse use_;
+};
+
+}  // namespace hotblade::gpu

@@ -1,0 +1,130 @@
+#include "gpu/curve/lambda_residuals.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+#include <vector>
+
+#include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/opencl_portions.hpp"
+#include "gpu/curve/curve_lanes.hpp"
+
+namespace hotblade::gpu {
+
+extern const char* const lambda_residuals_source;
+
+namespace {
+
+using Curve = std::array<Eigen::Vector2d, 4>;
+using Answer = std::array<double, 2>;  // e, status
+static_assert(sizeof(Curve) == 8 * sizeof(double), "the kernels read eight numbers a curve");
+
+// Curves of one task; with which both backends are timed; on the device at once.
+constexpr std::size_t kBlock = 1024, kTimed = 16384, kPortion = std::size_t{1} << 21;
+
+class ResidualsOnDevice {
+ public:
+  ResidualsOnDevice() : device_(shared_opencl_device()), portions_(*device_, sizeof(Curve), sizeof(Answer)) {
+    device_->require_fp64();
+    kernel_ = device_->kernel(lambda_residuals_source, "lambda_residuals");
+  }
+  [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
+  void run(std::span<const Curve> curves, std::span<Answer> answers) const {
+    const std::lock_guard lock(turn_);
+    portions_.run(*device_, kernel_, 0, curves.data(), answers.data(), curves.size());
+  }
+
+ private:
+  std::shared_ptr<const OpenClDevice> device_;
+  mutable std::mutex turn_;
+  mutable DeviceKernel kernel_;
+  mutable DevicePortions portions_;
+};
+
+struct Query {
+  std::span<const Curve> curves;
+  std::span<double> e;
+  std::span<ResidualStatus> status;
+  [[nodiscard]] std::size_t size() const { return curves.size(); }
+  [[nodiscard]] Query part(std::size_t first, std::size_t n) const {
+    return {curves.subspan(first, n), e.subspan(first, n), status.subspan(first, n)};
+  }
+};
+
+void on_host(const Query& q) {
+  const CurveLanes& lanes = curve_lanes();
+  // Whole blocks, so that a curve is in the same lane whatever the number of threads.
+  const std::size_t blocks = (q.size() + kBlock - 1) / kBlock;
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+    const Query part = q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock));
+    lanes.residuals(part.curves.data()->data()->data(), part.size(), part.e.data(),
+                    reinterpret_cast<std::uint8_t*>(part.status.data()));
+  });
+}
+
+void on_device(const ResidualsOnDevice& device, const Query& q) {
+  std::vector<Answer> answers(std::min(kPortion, q.size()));
+  for (std::size_t first = 0; first < q.size(); first += kPortion) {
+    const Query part = q.part(first, std::min(kPortion, q.size() - first));
+    device.run(part.curves, std::span(answers).first(part.size()));
+    for (std::size_t i = 0; i < part.size(); ++i) {
+      part.e[i] = answers[i][0];
+      part.status[i] = static_cast<ResidualStatus>(answers[i][1]);
+    }
+  }
+}
+
+// Seconds for all by what a part takes, after a run that warms up.
+template <typename Run>
+double predicted_s(const Query& q, const Run& run) {
+  const Query part = q.part(0, std::min(kTimed, q.size()));
+  if (part.size() == 0) return 0;
+  run(part);
+  const auto start = std::chrono::steady_clock::now();
+  run(part);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() *
+         static_cast<double>(q.size()) / static_cast<double>(part.size());
+}
+
+}  // namespace
+
+struct LambdaResiduals::Impl {
+  explicit Impl(Backend backend) : choice(backend) {}
+  mutable BackendChoice<ResidualsOnDevice> choice;
+};
+
+LambdaResiduals::LambdaResiduals(Backend backend) : impl_(std::make_unique<Impl>(backend)) {}
+LambdaResiduals::~LambdaResiduals() = default;
+LambdaResiduals::LambdaResiduals(LambdaResiduals&&) noexcept = default;
+LambdaResiduals& LambdaResiduals::operator=(LambdaResiduals&&) noexcept = default;
+
+void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
+                            std::span<ResidualStatus> status) const {
+  if (e.size() != curves.size() || status.size() != curves.size()) {
+    throw std::logic_error("LambdaResiduals::query: spans of different sizes");
+  }
+  const Query q{curves, e, status};
+  const auto device = impl_->choice.choose(
+      [&] { return predicted_s(q, on_host); }, [] { return std::make_shared<const ResidualsOnDevice>(); },
+      [&](const ResidualsOnDevice& search) {
+        return predicted_s(q, [&](const Query& part) { on_device(search, part); });
+      });
+  if (device) {
+    try {
+      on_device(*device, q);
+      return;
+    } catch (const DeviceError& error) {
+      impl_->choice.drop(error);
+    }
+  }
+  on_host(q);
+}
+
+BackendUse LambdaResiduals::used() const {
+  return impl_->choice.used();
+}
+
+}  // namespace hotblade::gpu

@@ -1,0 +1,167 @@
+#include "pipeline/plan/direction/body_axes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "surface/read/face_links.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+const Eigen::Vector3d& at(const surface::TriangleMesh& mesh, int v) {
+  return mesh.vertices[static_cast<std::size_t>(v)];
+}
+
+// Calls f(area, centre) for every triangle.
+template <class F>
+void for_each_area(const surface::TriangleMesh& mesh, const F& f) {
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d &a = at(mesh, t[0]), &b = at(mesh, t[1]), &c = at(mesh, t[2]);
+    f(0.5 * (b - a).cross(c - a).norm(), (a + b + c) / 3);
+  }
+}
+
+// Unit vector square to `axis` towards the vertex farthest from the line along it through the centre.
+Eigen::Vector3d towards_farthest(const surface::TriangleMesh& mesh, const Eigen::Vector3d& centre,
+                                 const Eigen::Vector3d& axis) {
+  // Equally far vertices, as on a circle: only a clearly farther one counts, so that rounding does not
+  // decide.
+  constexpr double kClearly = 1 + 1e-9;
+  Eigen::Vector3d best = axis.unitOrthogonal();
+  double farthest = 0;
+  for (const Eigen::Vector3d& p : mesh.vertices) {
+    const Eigen::Vector3d d = p - centre, out = d - d.dot(axis) * axis;
+    if (!(out.squaredNorm() > kClearly * farthest)) continue;
+    farthest = out.squaredNorm();
+    best = out;
+  }
+  return best.normalized();
+}
+
+}  // namespace
+
+BodyAxes body_axes(const surface::TriangleMesh& mesh) {
+  BodyAxes body;
+  double total = 0;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
+    sum += area * (c - mesh.vertices.front());
+    total += area;
+  });
+  body.centre = mesh.vertices.front() + sum / total;
+  // About the centre: about the origin a design far from it would lose its digits.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
+    covariance += area / total * (c - body.centre) * (c - body.centre).transpose();
+  });
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  const Eigen::Vector3d& v = solver.eigenvalues();  // ascending
+  Eigen::Vector3d wide = solver.eigenvectors().col(2), narrow = solver.eigenvectors().col(0);
+  constexpr double kEqual = 0.98;  // of the moments: extents within a percent
+  if (v[1] > kEqual * v[2]) {
+    wide = towards_farthest(mesh, body.centre, narrow);
+  } else if (v[0] > kEqual * v[1]) {
+    narrow = towards_farthest(mesh, body.centre, wide);
+  }
+  body.axes = {wide, narrow.cross(wide).normalized(), narrow};
+  return body;
+}
+
+Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
+                           const Eigen::Vector3d& n) {
+  double third = 0, size = 0;
+  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
+    const double h = n.dot(c - body.centre);
+    third += area * h * h * h;
+    size += area * std::abs(h * h * h);
+  });
+  constexpr double kSkewed = 1e-6;  // less is the rounding of a symmetric design's coordinates in its file
+  if (std::abs(third) > kSkewed * size) return third < 0 ? Eigen::Vector3d(-n) : n;
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(n[i]) > 0.5 * n.cwiseAbs().maxCoeff()) return n[i] < 0 ? Eigen::Vector3d(-n) : n;
+  }
+  return n;
+}
+
+std::vector<Eigen::Vector3d> hemisphere(const BodyAxes& body) {
+  const auto turned = [&](int degrees) -> Eigen::Vector3d {
+    const double a = degrees * std::numbers::pi / 180;
+    return std::cos(a) * body.axes[0] + std::sin(a) * body.axes[1];
+  };
+  std::vector<Eigen::Vector3d> all;
+  for (int degrees = 0; degrees < 180; degrees += 15) all.push_back(turned(degrees));
+  all.push_back(body.axes[2]);
+  for (int degrees = 0; degrees < 360; degrees += 45) {
+    all.push_back((turned(degrees) + body.axes[2]).normalized());
+  }
+  return all;
+}
+
+std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh, const BodyAxes& body) {
+  // Headings modulo 180 degrees in bins of a quarter degree; a border bent up or down at most spreads over a
+  // degree to either side.
+  constexpr int kBins = 720, kNear = 4;
+  constexpr double kLeastShare = 0.1;
+  std::vector<Eigen::Vector2d> bins(kBins, Eigen::Vector2d::Zero());
+  const auto bin_at = [&](int i) -> Eigen::Vector2d& {
+    return bins[static_cast<std::size_t>((i + kBins) % kBins)];
+  };
+  double total = 0;
+  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
+  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
+    if (links.beyond[c] != surface::FaceLinks::kNone) continue;
+    const auto& t = mesh.triangles[c / 3];
+    const Eigen::Vector3d e = at(mesh, t[(c + 1) % 3]) - at(mesh, t[c % 3]);
+    Eigen::Vector2d flat(e.dot(body.axes[0]), e.dot(body.axes[1]));
+    const double heading = std::atan2(flat.y(), flat.x()) + 2 * std::numbers::pi;
+    const int bin = static_cast<int>(std::lround(heading * kBins / std::numbers::pi)) % kBins;
+    // Summed with one sense: that of the bin's middle.
+    const double middle = bin * std::numbers::pi / kBins;
+    if (flat.dot(Eigen::Vector2d(std::cos(middle), std::sin(middle))) < 0) flat = -flat;
+    bin_at(bin) += flat;
+    total += flat.norm();
+  }
+  std::vector<Eigen::Vector3d> directions;
+  for (int k = 0; k < 2; ++k) {
+    Eigen::Vector2d best = Eigen::Vector2d::Zero();
+    int middle = 0;
+    for (int i = 0; i < kBins; ++i) {
+      Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+      for (int n = -kNear; n <= kNear; ++n) {
+        const Eigen::Vector2d& d = bin_at(i + n);
+        sum += d.dot(bin_at(i)) < 0 ? Eigen::Vector2d(-d) : d;
+      }
+      if (sum.norm() > best.norm()) {
+        best = sum;
+        middle = i;
+      }
+    }
+    if (!(best.norm() > kLeastShare * total)) break;
+    best.normalize();
+    directions.push_back(best.x() * body.axes[1] - best.y() * body.axes[0]);
+    for (int n = -2 * kNear; n <= 2 * kNear; ++n) bin_at(middle + n).setZero();
+  }
+  return directions;
+}
+
+std::optional<Eigen::Vector3d> least_steep(const surface::TriangleMesh& mesh) {
+  Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
+  double total = 0;
+  for (const auto& t : mesh.triangles) {
+    const Eigen::Vector3d cross = (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
+    const double area = cross.norm();
+    if (!(area > 0)) continue;
+    normals += cross * cross.transpose() / area;
+    total += area;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(normals / total);
+  constexpr double kTold = 1e-3;  // slopes that differ by 2 degrees in the mean
+  if (solver.eigenvalues()[1] - solver.eigenvalues()[0] < kTold) return std::nullopt;
+  return solver.eigenvectors().col(0);
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,424 @@
+#include "pipeline/plan/motion/blade.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "elastica/blade/stability.hpp"
+#include "pipeline/plan/ribs/rib_spline.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using elastica::Elastica;
+
+// Checks in the order a candidate passes them; a later stage means that it came further.
+enum Stage { kRibCurvature, kLength, kCurvature, kClearance, kReentry, kCrossing, kMargin, kSag, kPassed };
+
+struct RibCheck {
+  Stage stage = kPassed;
+  double value = 0;
+  double margin = std::numeric_limits<double>::infinity();
+  double curvature = 0, clamp_curvature = 0, clearance = 0;
+};
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+bool segments_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                    const Eigen::Vector2d& d) {
+  return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
+}
+
+using Points = std::vector<Eigen::Vector2d>;
+
+// Whether the polyline does. A curve that crosses itself closes a loop with one corner, which turns by more
+// than half a turn: one that turns less in all need not be searched.
+bool crosses_itself(const Points& q, double turning) {
+  // A little less than half a turn: samples miss some of the turning where the curve's sense changes.
+  constexpr double kHalfTurn = 0.95 * std::numbers::pi;
+  if (turning < kHalfTurn) return false;
+  for (std::size_t i = 0; i + 1 < q.size(); ++i) {
+    for (std::size_t j = i + 2; j + 1 < q.size(); ++j) {
+      if (segments_cross(q[i], q[i + 1], q[j], q[j + 1])) return true;
+    }
+  }
+  return false;
+}
+
+// Depth of a point on the kept side (the right) of the cutting part; 0 on the waste side and past its ends.
+double depth_behind(const Eigen::Vector2d& q, const Points& part) {
+  double nearest = std::numeric_limits<double>::infinity(), depth = 0;
+  for (std::size_t i = 0; i + 1 < part.size(); ++i) {
+    const Eigen::Vector2d ab = part[i + 1] - part[i];
+    const double t = (q - part[i]).dot(ab) / ab.squaredNorm();
+    const Eigen::Vector2d away = q - part[i] - std::clamp(t, 0.0, 1.0) * ab;
+    const double squared = away.squaredNorm();
+    if (!(squared < nearest)) continue;
+    nearest = squared;
+    const bool past_end = (i == 0 && t < 0) || (i + 2 == part.size() && t > 1);
+    depth = !past_end && cross(ab, away) < 0 ? std::sqrt(squared) : 0;
+  }
+  return depth;
+}
+
+// Share of the tolerance that weight may use up. A longer or more strongly bent blade sags more, so that
+// another split can always bring it down.
+constexpr double kSagShare = 0.25;
+
+// A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
+struct PlacedRib {
+  const RibFit& rib;
+  // Of its own plane and, where planes turn, half-way to its neighbours': the block's corners come nearer
+  // there.
+  std::vector<StockRect> rects;
+  Eigen::Vector3d down;
+};
+
+// What weight moves the cut at this rib: droop where the design is steepest, half the section's width tilted
+// by the twist, and the sag in the plane where that is not level.
+double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
+                    const BladeSettings& settings) {
+  const RibFit& rib = placed.rib;
+  const robot::BladeSag sag =
+      robot::blade_sag(blade, blade_section(settings), placed.down, s0, s0 + rib.elastica.length);
+  if (!sag.stable) return std::numeric_limits<double>::infinity();
+  return sag.droop_mm * std::sin(rib.max_slope_rad) + 0.5 * settings.width_mm * sag.twist_rad +
+         sag.in_plane_mm;
+}
+
+// Between ribs the clamps pass the block a little nearer than at them: by a percent on ribs 300 mm apart.
+constexpr double kClearanceReserve = 1.04;
+
+RibCheck check_rib(const PlacedRib& placed, double length, double share, const Settings& settings) {
+  const RibFit& rib = placed.rib;
+  RibCheck c;
+  const double sharpest = max_curvature_per_mm(settings.blade);
+  const double own = elastica::ElasticaCurve(rib.elastica).max_abs_curvature();
+  if (own > sharpest) return {kRibCurvature, 1 / own};
+  const double spare = length - rib.elastica.length;
+  if (spare <= 0) return {kLength, rib.elastica.length};
+  if (const double turns = turns_at_most(rib.elastica, length); !(turns < kMostTurnsRad))
+    return {kCurvature, length / turns};
+  const elastica::ElasticaCurve curve(extended(rib.elastica, length, share));
+  c.curvature = curve.max_abs_curvature();
+  if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
+  const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
+  c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
+  c.clearance = std::numeric_limits<double>::infinity();
+  for (const StockRect& rect : placed.rects)
+    c.clearance = std::min({c.clearance, rect.distance(a.position()), rect.distance(b.position())});
+  if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
+  const double s0 = share * spare;
+  const FreeParts free =
+      examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.rects.front());
+  if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
+  if (free.crosses_itself) return {kCrossing, 1};
+  c.margin = elastica::stability_margin(curve);
+  if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
+  const double sag = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
+  if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {kSag, sag};
+  return c;
+}
+
+Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
+  switch (c.stage) {
+    case kRibCurvature:
+      return {
+          "",
+          "",
+          "radius of a rib (bending stress over yield strength and safety)",
+          c.value,
+          1 / max_curvature_per_mm(settings.blade),
+          "mm",
+          "the design bends more sharply than the blade can: thinner blade, lower blade.safety, or another "
+          "slice.direction"};
+    case kLength:
+      return {"",
+              "",
+              "rib length",
+              c.value,
+              settings.blade.free_lengths_mm.back(),
+              "mm",
+              "add a longer blade to blade.free_lengths_mm or allow more splits"};
+    case kCurvature:
+      return {"",
+              "",
+              "blade radius",
+              c.value,
+              1 / max_curvature_per_mm(settings.blade),
+              "mm",
+              "beyond the rib's ends the blade would exceed yield: allow more splits or a thinner blade"};
+    case kClearance:
+      return {"",
+              "",
+              "clamp clearance to the stock",
+              c.value,
+              kClearanceReserve * settings.stock.clearance_mm,
+              "mm",
+              "add a longer blade to blade.free_lengths_mm or lower stock.border_mm"};
+    case kReentry:
+      return {"",
+              "",
+              "depth of the blade's free part in the kept foam",
+              c.value,
+              kFreePartDepthMm,
+              "mm",
+              "the rib turns too far for the blade to leave the block: allow more splits"};
+    case kCrossing:
+      return {
+          "", "", "self-crossings of the blade", c.value, 0, "", "allow more splits or add a shorter blade"};
+    case kSag:
+      return {"",
+              "",
+              "sag of the blade under its weight",
+              c.value,
+              kSagShare * settings.design.tolerance_mm,
+              "mm",
+              "allow more splits, or a wider or shorter blade"};
+    default:
+      return {"",
+              "",
+              "stability margin (snap-through)",
+              c.value,
+              settings.blade.min_margin,
+              "",
+              "the blade could snap through: allow more splits or add a shorter blade than " +
+                  std::to_string(int(length)) + " mm"};
+  }
+}
+
+// The earlier stage, then the larger amount: depth, length and sag grow with the harm, everything else
+// shrinks with it.
+bool worse(const RibCheck& a, const RibCheck& b) {
+  if (a.stage != b.stage) return a.stage < b.stage;
+  return a.stage == kLength || a.stage == kReentry || a.stage == kSag ? a.value > b.value : a.value < b.value;
+}
+
+BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double share) {
+  BladeChoice choice{length, share, checks.front().margin, 0, checks.front().clearance};
+  for (const RibCheck& c : checks) {
+    choice.smallest_margin = std::min(choice.smallest_margin, c.margin);
+    choice.largest_curvature_per_mm = std::max(choice.largest_curvature_per_mm, c.curvature);
+    choice.clamp_curvature_per_mm = std::max(choice.clamp_curvature_per_mm, c.clamp_curvature);
+    choice.smallest_clearance_mm = std::min(choice.smallest_clearance_mm, c.clearance);
+  }
+  return choice;
+}
+
+// Whether q loads blade and clamps less than p; differences below a percent are no reason for an uneven
+// share.
+bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
+  constexpr double kWorthIt = 0.99;
+  if (q.largest_curvature_per_mm < kWorthIt * p.largest_curvature_per_mm) return true;
+  if (kWorthIt * q.largest_curvature_per_mm > p.largest_curvature_per_mm) return false;
+  return q.clamp_curvature_per_mm < kWorthIt * p.clamp_curvature_per_mm;
+}
+
+// Blades as they stand between two ribs, at quarters of the gap, and what they see of the block.
+struct BetweenRibs {
+  elastica::MidState rib;
+  StockRect rect;
+  int after = 0;  // the rib before it
+};
+
+std::vector<BetweenRibs> between_ribs(const std::vector<RibFit>& ribs, const RibAxes& axes,
+                                      const Block& block) {
+  std::vector<BetweenRibs> all;
+  const RibSpline spline(ribs);
+  for (std::size_t i = 0; i + 1 < ribs.size(); ++i) {
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const double offset = ribs[i].offset_mm + share * (ribs[i + 1].offset_mm - ribs[i].offset_mm);
+      all.push_back({spline.mid_at(offset), block.seen_from(axes.plane(offset)), static_cast<int>(i)});
+    }
+  }
+  return all;
+}
+
+// What the clamps have left between ribs, at the nearest place, and the rib before it.
+std::pair<double, int> clearance_between(const std::vector<BetweenRibs>& between, double length,
+                                         double share) {
+  std::pair<double, int> nearest{std::numeric_limits<double>::infinity(), 0};
+  for (const BetweenRibs& b : between) {
+    if (winds_up(b.rib, length)) return {0, b.after};
+    const elastica::ElasticaCurve curve(extended(from_mid_state(b.rib), length, share));
+    for (const double s : {0.0, length})
+      nearest = std::min(nearest, {b.rect.distance(curve.at(s).position()), b.after});
+  }
+  return nearest;
+}
+
+// What the shares of one length came to.
+struct LengthTrial {
+  std::optional<BladeChoice> choice;
+  RibCheck furthest;  // the worst rib of the share that came furthest, when there is no choice
+  int rib = -1;
+};
+
+LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<BetweenRibs>& between,
+                       double length, const Settings& settings) {
+  // Of the extension, on clamp A's side; the more even ones first.
+  constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
+  LengthTrial trial;
+  for (const double share : kShares) {
+    std::vector<RibCheck> checks(ribs.size());
+    tbb::parallel_for(std::size_t{0}, ribs.size(),
+                      [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, settings); });
+    auto worst = std::min_element(checks.begin(), checks.end(), worse);
+    if (worst->stage == kPassed) {
+      const auto [clearance, rib] = clearance_between(between, length, share);
+      if (clearance < settings.stock.clearance_mm) {
+        worst = checks.begin() + rib;
+        worst->stage = kClearance;
+        worst->value = clearance;
+      }
+    }
+    if (worst->stage == kPassed) {
+      const BladeChoice choice = summarise(checks, length, share);
+      if (!trial.choice || less_loaded(choice, *trial.choice)) trial.choice = choice;
+    } else if (trial.rib < 0 || worse(trial.furthest, *worst)) {
+      trial.furthest = *worst;
+      trial.rib = static_cast<int>(worst - checks.begin());
+    }
+    // No share changes the rib itself or the length, and hardly one the sag.
+    if (worst->stage == kRibCurvature || worst->stage == kLength || worst->stage == kSag) break;
+  }
+  return trial;
+}
+
+}  // namespace
+
+StockRect::StockRect(const Eigen::Vector2d& low, const Eigen::Vector2d& high)
+    : low_(low.x(), low.y(), 0), high_(high.x(), high.y(), 0) {}
+
+StockRect::StockRect(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Frame& plane)
+    : low_(low), high_(high), plane_(plane) {}
+
+double StockRect::distance(const Eigen::Vector2d& q) const {
+  const Eigen::Vector3d p = plane_.origin + q.x() * plane_.x + q.y() * plane_.y;
+  return (low_ - p).cwiseMax(p - high_).cwiseMax(0).norm();
+}
+
+StockRect Block::seen_from(const Frame& plane) const {
+  if (!tilted) return {low.head<2>(), high.head<2>()};
+  const auto turned = [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+    return {d.dot(x), d.dot(y), d.dot(sweep)};
+  };
+  return {low, high, {turned(plane.origin - centre), turned(plane.x), turned(plane.y)}};
+}
+
+FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
+  const elastica::Part all{0, blade.length}, part{s0, s1};
+  return examine_free_parts(elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
+                            elastica::sample_parts({&blade, 1}, {&part, 1}, kBladeSamples), 0, part,
+                            blade.length, rect);
+}
+
+FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::PartPoints& foam,
+                             std::size_t i, const elastica::Part& interval, double length,
+                             const StockRect& rect) {
+  Points all(kBladeSamples), free_in_stock;
+  double turning = 0;
+  for (std::size_t k = 0; k < kBladeSamples; ++k) {
+    const double s = length * static_cast<double>(k) / (kBladeSamples - 1);
+    const std::size_t n = i * kBladeSamples + k;
+    all[k] = whole.at(i, k);
+    if (k > 0) turning += std::abs(whole.turn[n] - whole.turn[n - 1]);
+    if ((s < interval.first || s > interval.last) && rect.distance(all[k]) <= 0)
+      free_in_stock.push_back(all[k]);
+  }
+  FreeParts free{crosses_itself(all, turning), 0};
+  if (free_in_stock.empty()) return free;
+  Points cutting(kBladeSamples);
+  for (std::size_t k = 0; k < kBladeSamples; ++k) cutting[k] = foam.at(i, k);
+  for (const Eigen::Vector2d& q : free_in_stock)
+    free.depth_mm = std::max(free.depth_mm, depth_behind(q, cutting));
+  return free;
+}
+
+Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes, const StockSettings& settings) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
+  Block block;
+  block.tilted = axes.planes.turns();
+  block.middle_mm = 0.5 * (first + last);
+  block.centre = axes.planes.centre();
+  const Frame middle = axes.plane(block.middle_mm);
+  block.x = middle.x;
+  block.y = middle.y;
+  block.sweep = axes.planes.normal(block.middle_mm);
+  block.low.setConstant(kInf);
+  block.high.setConstant(-kInf);
+  // Between two ribs of a fan the design bulges out: each rib's points are turned half-way to its neighbours.
+  const auto enclose = [&](const RibFit& rib, double offset) {
+    const Frame plane = axes.plane(offset);
+    const auto add = [&](const Eigen::Vector2d& q) {
+      const Eigen::Vector3d p = plane.point(q.x(), q.y()) - block.centre;
+      const Eigen::Vector3d in_block =
+          block.tilted ? Eigen::Vector3d(p.dot(block.x), p.dot(block.y), p.dot(block.sweep))
+                       : Eigen::Vector3d(q.x(), q.y(), offset);
+      block.low = block.low.cwiseMin(in_block);
+      block.high = block.high.cwiseMax(in_block);
+    };
+    for (const Eigen::Vector2d& q : rib.target) add(q);
+    for (const Eigen::Vector2d& q : rib.beside) add(q);
+  };
+  for (std::size_t i = 0; i < ribs.size(); ++i) {
+    const double offset = ribs[i].offset_mm;
+    enclose(ribs[i], offset);
+    if (!block.tilted) continue;
+    if (i > 0) enclose(ribs[i], 0.5 * (offset + ribs[i - 1].offset_mm));
+    if (i + 1 < ribs.size()) enclose(ribs[i], 0.5 * (offset + ribs[i + 1].offset_mm));
+  }
+  block.low -= Eigen::Vector3d(settings.border_mm, settings.base_mm, settings.border_mm);
+  block.high += Eigen::Vector3d::Constant(settings.border_mm);
+  return block;
+}
+
+BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
+                         const Settings& settings) {
+  std::vector<PlacedRib> placed;
+  for (std::size_t i = 0; i < ribs.size(); ++i) {
+    const double offset = ribs[i].offset_mm;
+    const Frame plane = axes.plane(offset);
+    PlacedRib& rib =
+        placed.emplace_back(PlacedRib{ribs[i], {block.seen_from(plane)}, -Eigen::Vector3d::UnitZ()});
+    if (!block.tilted) continue;  // level planes see gravity along their normals exactly
+    const Eigen::Vector3d& down = block.sweep;
+    rib.down = {down.dot(plane.x), down.dot(plane.y), down.dot(plane.normal())};
+    if (i > 0) rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i - 1].offset_mm))));
+    if (i + 1 < ribs.size())
+      rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
+  }
+  const std::vector<BetweenRibs> between = between_ribs(ribs, axes, block);
+  BladeReport report;
+  int furthest = -1;
+  std::vector<std::string> details;
+  for (const double length : settings.blade.free_lengths_mm) {
+    const LengthTrial trial = try_length(placed, between, length, settings);
+    if (trial.choice) {
+      report.choice = trial.choice;
+      return report;
+    }
+    const Refusal refusal = refusal_of(trial.furthest, length, settings);
+    details.push_back(fmt::format("blade of {:.0f} mm: {}", length, describe_amount(refusal)));
+    if (trial.furthest.stage > furthest) {
+      furthest = trial.furthest.stage;
+      report.refusal = refusal;
+      report.rib = trial.rib;
+      report.rib_too_sharp = trial.furthest.stage == kRibCurvature;
+    }
+    // No length changes the rib itself, and a longer blade sags more.
+    if (trial.furthest.stage == kRibCurvature || trial.furthest.stage == kSag) break;
+  }
+  report.refusal.details = std::move(details);
+  return report;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,306 @@
+#include "pipeline/plan/motion/blade_check.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "elastica/blade/continuation.hpp"
+#include "elastica/blade/sensitivity.hpp"
+#include "pipeline/plan/motion/blade.hpp"
+#include "pipeline/plan/motion/blade_path.hpp"
+#include "pipeline/plan/motion/blocks.hpp"
+#include "pipeline/plan/motion/clamp_margins.hpp"
+#include "pipeline/program/clamps.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+struct PoseCheck {
+  double curvature = 0, clearance = 0, depth = 0;
+  bool crosses = false, cuts = false;
+  robot::BladeLoads loads;
+  robot::BladeSag sag;
+};
+
+// Some poses of a strip and what their blades share.
+struct PoseBlock {
+  std::span<const BladePose> poses;
+  std::vector<elastica::Elastica> blades;
+  elastica::PartPoints points, in_foam;  // of the whole blades, and of the parts in foam or else the whole
+  std::vector<robot::SagPlace> sag_places;
+
+  PoseBlock(std::span<const BladePose> some, const StripPlan& strip) : poses(some) {
+    std::vector<elastica::Part> whole, parts;
+    for (const BladePose& pose : poses) {
+      blades.push_back(pose.blade);
+      whole.push_back({0, pose.blade.length});
+      const double s0 = pose.foam ? (*pose.foam)[0] : 0, s1 = pose.foam ? (*pose.foam)[1] : pose.blade.length;
+      parts.push_back({s0, s1});
+      sag_places.push_back({down_in_plane(strip.design_to_cell, pose.frame), s0, s1});
+    }
+    points = elastica::sample_parts(blades, whole, kBladeSamples);
+    in_foam = elastica::sample_parts(blades, parts, kBladeSamples);
+  }
+};
+
+PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip, const Block& block,
+                     const robot::BladeSection& section) {
+  PoseCheck c;
+  const BladePose& pose = some.poses[i];
+  const robot::SagPlace& part = some.sag_places[i];
+  c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
+  c.loads = robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature,
+                               section);
+  c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.stock);
+  c.cuts = pose.foam.has_value();
+  const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
+                                            pose.blade.length, block.seen_from(pose.frame));
+  c.crosses = free.crosses_itself;
+  if (c.cuts) c.depth = free.depth_mm;
+  return c;
+}
+
+std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const StripPlan& strip,
+                                   const Block& block, const robot::BladeSection& section) {
+  std::vector<PoseCheck> checks(poses.size());
+  in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
+    const std::span<const BladePose> all(poses);
+    const PoseBlock some(all.subspan(from, to - from), strip);
+    const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, section, some.sag_places);
+    for (std::size_t i = from; i < to; ++i) {
+      checks[i] = check_pose(some, i - from, strip, block, section);
+      checks[i].sag = sags[i - from];
+    }
+  });
+  return checks;
+}
+
+PoseLoads pose_loads(const PoseCheck& c) {
+  return {c.loads.force_n.norm(), c.loads.moment_a_n_mm, c.loads.moment_b_n_mm,
+          c.loads.stress_mpa,     c.sag.droop_mm,        c.sag.in_plane_mm};
+}
+
+void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
+  motion.smallest_clearance_mm = std::numeric_limits<double>::infinity();
+  motion.smallest_margin = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < checks.size(); ++i) {
+    const PoseCheck& c = checks[i];
+    motion.poses[i].loads = pose_loads(c);
+    motion.smallest_margin = std::min(motion.smallest_margin, motion.poses[i].margin);
+    motion.largest_curvature_per_mm = std::max(motion.largest_curvature_per_mm, c.curvature);
+    motion.smallest_clearance_mm = std::min(motion.smallest_clearance_mm, c.clearance);
+    motion.largest_force_n = std::max(motion.largest_force_n, c.loads.force_n.norm());
+    motion.largest_moment_n_mm = std::max(
+        {motion.largest_moment_n_mm, std::abs(c.loads.moment_a_n_mm), std::abs(c.loads.moment_b_n_mm)});
+    motion.largest_stress_mpa = std::max(motion.largest_stress_mpa, c.loads.stress_mpa);
+    if (!c.cuts) continue;
+    motion.droop_mm = std::max(motion.droop_mm, c.sag.droop_mm);
+    motion.twist_rad = std::max(motion.twist_rad, c.sag.twist_rad);
+    motion.in_plane_sag_mm = std::max(motion.in_plane_sag_mm, c.sag.in_plane_mm);
+  }
+}
+
+// A blade this close to straight, its clamps a few errors from pulling it taut, is moved by an error along it
+// to second order only: neither its sensitivity nor its distance to a snap say anything there.
+bool straight(const BladePose& pose, const MachineSettings& machine) {
+  constexpr double kStraight = 1e-5, kErrors = 10;  // of the length; of the clamps' errors
+  const double slack = pose.blade.length - (pose.b.p - pose.a.p).norm();
+  return slack < std::max(kStraight * pose.blade.length, kErrors * machine.clamp_error_mm);
+}
+
+// What the clamps' errors move the blade by: to first order, and as a straight strip where that says nothing.
+double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
+  const elastica::SensitivityOptions errors{machine.clamp_error_mm, machine.clamp_error_rad};
+  const double length = pose.blade.length, slack = length - (pose.b.p - pose.a.p).norm();
+  const bool keeps_side = straight_mm > worst_clamp_error_mm(machine, length);
+  const double moved = straight(pose, machine)
+                           ? elastica::straight_response_mm(length, slack, keeps_side, errors)
+                           : elastica::sensitivity(pose.blade, errors).total_mm;
+  return std::isfinite(moved) ? moved : elastica::straight_response_mm(length, slack, false, errors);
+}
+
+void weigh_clamp_errors(const StripPlan& strip, const MachineSettings& machine,
+                        const std::vector<PoseMargin>& margins, BladeMotion& motion) {
+  motion.rib_sensitivity_mm.assign(strip.ribs.size(), {});
+  for (std::size_t i = 0; i < motion.poses.size(); ++i) {
+    const BladePose& pose = motion.poses[i];
+    if (!pose.rib) continue;
+    motion.rib_sensitivity_mm[static_cast<std::size_t>(*pose.rib)] =
+        elastica::sensitivity(pose.blade).displacement_mm;
+    motion.clamp_error_mm =
+        std::max(motion.clamp_error_mm, clamp_error_mm(pose, margins[i].straight_mm, machine));
+  }
+}
+
+// Fills margin_mm of all poses and the smallest of them.
+std::vector<PoseMargin> weigh_margins(BladeMotion& motion) {
+  std::vector<PoseMargin> margins = clamp_margins(motion.poses);
+  motion.smallest_fold_mm = motion.smallest_straight_mm = kFarFromFoldMm;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    const PoseMargin& m = margins[i];
+    motion.poses[i].margin_mm = std::min({m.fold_mm, m.straight_mm, kFarFromFoldMm});
+    motion.smallest_fold_mm = std::min(motion.smallest_fold_mm, m.fold_mm);
+    motion.smallest_straight_mm = std::min(motion.smallest_straight_mm, m.straight_mm);
+  }
+  return margins;
+}
+
+// Pulled straight by more than the equations for its force can carry, or so nearly straight that the clamps'
+// errors may bow it to another side.
+bool unheld(const BladePose& pose, const PoseMargin& margin, const Settings& settings) {
+  const double length = pose.blade.length;
+  const elastica::CurvePoint b = elastica::point_at(pose.blade, length);
+  const Eigen::Vector2d chord(b.x - pose.blade.x, b.y - pose.blade.y);
+  const double tension = -Eigen::Vector2d(pose.blade.lambda1, pose.blade.lambda2).dot(chord) * length;
+  if (tension > elastica::kLargestTension) return true;
+  const double least = smallest_margin_mm(settings, length);
+  return margin.straight_mm < least || (margin.fold_mm < least && straight(pose, settings.machine));
+}
+
+// Names the times at which the blade is straight or taut, and what the clamps' errors may do there.
+void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
+                             const std::vector<PoseMargin>& margins, BladeMotion& motion) {
+  const auto& poses = motion.poses;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!unheld(poses[i], margins[i], settings)) continue;
+    const std::size_t first = i;
+    double moved = 0;
+    for (; i < poses.size() && unheld(poses[i], margins[i], settings); ++i)
+      moved = std::max(moved, clamp_error_mm(poses[i], margins[i].straight_mm, settings.machine));
+    motion.warnings.push_back(fmt::format(
+        "{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide "
+        "its shape to second order only, and their errors may move it by {:.1f} mm",
+        strip.id, poses[first].t, poses[first].phase, poses[i - 1].t, poses[i - 1].phase, i - first, moved));
+  }
+}
+
+// Adds refusals that name the strip, the nearest rib while cutting, the phase and the time.
+class Refuser {
+ public:
+  Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
+
+  void operator()(std::size_t i, const char* name, double value, double bound, const char* unit,
+                  const char* hint) {
+    const BladePose& pose = motion_.poses[i];
+    motion_.refusals.push_back({strip_.id, pose.foam ? rib_name(pose) : "",
+                                fmt::format("{} in phase {} at {:.2f} s", name, pose.phase, pose.t), value,
+                                bound, unit, hint});
+  }
+
+  [[nodiscard]] const std::string& phase(std::size_t i) const { return motion_.poses[i].phase; }
+
+ private:
+  [[nodiscard]] std::string rib_name(const BladePose& pose) const {
+    const double offset = strip_.offset(pose.frame);
+    const auto nearest =
+        std::min_element(strip_.ribs.begin(), strip_.ribs.end(), [&](const RibFit& p, const RibFit& q) {
+          return std::abs(p.offset_mm - offset) < std::abs(q.offset_mm - offset);
+        });
+    return rib_id(strip_.id, static_cast<std::size_t>(nearest - strip_.ribs.begin()));
+  }
+
+  const StripPlan& strip_;
+  BladeMotion& motion_;
+};
+
+// Where `before` puts a pose first.
+template <typename Before>
+std::size_t first_by(const std::vector<PoseCheck>& checks, Before before) {
+  return static_cast<std::size_t>(std::min_element(checks.begin(), checks.end(), before) - checks.begin());
+}
+
+// Limits are written so that a value that is not a number is refused.
+void refuse_bending(const std::vector<PoseCheck>& checks, const BladeSettings& blade, Refuser& refuse) {
+  const std::size_t i =
+      first_by(checks, [](const auto& a, const auto& b) { return a.curvature > b.curvature; });
+  if (checks[i].curvature <= max_curvature_per_mm(blade)) return;
+  refuse(i, "bending stress (yield strength over safety)", checks[i].loads.stress_mpa,
+         blade.yield_strength_mpa / blade.safety, "MPa",
+         "the blade would yield on the way: closer ribs, or a thinner blade");
+}
+
+void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& stock, Refuser& refuse) {
+  const std::size_t near =
+      first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
+  if (!(checks[near].clearance >= stock.clearance_mm)) {
+    refuse(
+        near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
+        refuse.phase(near) == "retract"
+            ? "raise motion.lead_mm to stock.clearance_mm or leave it out, which takes as much as is needed"
+            : "add a longer blade to blade.free_lengths_mm");
+  }
+  const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
+  if (!(checks[deep].depth <= kFreePartDepthMm)) {
+    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
+           "mm", "closer ribs or more splits");
+  }
+  const std::size_t crossed =
+      first_by(checks, [](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
+  if (checks[crossed].crosses)
+    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
+}
+
+// The blade would snap by an error that its clamps may have. A nearly straight one is warned of instead: what
+// it snaps to lies as near as what the errors move it by anyway.
+void refuse_near_folds(const std::vector<PoseMargin>& margins, const BladeMotion& motion,
+                       const Settings& settings, Refuser& refuse) {
+  const double least = smallest_margin_mm(settings, motion.poses.front().blade.length);
+  std::size_t worst = 0;
+  double smallest = least;
+  for (std::size_t i = 0; i < margins.size(); ++i) {
+    if (margins[i].fold_mm >= smallest || straight(motion.poses[i], settings.machine)) continue;
+    smallest = margins[i].fold_mm;
+    worst = i;
+  }
+  if (smallest >= least) return;
+  refuse(worst, "clamp error that makes the blade snap", smallest, least, "mm",
+         "a shorter blade or more splits; or more exact clamps (machine.clamp_error_mm, "
+         "machine.clamp_error_rad)");
+}
+
+void refuse_instability(const std::vector<PoseCheck>& checks, const robot::BladeSection& section,
+                        const Settings& settings, const BladeMotion& motion, Refuser& refuse) {
+  const std::size_t tipped =
+      first_by(checks, [](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
+  if (!checks[tipped].sag.stable) {
+    refuse(tipped, "margin against tipping out of the plane",
+           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
+           "a shorter or thicker blade");
+  }
+  if (motion.smallest_margin >= settings.blade.min_margin) return;
+  const auto worst =
+      std::min_element(motion.poses.begin(), motion.poses.end(),
+                       [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
+  refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin (snap-through)",
+         worst->margin, settings.blade.min_margin, "",
+         "the blade could snap through on the way: a shorter blade or more splits");
+}
+
+}  // namespace
+
+Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
+  const Eigen::Vector3d down = design_to_cell.q.conjugate() * -Eigen::Vector3d::UnitZ();
+  return {down.dot(frame.x), down.dot(frame.y), down.dot(frame.normal())};
+}
+
+void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
+  const Block block = block_around(strip.ribs, strip, settings.stock);
+  const robot::BladeSection section = blade_section(settings.blade);
+  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, block, section);
+  collect(checks, motion);
+  const std::vector<PoseMargin> margins = weigh_margins(motion);
+  weigh_clamp_errors(strip, settings.machine, margins, motion);
+  warn_of_straight_blades(strip, settings, margins, motion);
+  Refuser refuse(strip, motion);
+  refuse_bending(checks, settings.blade, refuse);
+  refuse_places(checks, settings.stock, refuse);
+  refuse_instability(checks, section, settings, motion, refuse);
+  refuse_near_folds(margins, motion, settings, refuse);
+}
+
+}  // namespace hotblade::pipeline

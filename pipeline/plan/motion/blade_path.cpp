@@ -1,0 +1,265 @@
+#include "pipeline/plan/motion/blade_path.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "elastica/blade/blade_batch.hpp"
+#include "elastica/blade/stability.hpp"
+#include "pipeline/plan/motion/blocks.hpp"
+#include "pipeline/plan/motion/travel.hpp"
+#include "pipeline/plan/ribs/rib_spline.hpp"
+#include "pipeline/program/clamps.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using elastica::Elastica;
+using elastica::MidState;
+
+// The flat arc every strip starts and ends with turns by 2 u; the controller accepts 0.10 <= |u| <= 0.17 rad.
+constexpr double kFlatHalfTurn = 0.13;
+
+// The blade at a place of the sweep: the rib there, extended.
+BladePlace place_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {
+  const MidState mid = spline.mid_at(offset_mm);
+  const double before = strip.share_a * (strip.blade_length_mm - mid.length);
+  const DesignPart formed = strip.formed_at(offset_mm);
+  return {offset_mm,
+          half_from_middle(mid),
+          -0.5 * mid.length - before,
+          strip.blade_length_mm,
+          before + formed.first * mid.length,
+          before + formed.last * mid.length,
+          true,
+          before,
+          before + mid.length};
+}
+
+BladeShape shape_of(const BladePlace& place) {
+  return shapes_of({&place, 1}).front();
+}
+
+BladePlace place_of(const BladeShape& shape) {
+  return {shape.offset_mm, shape.blade,   0,          shape.blade.length, shape.foam0,
+          shape.foam1,     shape.in_foam, shape.rib0, shape.rib1};
+}
+
+// Flat arc and a working shape joined by a straight line in the state at the blade's middle.
+struct Forming {
+  BladeShape worked;
+  MidState mid, flat;
+
+  Forming(const BladeShape& shape, double side) : worked(shape), mid(mid_state(shape.blade)) {
+    flat = mid;
+    flat.kappa = side * 2 * kFlatHalfTurn / shape.blade.length;
+    flat.tension1 = flat.tension2 = 0;
+  }
+
+  // share 0 is the flat arc, 1 the working shape.
+  [[nodiscard]] BladePlace place(double share) const {
+    MidState m = mid;
+    m.kappa = flat.kappa + share * (mid.kappa - flat.kappa);
+    m.tension1 = share * mid.tension1;
+    m.tension2 = share * mid.tension2;
+    return {worked.offset_mm, half_from_middle(m), -0.5 * m.length, m.length, 0, 0, false};
+  }
+  [[nodiscard]] BladeShape at(double share) const { return shape_of(place(share)); }
+};
+
+// The least stability margin on the way between the flat arc and the working shape.
+double smallest_margin(const Forming& forming) {
+  constexpr int kShapes = 8;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 1; i < kShapes; ++i)
+    least = std::min(least, elastica::stability_margin(forming.at(static_cast<double>(i) / kShapes).blade));
+  return least;
+}
+
+// The flat arc bends to the side the working shape turns to; to the other one where that way is closer to a
+// snap.
+Forming form(const BladeShape& shape, double min_margin) {
+  const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
+  Forming forming(shape, turn < 0 ? -1 : 1);
+  const double margin = smallest_margin(forming);
+  if (margin >= min_margin) return forming;
+  Forming other(shape, turn < 0 ? 1 : -1);
+  return smallest_margin(other) > margin ? other : forming;
+}
+
+// Of parallel planes: where the block ends on the waste side.
+double stock_top_mm(const StripPlan& strip) {
+  const Frame& block = strip.stock.frame;
+  return (block.origin + strip.stock.size_mm.y() * block.y - strip.planes.centre()).dot(strip.y);
+}
+
+// How far the block reaches beyond the plane at an offset: against and along the sweep and to the waste side.
+struct Reach {
+  double before_mm = 0, behind_mm = 0, top_mm = 0;
+};
+
+Reach fan_reach(const StripPlan& strip, double offset_mm) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  const Frame plane = strip.swept_plane(offset_mm);
+  const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
+  const Eigen::Vector3d normal = (along ? 1.0 : -1.0) * plane.normal(), &size = strip.stock.size_mm;
+  Reach reach{-kInf, -kInf, -kInf};
+  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7}) {
+    const Eigen::Vector3d corner =
+        strip.stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0) -
+        plane.origin;
+    reach.before_mm = std::max(reach.before_mm, -corner.dot(normal));
+    reach.behind_mm = std::max(reach.behind_mm, corner.dot(normal));
+    reach.top_mm = std::max(reach.top_mm, corner.dot(plane.y));
+  }
+  return reach;
+}
+
+// How far before the first and behind the last rib the blade's plane is clear of the block.
+std::array<double, 2> ends_of_block(const StripPlan& strip, double border_mm) {
+  if (!strip.planes.turns()) return {border_mm, border_mm};
+  const double first = strip.ribs.front().offset_mm, last = strip.ribs.back().offset_mm;
+  // Far enough out for the planes to go straight; what is missing there is made up along their normals. The
+  // planes have turned a little on, so that the way along the last rib's normal is longer by less than this.
+  constexpr double kStraightMm = 20, kLonger = 1.01;
+  const double before = fan_reach(strip, first - kStraightMm).before_mm,
+               behind = fan_reach(strip, last + kStraightMm).behind_mm;
+  return {kStraightMm + kLonger * std::max(0.0, before), kStraightMm + kLonger * std::max(0.0, behind)};
+}
+
+// Sideways on the waste side until the whole blade, worked or flat, is clear of the block.
+double way_out_mm(const StripPlan& strip, const Forming& forming, double end_mm, const StockSettings& stock) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double share : {0.0, 0.5, 1.0}) {
+    for (const elastica::CurvePoint& p : elastica::sample(forming.at(share).blade, 65))
+      lowest = std::min(lowest, p.y);
+  }
+  const double top = strip.planes.turns() ? fan_reach(strip, end_mm).top_mm : stock_top_mm(strip);
+  // A tenth more than the clearance: the three shapes stand for all between them.
+  return std::max(0.0, top + 1.1 * stock.clearance_mm - lowest);
+}
+
+BladeShape in_air(BladeShape shape, double offset_mm) {
+  shape.offset_mm = offset_mm;
+  shape.foam0 = shape.foam1 = shape.rib0 = shape.rib1 = 0;
+  shape.in_foam = false;
+  return shape;
+}
+
+// The blade withdraws beside the block, shape and all, and is flattened there; u in [0, 1] is the way of
+// both.
+BladePlace withdrawn(const Forming& last, double aside_mm, double u) {
+  BladePlace place = u <= 0.5 ? place_of(last.worked) : last.place(2 - 2 * u);
+  place.curve.y += std::min(1.0, 2 * u) * aside_mm;
+  return place;
+}
+
+// Where a strip's way out of the block ends along the sweep, and how far to the side it then goes.
+struct WayOut {
+  double end_mm = 0, aside_mm = 0;
+};
+
+// Feed and blade settle over this way.
+constexpr double kLeastLeadMm = 20;
+
+WayOut way_out(const StripPlan& strip, Forming& last, double behind_mm, const Settings& settings) {
+  // As the block lies on one side of the blade's plane, a lead of the clearance keeps the clamps clear
+  // wherever they pass below it. A little more is for rounding.
+  constexpr double kReserve = 1.01;
+  const double given = settings.motion.lead_mm, clear = settings.stock.clearance_mm;
+  const auto with_lead = [&](double lead) -> WayOut {
+    const double end = strip.ribs.back().offset_mm + behind_mm + lead;
+    last.worked.offset_mm = end;
+    return {end, way_out_mm(strip, last, end, settings.stock)};
+  };
+  const WayOut out = with_lead(given > 0 ? given : kLeastLeadMm);
+  if (given > 0 || clear <= kLeastLeadMm) return out;
+  constexpr int kLooks = 64;
+  for (int i = 0; i <= kLooks; ++i) {
+    const BladeShape shape = shape_of(withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks));
+    if (clamp_clearance_mm(clamps(shape.blade, strip.swept_plane(out.end_mm)), strip.stock) <
+        kReserve * clear)
+      return with_lead(kReserve * clear);
+  }
+  return out;
+}
+
+double lead_in_mm(const MotionSettings& motion) {
+  return motion.lead_mm > 0 ? motion.lead_mm : std::min(kLeastLeadMm, motion.approach_mm);
+}
+
+}  // namespace
+
+std::vector<BladeShape> shapes_of(std::span<const BladePlace> places) {
+  std::vector<Elastica> curves;
+  std::vector<double> from;
+  for (const BladePlace& place : places) {
+    curves.push_back(place.curve);
+    from.push_back(place.from_mm);
+  }
+  std::vector<elastica::CurvePoint> starts(places.size());
+  elastica::points_at(curves, from, starts);
+  std::vector<BladeShape> shapes;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const BladePlace& place = places[i];
+    const elastica::CurvePoint& p = starts[i];
+    shapes.push_back({place.offset_mm,
+                      {p.x, p.y, p.theta, p.kappa, place.curve.lambda1, place.curve.lambda2, place.length_mm},
+                      place.foam0,
+                      place.foam1,
+                      place.in_foam,
+                      place.rib0,
+                      place.rib1});
+  }
+  return shapes;
+}
+
+std::vector<BladeShape> shapes_at(const Stretch& stretch, std::span<const double> parameters) {
+  std::vector<BladePlace> places(parameters.size());
+  std::vector<BladeShape> shapes(parameters.size());
+  in_blocks(parameters.size(), [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) places[i] = stretch.place(parameters[i]);
+    const std::vector<BladeShape> block = shapes_of(std::span(places).subspan(from, to - from));
+    std::copy(block.begin(), block.end(), shapes.begin() + static_cast<std::ptrdiff_t>(from));
+  });
+  return shapes;
+}
+
+BladePath make_path(const StripPlan& strip, const Settings& settings) {
+  const auto spline = std::make_shared<RibSpline>(strip.ribs);
+  BladePath path;
+  SweepMarks& marks = path.marks;
+  marks.first_rib_mm = strip.ribs.front().offset_mm;
+  marks.last_rib_mm = strip.ribs.back().offset_mm;
+  const auto [before, behind] = ends_of_block(strip, settings.stock.border_mm);
+  marks.start_mm = marks.first_rib_mm - (before + lead_in_mm(settings.motion));
+  const double above = marks.first_rib_mm - before - settings.motion.approach_mm;
+  const double min_margin = settings.blade.min_margin;
+  const auto rib_at = [&](double offset_mm) { return shape_of(place_at(strip, *spline, offset_mm)); };
+  const Forming first = form(in_air(rib_at(marks.first_rib_mm), above), min_margin);
+  Forming last = form(in_air(rib_at(marks.last_rib_mm), marks.last_rib_mm), min_margin);
+  const WayOut out = way_out(strip, last, behind, settings);
+  marks.end_mm = out.end_mm;
+  path.stretches.push_back({"form", false, 200, [first](double u) { return first.place(u); }});
+  path.stretches.push_back({"approach", true, 50, [first, marks, above](double u) {
+                              return place_of(in_air(first.worked, above + u * (marks.start_mm - above)));
+                            }});
+  const int resolved = std::clamp(static_cast<int>(8 * strip.ribs.size()), 400, 4000);
+  path.stretches.push_back({"cut", true, resolved, [&strip, spline, marks](double u) {
+                              return place_at(strip, *spline,
+                                              marks.start_mm + u * (marks.end_mm - marks.start_mm));
+                            }});
+  path.stretches.push_back(
+      {"retract", false, 50, [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 * u); }});
+  path.stretches.push_back({"retract", false, 200,
+                            [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 + 0.5 * u); }});
+  if (auto travel = travel_home(strip, shape_of(withdrawn(last, out.aside_mm, 1)), first.at(0), settings))
+    path.stretches.push_back(std::move(*travel));
+  return path;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,38 @@
+// How far the clamps of a strip may err at each pose before the blade's shape is lost (margin_mm).
+//
+// The distance to the nearest fold is searched for at some poses and bounded from below at the others: it
+// falls by no more than the clamps move (elastica/blade/clamp_margin.hpp). Between two searched poses the
+// bound is at least kMarginShare of the smaller of both, or of kFarFromFoldMm; the distance to the straight
+// blade is exact at every pose. Searches look farther than kFarFromFoldMm: what is not near for long needs
+// few.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/motion/motion.hpp"
+
+namespace hotblade::pipeline {
+
+// Folds farther away are not told apart: fifty times what clamps err, a quarter of it for the coarsest.
+inline constexpr double kFarFromFoldMm = 20;
+inline constexpr double kMarginShare = 0.7;
+
+// Both of a pose; the smaller is its margin_mm. kFarFromFoldMm stands for that much or more.
+struct PoseMargin {
+  double fold_mm = 0;      // the blade snaps to another shape
+  double straight_mm = 0;  // the blade is straight, and may bow to either side
+};
+
+// The margins of all poses. The same whatever the number of threads.
+[[nodiscard]] std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses);
+
+// What both clamps err by at their worst, as margins count errors: of position, and of angle times half the
+// blade's length.
+[[nodiscard]] double worst_clamp_error_mm(const MachineSettings& machine, double blade_length_mm);
+
+// The smallest margin to a fold that a strip may have: blade.min_margin_mm, or twice the worst error of the
+// clamps where that is 0. Once would be a shape that the errors given can lose; twice leaves as much again
+// for what is not counted: the blade's stiffness, weight and heat.
+[[nodiscard]] double smallest_margin_mm(const Settings& settings, double blade_length_mm);
+
+}  // namespace hotblade::pipeline

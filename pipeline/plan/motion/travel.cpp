@@ -1,0 +1,194 @@
+#include "pipeline/plan/motion/travel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "elastica/blade/blade_batch.hpp"
+#include "elastica/fit/fit.hpp"
+#include "elastica/quadratic/quadratic.hpp"
+#include "elastica/quadratic/quadratic_tangent.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using elastica::MidState;
+using elastica::Quadratic;
+
+// The stock seen along the ribs: first along the sweep, then towards the waste.
+struct StockOutline {
+  Vector2d low{0, 0}, high{0, 0};
+};
+
+std::array<Vector3d, 8> corners(const Stock& stock) {
+  std::array<Vector3d, 8> all;
+  const Vector3d& size = stock.size_mm;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i] = stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0);
+  return all;
+}
+
+// Offsets and heights in the axes of parallel planes.
+StockOutline outline(const StripPlan& strip) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  StockOutline stock{Vector2d::Constant(kInf), Vector2d::Constant(-kInf)};
+  const Frame plane = strip.plane(0);
+  for (const Vector3d& corner : corners(strip.stock)) {
+    const Vector2d seen(strip.planes.offset(corner), (corner - plane.origin).dot(plane.y));
+    stock.low = stock.low.cwiseMin(seen);
+    stock.high = stock.high.cwiseMax(seen);
+  }
+  return stock;
+}
+
+// In a fan, about: how high the block is in its middle plane, and up to which offset planes lie before it.
+StockOutline fan_outline(const StripPlan& strip, double from_mm) {
+  constexpr double kStepMm = 1;
+  StockOutline stock{Vector2d::Zero(), Vector2d::Zero()};
+  const double middle = 0.5 * (strip.ribs.front().offset_mm + strip.ribs.back().offset_mm);
+  const Frame plane = strip.plane(middle);
+  stock.high.y() = -std::numeric_limits<double>::infinity();
+  for (const Vector3d& corner : corners(strip.stock))
+    stock.high.y() = std::max(stock.high.y(), (corner - plane.origin).dot(plane.y));
+  const double sense = strip.x.cross(strip.y).dot(strip.sweep) > 0 ? 1 : -1;
+  for (stock.low.x() = from_mm; stock.low.x() < middle; stock.low.x() += kStepMm) {
+    const Frame at = strip.swept_plane(stock.low.x());
+    for (const Vector3d& corner : corners(strip.stock))
+      if (sense * at.normal().dot(corner - at.origin) <= 0) return stock;
+  }
+  return stock;
+}
+
+// The way of the blade's middle in (offset, height); the rest of the pose changes evenly along it.
+struct Way {
+  MidState from, home;
+  Quadratic curve;
+  double length = 0;
+
+  [[nodiscard]] BladePlace place(double u) const {
+    const Vector2d p = elastica::point_at(curve, elastica::parameter_at(curve, u * length));
+    MidState mid = from;
+    mid.x = from.x + u * (home.x - from.x);
+    mid.y = p.y();
+    mid.theta = from.theta + u * (home.theta - from.theta);
+    return {p.x(), elastica::half_from_middle(mid), -0.5 * mid.length, mid.length, 0, 0, false};
+  }
+};
+
+// How far the blade hangs below its middle, anywhere on a way: turning and shape are the same on all of them.
+double hang_mm(const Way& way) {
+  constexpr int kTurns = 16, kPoints = 65;
+  double hang = 0;
+  for (int i = 0; i <= kTurns; ++i) {
+    const BladePlace place = way.place(static_cast<double>(i) / kTurns);
+    const elastica::Elastica blade = elastica::segment(place.curve, place.from_mm, -place.from_mm);
+    for (const auto& p : elastica::sample(blade, kPoints)) hang = std::max(hang, place.curve.y - p.y);
+  }
+  return hang;
+}
+
+// Straight where that stays outside the circle, otherwise around it; shortest first.
+std::vector<Quadratic> around(const Vector2d& from, const Vector2d& to, const Vector2d& corner,
+                              double radius) {
+  const Vector2d way = to - from;
+  const double on = std::clamp((corner - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+  // The way leads against the sweep: the block has to lie on its left.
+  const bool outside = way.x() * (corner - from).y() - way.y() * (corner - from).x() >= 0;
+  if (outside && (from + on * way - corner).norm() >= radius) return {{from, (from + to) / 2, to}};
+  if ((from - corner).norm() <= radius || (to - corner).norm() <= radius) return {};
+  std::vector<Quadratic> curves;
+  for (const auto& m :
+       elastica::tangent_to_circle(from, to, corner, radius, elastica::Objective::kLength).minima) {
+    if (m.regular) curves.push_back(m.curve);
+  }
+  return curves;
+}
+
+// Points of a blade this far apart are measured.
+constexpr double kApart_mm = 2;
+
+std::size_t points_of(const elastica::Elastica& blade) {
+  return static_cast<std::size_t>(std::ceil(blade.length / kApart_mm)) + 1;
+}
+
+// blade_clearance_mm of blade `i` by its points.
+double clearance_mm(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
+                    const Stock& stock, double width_mm) {
+  const Vector3d across = width_mm / 2 * frame.normal();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < points.points; ++k) {
+    const Vector2d p = points.at(i, k);
+    for (const double side : {-1.0, 1.0}) {
+      const Vector3d d = frame.point(p.x(), p.y()) + side * across - stock.frame.origin;
+      const Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+      least = std::min(least, (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm());
+    }
+  }
+  // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
+  // points between both edges, because the distance to a box is convex.
+  return std::max(0.0, least - 0.5 * length / static_cast<double>(points.points - 1));
+}
+
+double clearance_on(const Stretch& travel, const StripPlan& strip, double width_mm) {
+  std::vector<double> shares;
+  for (int i = 0; i <= travel.samples; ++i) shares.push_back(static_cast<double>(i) / travel.samples);
+  const std::vector<BladeShape> shapes = shapes_at(travel, shares);
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> whole;
+  for (const BladeShape& shape : shapes) {
+    blades.push_back(shape.blade);
+    whole.push_back({0, shape.blade.length});
+  }
+  const elastica::PartPoints points = elastica::sample_parts(blades, whole, points_of(blades.front()));
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    least = std::min(least, clearance_mm(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm),
+                                         strip.stock, width_mm));
+  }
+  return least;
+}
+
+}  // namespace
+
+double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Stock& stock,
+                          double width_mm) {
+  const elastica::Part whole{0, blade.length};
+  return clearance_mm(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length,
+                      frame, stock, width_mm);
+}
+
+std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
+                                   const Settings& settings) {
+  Way way{elastica::mid_state(from.blade), elastica::mid_state(home.blade), {}, 0};
+  const Vector2d start(from.offset_mm, way.from.y), end(home.offset_mm, way.home.y);
+  way.curve = {start, (start + end) / 2, end};
+  way.length = elastica::length(way.curve);
+  const double hang = hang_mm(way), half_width = settings.blade.width_mm / 2;
+  const StockOutline stock = strip.planes.turns() ? fan_outline(strip, home.offset_mm) : outline(strip);
+  // A fan's offsets are no distances, and its planes see the block tilted: its corner may have to be taken as
+  // higher than it is in the middle plane.
+  constexpr std::array<double, 6> kRaises_mm{0, 25, 50, 100, 200, 400};
+  const std::size_t raises = strip.planes.turns() ? kRaises_mm.size() : 1;
+  for (std::size_t i = 0; i < raises; ++i) {
+    const Vector2d corner(stock.low.x() - half_width, stock.high.y() + hang + kRaises_mm[i]);
+    // The points between which a clearance is measured take away half a step; a larger circle makes up for
+    // it, and for the corner on the other side where that is the nearer one.
+    for (const double more_mm : {2.0, 10.0, 50.0}) {
+      for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
+        way.curve = curve;
+        way.length = elastica::length(curve);
+        const Stretch travel{"travel", false, 200, [way](double u) { return way.place(u); }};
+        if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm)
+          return travel;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,48 @@
+// One strip before motion: its ribs in common axes, the block they are cut from, and the blade that cuts it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/ribs/joint_fit.hpp"
+#include "pipeline/plan/ribs/rib_fit.hpp"
+#include "pipeline/plan/ribs/seams.hpp"
+#include "pipeline/program/program.hpp"
+
+namespace hotblade::pipeline {
+
+// What of its ribs a strip forms at a place of the sweep, by share of their length; the rest is waste.
+struct FormedPart {
+  double offset_mm = 0;
+  DesignPart part;
+};
+
+// One strip before motion: ribs in common axes, the block, and the blade that cuts it.
+struct StripPlan : RibAxes {
+  std::string id;
+  std::vector<RibFit> ribs;
+  std::vector<FormedPart> formed;  // of ribs that go on past the design's border: by sections, ascending
+  double blade_length_mm = 0;
+  double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
+  Stock stock;
+  Pose design_to_cell;
+  JointFitReport joint;  // the ribs solved together, before and after
+  // The same strip with each rib on its own best fit, where the ribs were solved together.
+  std::shared_ptr<const StripPlan> separate;
+  SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+
+  // Between sections no less than what the ones around it form, and never nothing.
+  [[nodiscard]] DesignPart formed_at(double offset_mm) const;
+
+  // Where the blade's plane is on its way through the block and out of it: planes of a fan go on straight,
+  // along their normals, soon before the first and behind the last rib.
+  [[nodiscard]] Frame swept_plane(double offset_mm) const;
+};
+
+// The blade of a rib: its elastica extended along itself to the strip's blade length.
+[[nodiscard]] elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm,
+                                          double share_a);
+
+}  // namespace hotblade::pipeline

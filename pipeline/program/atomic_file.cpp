@@ -1,0 +1,150 @@
+#include "pipeline/program/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "pipeline/settings/command_error.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const fs::path& path, const std::string& what) {
+  throw CommandError(Exit::kFile, path.string() + ": " + what);
+}
+
+[[noreturn]] void fail_with_errno(const fs::path& path, const char* what, int error) {
+  fail(path, std::string(what) + " (" + std::generic_category().message(error) + ")");
+}
+
+[[noreturn]] void fail_existing(const fs::path& path) {
+  fail(path, "already exists: use --force to overwrite");
+}
+
+// Makes the rename last through a power cut. Some file systems cannot sync a directory; the file is whole
+// either way.
+void sync_directory(const fs::path& directory) {
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
+}
+
+// The path to write: links followed, so that a link stays one. Checks what is there.
+fs::path resolve_target(const fs::path& path, bool force) {
+  std::error_code error;
+  if (!path.has_filename()) fail(path, "is not a file name");
+  const fs::file_status link = fs::symlink_status(path, error);
+  if (link.type() == fs::file_type::not_found) return fs::absolute(path);
+  if (error) fail_with_errno(path, "cannot be written", error.value());
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::directory) fail(path, "is a directory: give a file name");
+  if (fs::exists(status) && status.type() != fs::file_type::regular) fail(path, "is not a regular file");
+  if (!force) fail_existing(path);
+  return fs::exists(status) ? fs::canonical(path) : fs::absolute(path);
+}
+
+}  // namespace
+
+// The file beside the target while it is being written; removed unless it was renamed into place.
+class StagedFile::Draft {
+ public:
+  explicit Draft(fs::path target) : target_(std::move(target)) {
+    static std::atomic<unsigned> counter{0};
+    const std::string name =
+        fmt::format(".{}.{}.{}.tmp", target_.filename().string(), ::getpid(), counter.fetch_add(1));
+    path_ = target_.parent_path() / name;
+    descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) fail_with_errno(target_, "cannot be written", errno);
+  }
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+  ~Draft() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    if (!placed_) ::unlink(path_.c_str());
+  }
+
+  void write(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail_with_errno(target_, "cannot be written", errno);
+      bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+  }
+
+  void finish() {
+    if (::fsync(descriptor_) != 0) fail_with_errno(target_, "cannot be synced to disk", errno);
+    if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_, "cannot be written", errno);
+  }
+
+  void place(bool force) {
+    if (!force) {
+      // Two writers at once: only one of them may find the name free.
+      if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0) {
+        placed_ = true;
+        sync_directory(target_.parent_path());
+        return;
+      }
+      if (errno == EEXIST) fail_existing(target_);
+      // File systems without that promise answer EINVAL; the check made before writing has to do there.
+      if (errno != EINVAL && errno != ENOSYS) fail_with_errno(target_, "cannot be written", errno);
+    }
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail_with_errno(target_, "cannot be written", errno);
+    placed_ = true;
+    sync_directory(target_.parent_path());
+  }
+
+ private:
+  fs::path target_, path_;
+  int descriptor_ = -1;
+  bool placed_ = false;
+};
+
+StagedFile::StagedFile(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
+                       bool force)
+    : draft_(std::make_unique<Draft>(resolve_target(path, force))), force_(force) {
+  produce([this](std::string_view piece) { draft_->write(piece); });
+  draft_->finish();
+}
+StagedFile::~StagedFile() = default;
+StagedFile::StagedFile(StagedFile&&) noexcept = default;
+StagedFile& StagedFile::operator=(StagedFile&&) noexcept = default;
+
+void StagedFile::place() {
+  draft_->place(force_);
+}
+
+void write_file_atomically(const fs::path& path, std::string_view bytes, bool force) {
+  write_file_atomically(
+      path, [bytes](const WritePiece& write) { write(bytes); }, force);
+}
+
+void write_file_atomically(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
+                           bool force) {
+  StagedFile(path, produce, force).place();
+}
+
+void expect_writable(const fs::path& path, bool force) {
+  const fs::path directory = resolve_target(path, force).parent_path();
+  if (::access(directory.c_str(), W_OK) != 0) fail_with_errno(path, "cannot be written", errno);
+}
+
+void ensure_directory(const fs::path& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error) fail_with_errno(path, "cannot be made a directory", error.value());
+  if (!fs::is_directory(path, error)) fail(path, "is not a directory");
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,21 @@
+// The OBJ that a program was planned for, found again and proved to be the one.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "pipeline/program/program.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+// Where the design lies: beside the program under its own name, or where run.json beside the program says
+// that it was when it was planned. Absent when there is no such file.
+[[nodiscard]] std::optional<std::filesystem::path> design_at_hand(const std::filesystem::path& program_file,
+                                                                  const Program& program);
+
+// Reads it. Throws CommandError: 7 unreadable, 3 no design, or another one than the program's.
+[[nodiscard]] surface::DesignSurface read_design_of(const Program& program,
+                                                    const std::filesystem::path& file);
+
+}  // namespace hotblade::pipeline

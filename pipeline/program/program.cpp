@@ -1,0 +1,63 @@
+#include "pipeline/program/program.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <system_error>
+
+#include "pipeline/settings/command_error.hpp"
+
+namespace hotblade::pipeline {
+
+Program read_program(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    throw CommandError(Exit::kFile, file.string() + ": is a directory: give its program.json");
+  }
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  std::string text;
+  // Room at once: a text that grows by doubling is held twice. A device or pipe has no size and grows.
+  if (const auto size = std::filesystem::file_size(file, error); !error) text.reserve(size);
+  std::array<char, 1 << 16> block;
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (!stream.is_open() || stream.bad()) {
+    const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";
+    throw CommandError(Exit::kFile, file.string() + ": cannot be read" + reason);
+  }
+  return parse_program(text, file.string());
+}
+
+double height_above_table_mm(const Stock& stock, const Pose& design_to_cell) {
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double x : {0.0, stock.size_mm.x()})
+    for (const double y : {0.0, stock.size_mm.y()})
+      for (const double z : {0.0, stock.size_mm.z()}) {
+        const Pose corner{stock.frame.point(x, y, z), Eigen::Quaterniond::Identity()};
+        lowest = std::min(lowest, robot::transformed(design_to_cell, corner).p.z());
+      }
+  return lowest;
+}
+
+std::vector<robot::Waypoint> waypoints(const Strip& strip) {
+  constexpr double kMicrosecondsPerSecond = 1e6;
+  const auto in_cell = [&](const Pose& pose) {
+    Pose moved = robot::transformed(strip.design_to_cell, pose);
+    moved.q = robot::canonical(moved.q);
+    return moved;
+  };
+  std::vector<robot::Waypoint> out;
+  out.reserve(strip.poses.size());
+  for (const BladePose& pose : strip.poses) {
+    const auto t_us = static_cast<std::uint32_t>(std::llround(pose.t * kMicrosecondsPerSecond));
+    out.push_back({t_us, pose.heat, in_cell(pose.a), in_cell(pose.b)});
+  }
+  return out;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,133 @@
+// The cut program: what program.json holds (docs/program.md, format version 1). mm, rad, s; kappa 1/mm,
+// lambda 1/mm^2.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "elastica/curve/elastica.hpp"
+#include "robot/pose/pose.hpp"
+#include "robot/pose/waypoint.hpp"
+
+namespace hotblade::pipeline {
+
+using robot::Pose;
+
+// A plane's axes in the design frame; the third axis is x cross y.
+struct Frame {
+  Eigen::Vector3d origin{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0};
+  [[nodiscard]] Eigen::Vector3d normal() const { return x.cross(y); }
+  [[nodiscard]] Eigen::Vector3d point(double u, double v, double w = 0) const {
+    return origin + u * x + v * y + w * normal();
+  }
+};
+
+struct Stock {
+  Frame frame;  // origin in a corner, size along x, y, x cross y
+  Eigen::Vector3d size_mm{0, 0, 0};
+};
+
+// Of the block's lowest corner where it stands in the cell, mm.
+[[nodiscard]] double height_above_table_mm(const Stock& stock, const Pose& design_to_cell);
+
+struct Rib {
+  std::string id;
+  Frame frame;
+  std::vector<Eigen::Vector2d> target;  // after the kerf offset, rib frame
+  std::array<Eigen::Vector2d, 4> bezier;
+  double lambda_residual = 0;
+  elastica::Elastica elastica;
+  double l2 = 0, h1 = 0, hausdorff_mm = 0;  // Bezier against elastica
+  double design_deviation_mm = 0;           // elastica against target, max
+};
+
+// What a pose asks of the blade and the clamps (robot/blade/blade_section.hpp).
+struct PoseLoads {
+  double force_n = 0;                           // between the clamps, the same at both
+  double moment_a_n_mm = 0, moment_b_n_mm = 0;  // in the blade at the clamps, counted as B kappa
+  double stress_mpa = 0;                        // largest bending stress
+  double droop_mm = 0, in_plane_sag_mm = 0;     // what weight moves the blade, over foam or all of it
+};
+
+struct BladePose {
+  double t = 0;  // s from the strip's start
+  std::string phase;
+  bool heat = false;
+  Frame frame;
+  elastica::Elastica blade;  // whole blade, clamp A to clamp B, in the frame's plane
+  std::optional<std::array<double, 2>> foam;
+  Pose a, b;  // design frame
+  double margin = 0;
+  std::optional<double> margin_mm;  // absent: not computed
+  std::optional<PoseLoads> loads;   // absent: not computed
+  std::optional<int> rib;
+};
+
+struct Strip {
+  std::string id;
+  double blade_length_mm = 0;
+  Pose design_to_cell;
+  Stock stock;
+  std::vector<Rib> ribs;
+  std::vector<BladePose> poses;
+};
+
+struct Deviation {
+  double max = 0, p99 = 0, rms = 0, mean = 0;
+  Eigen::Vector3d at{0, 0, 0};
+};
+
+struct Verification {
+  std::string status;  // passed, failed or refused
+  double tolerance_mm = 0;
+  Deviation deviation_mm;
+  double uncut_mm2 = 0;
+  std::vector<std::pair<std::string, double>> budget_mm;  // name, mm; in order
+  std::size_t samples = 0;
+  std::vector<std::string> not_checked;
+};
+
+struct BladeData {
+  std::vector<double> free_lengths_mm;
+  double width_mm = 0, thickness_mm = 0, youngs_modulus_mpa = 0, yield_strength_mpa = 0, safety = 0;
+  double max_curvature_per_mm = 0, kerf_mm = 0, density_kg_m3 = 0;
+};
+
+struct DesignData {
+  std::string file, sha256, source_units;
+  double scale_to_mm = 1;
+  char up = 'z';
+  std::string keep;
+  std::size_t vertices = 0, faces = 0;
+  std::array<Eigen::Vector3d, 2> bbox_mm{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+};
+
+struct Program {
+  std::string created_by;
+  DesignData design;
+  std::string settings_json = "{}";  // resolved configuration, as JSON text
+  BladeData blade;
+  std::vector<Strip> strips;
+  Verification verification;
+  std::vector<std::string> overrides;  // what was refused and run all the same; empty: nothing
+};
+
+// Canonical JSON text: fixed key order, shortest round-trip numbers, one pose or rib a line.
+[[nodiscard]] std::string to_json(const Program& program);
+
+// Parses and checks every number for finiteness, range and size. Throws CommandError with exit code 3 and
+// `file: where: what (value, limit): hint`.
+[[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name);
+
+// Reads a program file: exit code 7 when it cannot be read, 3 when it is not a program.
+[[nodiscard]] Program read_program(const std::filesystem::path& file);
+
+// The controller's waypoints of one strip: its poses in the cell frame, times rounded to microseconds.
+[[nodiscard]] std::vector<robot::Waypoint> waypoints(const Strip& strip);
+
+}  // namespace hotblade::pipeline

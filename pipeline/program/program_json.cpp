@@ -1,0 +1,218 @@
+// The canonical text of a program. Written straight into strings: a job has tens of thousands of poses.
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "pipeline/program/program_text.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using elastica::Elastica;
+
+// Appends JSON values; begin/end, keys and separators are the caller's, `comma` belongs before the next item.
+class Text {
+ public:
+  Text& raw(std::string_view text) {
+    out_ += text;
+    return *this;
+  }
+
+  // Shortest text that reads back as the same number; -0 becomes 0, which JSON readers do not tell apart.
+  Text& number(double value) {
+    if (!std::isfinite(value)) throw std::logic_error("to_json: a program's numbers have to be finite");
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value + 0.0).ptr;
+    return raw({buffer, static_cast<std::size_t>(end - buffer)});
+  }
+  Text& number(std::size_t value) { return raw(std::to_string(value)); }
+
+  Text& string(std::string_view value) {
+    const auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
+    if (std::all_of(value.begin(), value.end(), plain)) return raw("\"").raw(value).raw("\"");
+    using Json = nlohmann::json;
+    return raw(Json(value).dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
+
+  template <typename Items, typename Write>
+  Text& list(const Items& items, Write&& write) {
+    raw("[");
+    bool first = true;
+    for (const auto& item : items) {
+      if (!std::exchange(first, false)) raw(",");
+      write(item);
+    }
+    return raw("]");
+  }
+
+  // An array of objects, one a line.
+  template <typename Items, typename Write>
+  Text& lines(Items&& items, Write&& write) {
+    raw("[\n");
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      if (i > 0) raw(",\n");
+      write(*this, items[i]);
+    }
+    return raw("]");
+  }
+
+  template <typename Vector>
+  Text& vector(const Vector& v) {
+    return list(std::span<const double>(v.data(), static_cast<std::size_t>(v.size())),
+                [this](double c) { number(c); });
+  }
+
+  Text& field(std::string_view key_and_colon, double value) { return raw(key_and_colon).number(value); }
+  Text& string_field(std::string_view key_and_colon, std::string_view value) {
+    return raw(key_and_colon).string(value);
+  }
+
+  Text& frame(const Frame& f) {
+    raw("{\"origin\":").vector(f.origin).raw(",\"x\":").vector(f.x).raw(",\"y\":").vector(f.y);
+    return raw("}");
+  }
+
+  Text& pose(const Pose& p) {
+    const std::array<double, 4> q{p.q.w(), p.q.x(), p.q.y(), p.q.z()};
+    return raw("{\"p\":").vector(p.p).raw(",\"q\":").vector(q).raw("}");
+  }
+
+  Text& elastica(const Elastica& e) {
+    field("{\"x\":", e.x).field(",\"y\":", e.y).field(",\"theta\":", e.theta).field(",\"kappa\":", e.kappa);
+    field(",\"lambda1\":", e.lambda1).field(",\"lambda2\":", e.lambda2).field(",\"length\":", e.length);
+    return raw("}");
+  }
+
+  template <typename Value>
+  Text& optional(const std::optional<Value>& value) {
+    return value ? number(static_cast<double>(*value)) : raw("null");
+  }
+
+  Text& strings(const std::vector<std::string>& values) {
+    return list(values, [this](const std::string& value) { string(value); });
+  }
+
+  [[nodiscard]] std::string take() { return std::move(out_); }
+
+ private:
+  std::string out_;
+};
+
+void write_design(Text& out, const DesignData& design) {
+  out.string_field("\"design\": {\"file\":", design.file).string_field(",\"sha256\":", design.sha256);
+  out.string_field(",\"source_units\":", design.source_units).field(",\"scale_to_mm\":", design.scale_to_mm);
+  out.string_field(",\"up\":", std::string_view(&design.up, 1)).string_field(",\"keep\":", design.keep);
+  out.raw(",\"vertices\":").number(design.vertices).raw(",\"faces\":").number(design.faces);
+  out.raw(",\"bbox_mm\":").list(design.bbox_mm, [&](const Eigen::Vector3d& corner) { out.vector(corner); });
+  out.raw("},\n");
+}
+
+void write_settings(Text& out, const std::string& settings_json) {
+  const auto settings = nlohmann::ordered_json::parse(settings_json, nullptr, false);
+  if (!settings.is_object()) throw std::logic_error("to_json: settings_json has to be a JSON object");
+  out.raw("\"settings\": ").raw(settings.dump()).raw(",\n");
+}
+
+void write_blade(Text& out, const BladeData& blade) {
+  out.raw("\"blade\": {\"free_lengths_mm\":").vector(blade.free_lengths_mm);
+  out.field(",\"width_mm\":", blade.width_mm).field(",\"thickness_mm\":", blade.thickness_mm);
+  out.field(",\"youngs_modulus_mpa\":", blade.youngs_modulus_mpa);
+  out.field(",\"yield_strength_mpa\":", blade.yield_strength_mpa).field(",\"safety\":", blade.safety);
+  out.field(",\"max_curvature_per_mm\":", blade.max_curvature_per_mm).field(",\"kerf_mm\":", blade.kerf_mm);
+  out.field(",\"density_kg_m3\":", blade.density_kg_m3).raw("},\n");
+}
+
+void write_rib(Text& out, const Rib& rib) {
+  const auto point = [&](const Eigen::Vector2d& p) { out.vector(p); };
+  out.string_field("{\"id\":", rib.id).raw(",\"frame\":").frame(rib.frame);
+  out.raw(",\"target\":").list(rib.target, point).raw(",\"bezier\":").list(rib.bezier, point);
+  out.field(",\"lambda_residual\":", rib.lambda_residual).raw(",\"elastica\":").elastica(rib.elastica);
+  out.field(",\"l2\":", rib.l2).field(",\"h1\":", rib.h1).field(",\"hausdorff_mm\":", rib.hausdorff_mm);
+  out.field(",\"design_deviation_mm\":", rib.design_deviation_mm).raw("}");
+}
+
+void write_loads(Text& out, const PoseLoads& l) {
+  out.field("{\"force_n\":", l.force_n).field(",\"moment_a_n_mm\":", l.moment_a_n_mm);
+  out.field(",\"moment_b_n_mm\":", l.moment_b_n_mm).field(",\"stress_mpa\":", l.stress_mpa);
+  out.field(",\"droop_mm\":", l.droop_mm).field(",\"in_plane_sag_mm\":", l.in_plane_sag_mm).raw("}");
+}
+
+void write_pose(Text& out, const BladePose& pose) {
+  out.field("{\"t\":", pose.t).string_field(",\"phase\":", pose.phase);
+  out.raw(pose.heat ? ",\"heat\":true" : ",\"heat\":false").raw(",\"frame\":").frame(pose.frame);
+  out.raw(",\"blade\":").elastica(pose.blade).raw(",\"foam\":");
+  if (pose.foam) {
+    out.vector(*pose.foam);
+  } else {
+    out.raw("null");
+  }
+  out.raw(",\"a\":").pose(pose.a).raw(",\"b\":").pose(pose.b).field(",\"margin\":", pose.margin);
+  out.raw(",\"margin_mm\":").optional(pose.margin_mm);
+  if (pose.loads) write_loads(out.raw(",\"loads\":"), *pose.loads);
+  out.raw(",\"rib\":").optional(pose.rib).raw("}");
+}
+
+void write_strip(Text& out, const Strip& strip) {
+  out.string_field("{\"id\":", strip.id).field(",\"blade_length_mm\":", strip.blade_length_mm);
+  out.raw(",\"design_to_cell\":").pose(strip.design_to_cell).raw(",\"stock\":{\"frame\":");
+  out.frame(strip.stock.frame).raw(",\"size_mm\":").vector(strip.stock.size_mm).raw("},\n");
+  out.raw("\"ribs\":").lines(strip.ribs, write_rib).raw(",\n");
+  out.raw("\"poses\":").lines(strip.poses, write_pose).raw("}");
+}
+
+void write_verification(Text& out, const Verification& verification) {
+  const Deviation& deviation = verification.deviation_mm;
+  out.string_field("\"verification\": {\"status\":", verification.status);
+  out.field(",\"tolerance_mm\":", verification.tolerance_mm)
+      .field(",\"deviation_mm\":{\"max\":", deviation.max);
+  out.field(",\"p99\":", deviation.p99).field(",\"rms\":", deviation.rms).field(",\"mean\":", deviation.mean);
+  out.raw(",\"at\":").vector(deviation.at).field("},\"uncut_mm2\":", verification.uncut_mm2);
+  out.raw(",\"budget_mm\":{");
+  for (std::size_t i = 0; i < verification.budget_mm.size(); ++i) {
+    const auto& [name, value] = verification.budget_mm[i];
+    out.raw(i ? "," : "").string(name).field(":", value);
+  }
+  out.raw("},\"samples\":").number(verification.samples);
+  out.raw(",\"not_checked\":").strings(verification.not_checked).raw("},\n");
+}
+
+}  // namespace
+
+ProgramFrame program_frame(const Program& program) {
+  Text before, after;
+  before.raw("{\"format\": \"hotblade-program\",\n\"version\": 1,\n");
+  before.string_field("\"created_by\": ", program.created_by).raw(",\n");
+  write_design(before, program.design);
+  write_settings(before, program.settings_json);
+  write_blade(before, program.blade);
+  before.raw("\"strips\": [\n");
+  after.raw("],\n");
+  write_verification(after, program.verification);
+  after.raw("\"overrides\": ").strings(program.overrides).raw("}\n");
+  return {before.take(), after.take()};
+}
+
+std::string to_json(const Strip& strip) {
+  Text text;
+  write_strip(text, strip);
+  return text.take();
+}
+
+std::string to_json(const Program& program) {
+  const ProgramFrame frame = program_frame(program);
+  std::vector<std::string> strips(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, strips.size(),
+                    [&](std::size_t i) { strips[i] = to_json(program.strips[i]); });
+  std::string text = frame.before;
+  for (std::size_t i = 0; i < strips.size(); ++i) text.append(i > 0 ? ",\n" : "").append(strips[i]);
+  return text + frame.after;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,182 @@
+#include "pipeline/program/program_scan.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "pipeline/program/program_limits.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+bool is_digit(char c) {
+  return c >= '0' && c <= '9';
+}
+
+// Goes through text that is known but for its values. Once something is not as expected, nothing is any more.
+class Scanner {
+ public:
+  explicit Scanner(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
+
+  [[nodiscard]] bool good() const { return good_; }
+  [[nodiscard]] std::string_view left() const { return {at_, static_cast<std::size_t>(end_ - at_)}; }
+  void expect(bool holds) { good_ = good_ && holds; }
+
+  [[nodiscard]] bool next_is(std::string_view word) {
+    if (!good_ || !left().starts_with(word)) return false;
+    at_ += word.size();
+    return true;
+  }
+  void skip(std::string_view word) { expect(next_is(word)); }
+
+  // A JSON number: from_chars takes more (inf, nan, leading zeros, a dot without digits), and tells an
+  // integer's -0 from 0, which trees of JSON do not.
+  double number(Range range) {
+    double value = 0;
+    if (!good_) return value;
+    const char* digits = at_ + (at_ < end_ && *at_ == '-' ? 1 : 0);
+    const auto [behind, error] = std::from_chars(at_, end_, value);
+    const bool leading_zero = behind - digits > 1 && digits[0] == '0' && is_digit(digits[1]);
+    const char* dot = std::find(digits, behind, '.');
+    const bool bare_dot = dot != behind && (dot + 1 == behind || !is_digit(dot[1]));
+    expect(error == std::errc{} && digits < behind && is_digit(*digits) && !leading_zero && !bare_dot &&
+           !(value == 0 && digits != at_) && range.holds(value));
+    at_ = behind;
+    return value;
+  }
+  double field(std::string_view key, Range range = kAny) {
+    skip(key);
+    return number(range);
+  }
+
+  std::size_t index(std::size_t below) {
+    std::size_t value = 0;
+    if (!good_) return value;
+    const auto [behind, error] = std::from_chars(at_, end_, value);
+    expect(error == std::errc{} && (behind - at_ == 1 || *at_ != '0') && value < below);
+    at_ = behind;
+    return value;
+  }
+
+  template <int N>
+  Eigen::Matrix<double, N, 1> vector(std::string_view key, Range range = kAny) {
+    Eigen::Matrix<double, N, 1> v;
+    skip(key);
+    for (int i = 0; i < N; ++i) v[i] = field(i == 0 ? "[" : ",", range);
+    skip("]");
+    return v;
+  }
+
+ private:
+  const char *at_, *end_;
+  bool good_ = true;
+};
+
+void scan_phase(Scanner& in, std::string& phase) {
+  in.skip(",\"phase\":\"");
+  const std::string_view left = in.left();
+  const std::string_view word = left.substr(0, left.find('"'));
+  in.expect(std::find(kPhases.begin(), kPhases.end(), word) != kPhases.end());
+  phase = word;
+  in.skip(phase);
+}
+
+Frame scan_frame(Scanner& in) {
+  Frame frame;
+  frame.origin = in.vector<3>("{\"origin\":");
+  frame.x = in.vector<3>(",\"x\":");
+  frame.y = in.vector<3>(",\"y\":");
+  in.skip("}");
+  in.expect(is_unit(frame.x.norm()) && is_unit(frame.y.norm()) && is_square(frame.x.dot(frame.y)));
+  return frame;
+}
+
+elastica::Elastica scan_elastica(Scanner& in) {
+  elastica::Elastica e;
+  e.x = in.field("{\"x\":");
+  e.y = in.field(",\"y\":");
+  e.theta = in.field(",\"theta\":");
+  e.kappa = in.field(",\"kappa\":");
+  e.lambda1 = in.field(",\"lambda1\":");
+  e.lambda2 = in.field(",\"lambda2\":");
+  e.length = in.field(",\"length\":", kPositive);
+  in.skip("}");
+  return e;
+}
+
+Pose scan_clamp(Scanner& in) {
+  Pose pose;
+  pose.p = in.vector<3>("{\"p\":");
+  const Eigen::Vector4d q = in.vector<4>(",\"q\":");
+  in.skip("}");
+  in.expect(is_unit(q.norm()));
+  pose.q = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
+  return pose;
+}
+
+PoseLoads scan_loads(Scanner& in) {
+  PoseLoads loads;
+  loads.force_n = in.field("{\"force_n\":", kNotNegative);
+  loads.moment_a_n_mm = in.field(",\"moment_a_n_mm\":");
+  loads.moment_b_n_mm = in.field(",\"moment_b_n_mm\":");
+  loads.stress_mpa = in.field(",\"stress_mpa\":", kNotNegative);
+  loads.droop_mm = in.field(",\"droop_mm\":", kNotNegative);
+  loads.in_plane_sag_mm = in.field(",\"in_plane_sag_mm\":", kNotNegative);
+  in.skip("}");
+  return loads;
+}
+
+void scan_foam(Scanner& in, double blade_length_mm, BladePose& pose) {
+  in.skip(",\"foam\":");
+  if (in.next_is("null")) return;
+  const Eigen::Vector2d foam = in.vector<2>("", foam_range(blade_length_mm));
+  in.expect(foam[0] < foam[1]);
+  pose.foam = {{foam[0], foam[1]}};
+}
+
+BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
+  BladePose pose;
+  pose.t = in.field("{\"t\":", kTime);
+  scan_phase(in, pose.phase);
+  in.skip("\",\"heat\":");
+  pose.heat = in.next_is("true");
+  if (!pose.heat) in.skip("false");
+  in.skip(",\"frame\":");
+  pose.frame = scan_frame(in);
+  in.skip(",\"blade\":");
+  pose.blade = scan_elastica(in);
+  in.expect(is_blade_length(pose.blade.length, blade_length_mm));
+  scan_foam(in, blade_length_mm, pose);
+  in.skip(",\"a\":");
+  pose.a = scan_clamp(in);
+  in.skip(",\"b\":");
+  pose.b = scan_clamp(in);
+  in.expect(within_reach((pose.a.p - pose.b.p).norm(), blade_length_mm));
+  pose.margin = in.field(",\"margin\":");
+  in.skip(",\"margin_mm\":");
+  if (!in.next_is("null")) pose.margin_mm = in.number(kNotNegative);
+  if (in.next_is(",\"loads\":")) pose.loads = scan_loads(in);
+  in.skip(",\"rib\":");
+  if (!in.next_is("null")) pose.rib = static_cast<int>(in.index(ribs));
+  in.skip("}");
+  return pose;
+}
+
+}  // namespace
+
+std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
+                                                 std::size_t ribs) {
+  Scanner in(text);
+  std::vector<BladePose> poses;
+  in.skip("\n");
+  do {
+    poses.push_back(scan_pose(in, blade_length_mm, ribs));
+    in.expect(poses.size() < 2 || microseconds(poses.back().t) > microseconds(poses[poses.size() - 2].t));
+  } while (in.next_is(",\n"));
+  in.skip("]");
+  if (!in.good() || poses.size() < 2) return std::nullopt;
+  text = in.left();
+  return poses;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,20 @@
+// Poses read straight from a program's text. A job has tens of thousands of them, nearly all of its text, and
+// a tree of JSON values takes ten times as long to build as the numbers take to read.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+
+namespace hotblade::pipeline {
+
+// The poses of a strip with this blade and so many ribs, if `text` begins with the items of their array laid
+// out as to_json() does it, and each holds all that parse_program() asks of it; `text` then goes on behind
+// the closing bracket. Nothing otherwise: reading the tree tells what is wrong, or takes another layout.
+[[nodiscard]] std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
+                                                               std::size_t ribs);
+
+}  // namespace hotblade::pipeline

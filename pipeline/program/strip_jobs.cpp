@@ -1,0 +1,152 @@
+#include "pipeline/program/strip_jobs.hpp"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "pipeline/settings/command_error.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+robot::Sha256 hash_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) throw CommandError(Exit::kFile, file.string() + ": cannot be read");
+  return robot::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+// mm to um, MPa to whole MPa; AnnouncedBlade takes what fits 32 bits.
+std::uint32_t scaled(double value, double scale) {
+  return static_cast<std::uint32_t>(std::clamp(std::round(value * scale), 0.0, 4294967295.0));
+}
+
+robot::AnnouncedBlade blade_of(const Program& program, const Strip& strip) {
+  constexpr double kMicrometres = 1000;
+  return {scaled(strip.blade_length_mm, kMicrometres), scaled(program.blade.width_mm, kMicrometres),
+          scaled(program.blade.thickness_mm, kMicrometres), scaled(program.blade.youngs_modulus_mpa, 1),
+          scaled(program.blade.yield_strength_mpa, 1)};
+}
+
+// A number of the resolved settings, by JSON pointer.
+double setting(const Program& program, const char* pointer, double otherwise) {
+  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
+  const nlohmann::json::json_pointer at(pointer);
+  if (settings.is_discarded() || !settings.contains(at) || !settings[at].is_number()) return otherwise;
+  return settings[at].get<double>();
+}
+
+void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
+  if (overridden || program.verification.status == "passed") return;
+  throw CommandError(Exit::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
+                                             program.verification.status +
+                                             ", passed): plan it again, or take the risk with --override");
+}
+
+}  // namespace
+
+StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden) {
+  StripJobs result;
+  result.program = read_program(program_file);
+  require_passed(program_file, result.program, overridden);
+  const robot::Sha256 hash = hash_of(program_file);
+  for (const Strip& strip : result.program.strips) {
+    try {
+      result.jobs.push_back(
+          robot::make_job(hash, strip.id, waypoints(strip), blade_of(result.program, strip)));
+    } catch (const robot::JobError& error) {
+      throw CommandError(Exit::kBadInput, program_file.string() + ": " + error.what());
+    }
+  }
+  return result;
+}
+
+double duration_s(const robot::Job& job) {
+  return robot::protocol::time_us(job.raw.back()) * 1e-6;
+}
+
+robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSettings& machine) {
+  robot::MotionLimits limits;
+  limits.speed_mm_s = motion.travel_mm_s;
+  limits.accel_mm_s2 = motion.accel_mm_s2;
+  limits.angular_rad_s = motion.angular_rad_s;
+  limits.angular_accel_rad_s2 = motion.angular_accel_rad_s2;
+  const auto& size = machine.envelope_mm;
+  limits.envelope_min_mm = {-size[0] / 2, -size[1] / 2, 0};
+  limits.envelope_max_mm = {size[0] / 2, size[1] / 2, size[2]};
+  return limits;
+}
+
+robot::MotionLimits planned_limits(const Program& program) {
+  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
+  MotionSettings motion;
+  MachineSettings machine;
+  const auto take = [&](const char* section, const char* key, auto& value) {
+    if (!settings.is_object() || !settings.contains(section)) return;
+    const auto& table = settings.at(section);
+    if (table.is_object() && table.contains(key)) table.at(key).get_to(value);
+  };
+  try {
+    take("motion", "travel_mm_s", motion.travel_mm_s);
+    take("motion", "accel_mm_s2", motion.accel_mm_s2);
+    take("motion", "angular_rad_s", motion.angular_rad_s);
+    take("motion", "angular_accel_rad_s2", motion.angular_accel_rad_s2);
+    take("machine", "envelope_mm", machine.envelope_mm);
+  } catch (const nlohmann::json::exception& error) {
+    throw CommandError(Exit::kBadInput, std::string("settings.motion, settings.machine: not numbers (") +
+                                            error.what() + "): plan the program again");
+  }
+  return motion_limits(motion, machine);
+}
+
+robot::BladeCheckOptions planned_blade(const Program& program) {
+  robot::BladeCheckOptions options;
+  options.safety = program.blade.safety;
+  options.min_margin = setting(program, "/blade/min_margin", options.min_margin);
+  return options;
+}
+
+double planned_uncut_share(const Program& program) {
+  return setting(program, "/design/max_uncut_share", DesignSettings{}.max_uncut_share);
+}
+
+bool HostPort::loopback() const {
+  in_addr v4{};
+  constexpr std::uint32_t kLoopbackNet = 127;  // 127.0.0.0/8, as an address: "127.example.org" is a name
+  const bool is_v4 = ::inet_pton(AF_INET, host.c_str(), &v4) == 1;
+  return host == "localhost" || host == "::1" || (is_v4 && ntohl(v4.s_addr) >> 24 == kLoopbackNet);
+}
+
+HostPort parse_host_port(const std::string& text, const std::string& option) {
+  const auto colon = text.rfind(':');
+  HostPort result;
+  bool ok = colon != std::string::npos && colon > 0;
+  if (ok) {
+    result.host = text.substr(0, colon);
+    if (result.host.size() > 2 && result.host.front() == '[' && result.host.back() == ']') {
+      result.host = result.host.substr(1, result.host.size() - 2);
+    }
+    const char* end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data() + colon + 1, end, result.port);
+    ok = parsed.ec == std::errc() && parsed.ptr == end;
+  }
+  if (!ok) throw CommandError(Exit::kUsage, option + ": not an address (" + text + "): use HOST:PORT");
+  return result;
+}
+
+std::string clock_text(double seconds) {
+  const auto whole = static_cast<long>(std::lround(std::max(seconds, 0.0)));
+  const auto two = [](long value) { return (value < 10 ? "0" : "") + std::to_string(value); };
+  const long hours = whole / 3600, minutes = whole / 60 % 60;
+  const std::string tail = two(whole % 60);
+  if (hours > 0) return std::to_string(hours) + ":" + two(minutes) + ":" + tail;
+  return std::to_string(minutes) + ":" + tail;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,53 @@
+// From a cut program to what the controller's room understands: jobs, limits, addresses.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "robot/blade/blade_check.hpp"
+#include "robot/pose/limits.hpp"
+#include "robot/wire/job.hpp"
+
+namespace hotblade::pipeline {
+
+// A program with one job a strip, in the program's order.
+struct StripJobs {
+  Program program;
+  std::vector<robot::Job> jobs;
+};
+
+// Reads a program and encodes its strips; `overridden` lets a program pass that was not verified. Throws
+// CommandError: 7 unreadable, 3 no program or a waypoint no register holds, 4 not passed.
+[[nodiscard]] StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden);
+
+// How long a strip takes, s.
+[[nodiscard]] double duration_s(const robot::Job& job);
+
+// What [machine] and [motion] allow. The envelope is centred on the table in x and y and starts at z = 0.
+[[nodiscard]] robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSettings& machine);
+// The machine a program was planned for, from its resolved settings; defaults for what they leave out.
+[[nodiscard]] robot::MotionLimits planned_limits(const Program& program);
+
+// The blade's limits a program was planned for.
+[[nodiscard]] robot::BladeCheckOptions planned_blade(const Program& program);
+
+// The share of the design that may stay uncut, of its settings.
+[[nodiscard]] double planned_uncut_share(const Program& program);
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+  [[nodiscard]] bool loopback() const;
+};
+// "127.0.0.1:1502", "cell.local:502", "[::1]:1502". Throws CommandError with exit code 2; `option` is for its
+// message.
+[[nodiscard]] HostPort parse_host_port(const std::string& text, const std::string& option);
+
+// Seconds as "1:02:03" or "2:03".
+[[nodiscard]] std::string clock_text(double seconds);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,345 @@
+#include "pipeline/report/emit.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <utility>
+#include <vector>
+
+#include "pipeline/export/rib_files.hpp"
+#include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/program_text.hpp"
+#include "pipeline/report/remedies.hpp"
+#include "pipeline/report/report_plots.hpp"
+#include "pipeline/settings/command_error.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFiles[] = {"program.json", "report.json", "report.html",
+                                  "preview.png",  "scene.gltf",  "run.json"};
+constexpr const char* kRibs = "ribs";
+
+Json vector_json(const Eigen::Vector3d& v) {
+  return Json::array({v.x(), v.y(), v.z()});
+}
+
+Json refusal_json(const Refusal& r) {
+  return {{"strip", r.strip},     {"rib", r.rib},          {"limit", r.limit}, {"value", r.value},
+          {"bound", r.bound},     {"unit", r.unit},        {"hint", r.hint},   {"place", r.place},
+          {"details", r.details}, {"message", describe(r)}};
+}
+
+// mm of shape change by each clamp coordinate; null where the blade is straight.
+Json sensitivity_json(const std::array<double, 6>& mm) {
+  Json json;
+  for (std::size_t i = 0; i < mm.size(); ++i) {
+    json[clamp_coordinate_name(i)] = std::isfinite(mm[i]) ? Json(mm[i]) : Json();
+  }
+  return json;
+}
+
+Json strip_json(const StripFacts& f, const Strip& strip) {
+  Json ribs = Json::array();
+  for (std::size_t i = 0; i < strip.ribs.size(); ++i) {
+    const Rib& rib = strip.ribs[i];
+    ribs.push_back({{"id", rib.id},
+                    {"lambda_residual", rib.lambda_residual},
+                    {"l2", rib.l2},
+                    {"h1", rib.h1},
+                    {"hausdorff_mm", rib.hausdorff_mm},
+                    {"design_deviation_mm", rib.design_deviation_mm},
+                    {"clamp_sensitivity_mm", sensitivity_json(f.rib_sensitivity_mm.at(i))}});
+  }
+  return {{"id", f.id},
+          {"ribs", f.ribs},
+          {"projected_ribs", f.projected_ribs},
+          {"blade_length_mm", f.blade_length_mm},
+          {"deviation_max_mm", f.deviation_max_mm},
+          {"rib_fit_max_mm", f.worst_fit_mm},
+          {"bezier_fit_max_mm", f.worst_bezier_mm},
+          {"seam_gap_max_mm", f.seam_gap_mm},
+          {"seam_kink_max_deg", f.seam_kink_deg},
+          {"lambda_residual_max", f.largest_lambda_residual},
+          {"blade_radius_min_mm", f.smallest_radius_mm},
+          {"stability_margin_min", f.smallest_margin},
+          {"clamp_clearance_min_mm", f.clamp_clearance_mm},
+          {"clamp_force_max_n", f.largest_force_n},
+          {"clamp_moment_max_n_mm", f.largest_moment_n_mm},
+          {"bending_stress_max_mpa", f.largest_stress_mpa},
+          {"droop_mm", f.droop_mm},
+          {"droop_error_mm", f.droop_error_mm},
+          {"in_plane_sag_mm", f.in_plane_sag_mm},
+          {"clamp_error_mm", f.clamp_error_mm},
+          {"margin_mm_min", f.smallest_margin_mm()},
+          {"snap_margin_mm_min", f.smallest_fold_mm},
+          {"straight_margin_mm_min", f.smallest_straight_mm},
+          {"clamp_acceleration_before_joint_fit_mm_s2", f.clamp_acceleration_before_mm_s2},
+          {"clamp_acceleration_mm_s2", f.clamp_acceleration_after_mm_s2},
+          {"duration_s", f.duration_s},
+          {"cut_s", f.cut_s},
+          {"feed_slowest_mm_s", f.slowest_feed_mm_s},
+          {"plane_turn_rad", f.plane_turn_rad},
+          {"off_plane_mm", f.off_plane_mm},
+          {"stock_volume_mm3", f.stock_volume_mm3},
+          {"foam_kept_share", f.foam_kept_share},
+          {"plinth_mm", f.plinth_mm},
+          {"stock_size_mm", vector_json(strip.stock.size_mm)},
+          {"poses", strip.poses.size()},
+          {"rib_facts", ribs}};
+}
+
+Json ranking_json(const std::vector<DirectionScore>& ranking) {
+  Json list = Json::array();
+  for (const DirectionScore& d : ranking) {
+    Json axis;
+    if (d.fan) axis = {{"point", vector_json(d.fan->point)}, {"direction", vector_json(d.fan->direction)}};
+    list.push_back({{"normal", vector_json(d.normal)},
+                    {"fan_axis", axis},
+                    {"strips", d.strips},
+                    {"estimated", d.estimated},
+                    {"deviation_mm", d.deviation_mm},
+                    {"raggedness", d.raggedness},
+                    {"steepness", d.steepness},
+                    {"slope_sine_mean", d.mean_sine},
+                    {"slope_sine_max", d.max_sine},
+                    {"covered_share", d.covered_share},
+                    {"score", d.score},
+                    {"refused", d.refused}});
+  }
+  return list;
+}
+
+// Strips whose texts are held at once.
+constexpr std::size_t kStripsAtOnce = 8;
+
+// Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
+// all that was planned. What the reader would refuse must not be handed out, so each strip is read back
+// first.
+StagedFile staged_program(const Program& program, const fs::path& file, bool force) {
+  const ProgramFrame frame = program_frame(program);
+  const auto produce = [&](const WritePiece& write) {
+    write(frame.before);
+    const std::size_t count = program.strips.size();
+    for (std::size_t first = 0; first < count; first += kStripsAtOnce) {
+      std::vector<std::string> texts(std::min(kStripsAtOnce, count - first));
+      tbb::parallel_for(std::size_t{0}, texts.size(), [&](std::size_t i) {
+        texts[i] = to_json(program.strips[first + i]);
+        (void)parse_program(frame.before + texts[i] + frame.after, "program.json");
+      });
+      for (std::size_t i = 0; i < texts.size(); ++i) {
+        write(first + i > 0 ? ",\n" : "");
+        write(texts[i]);
+      }
+    }
+    write(frame.after);
+  };
+  return {file, produce, force};
+}
+
+// The program on its way to its place, written by other threads.
+class ProgramWriter {
+ public:
+  ProgramWriter(const Program& program, const fs::path& file, bool force) {
+    tasks_.run([this, &program, file, force] {
+      try {
+        staged_.emplace(staged_program(program, file, force));
+      } catch (...) {
+        error_ = std::current_exception();  // told where the program's turn is
+      }
+    });
+  }
+  ~ProgramWriter() { tasks_.wait(); }
+  ProgramWriter(const ProgramWriter&) = delete;
+  ProgramWriter& operator=(const ProgramWriter&) = delete;
+
+  void place() {
+    tasks_.wait();
+    if (error_) std::rethrow_exception(error_);
+    staged_->place();
+  }
+
+ private:
+  std::optional<StagedFile> staged_;
+  std::exception_ptr error_;
+  tbb::task_group tasks_;
+};
+
+std::string run_json(const PlanResult& result, const RunFacts& facts) {
+  Json times = Json::object(), processor = Json::object();
+  for (const StageTime& t : result.times) {
+    times[t.stage] = t.seconds;
+    processor[t.stage] = t.processor_s;
+  }
+  const Json run{{"design_path", facts.design_path.string()},
+                 {"backend", facts.backend},
+                 {"threads", facts.threads},
+                 {"total_s", facts.total_s},
+                 {"stage_s", times},
+                 {"stage_processor_s", processor}};
+  return run.dump(2) + "\n";
+}
+
+}  // namespace
+
+std::string report_json(const PlanResult& result) {
+  const Verification& v = result.program.verification;
+  Json report;
+  report["format"] = "hotblade-report";
+  report["version"] = 1;
+  report["created_by"] = result.program.created_by;
+  report["status"] = v.status;
+  report["design"] = {{"file", result.program.design.file},
+                      {"sha256", result.program.design.sha256},
+                      {"area_mm2", result.verification.area_mm2}};
+  report["tolerance_mm"] = v.tolerance_mm;
+  const Deviation& d = v.deviation_mm;
+  report["deviation_mm"] = {
+      {"max", d.max}, {"p99", d.p99}, {"rms", d.rms}, {"mean", d.mean}, {"at", vector_json(d.at)}};
+  report["percentiles_mm"] = Json::array();
+  for (const auto& [percent, mm] : result.verification.percentiles_mm) {
+    report["percentiles_mm"].push_back({{"percent", percent}, {"mm", mm}});
+  }
+  const DeviationHistogram& histogram = result.verification.histogram;
+  report["histogram"] = {
+      {"bin_mm", histogram.bin_mm}, {"counts", histogram.counts}, {"beyond", histogram.beyond}};
+  report["uncut_mm2"] = v.uncut_mm2;
+  report["uncut_share"] = result.verification.uncut_share();
+  report["samples"] = {{"cut", result.verification.cut_samples},
+                       {"beyond_design", result.verification.beyond_samples},
+                       {"design", result.verification.design_samples}};
+  report["budget_mm"] = Json::object();
+  for (const auto& [name, mm] : v.budget_mm) report["budget_mm"][name] = mm;
+  report["budget_sum_mm"] = budget_sum_mm(v.budget_mm);
+  report["rib_spacing_mm"] = result.spacing_mm;
+  report["spacing_halved"] = result.refinements;
+  report["refusals"] = Json::array();
+  for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
+  report["remedies"] = Json::array();
+  for (const Remedy& m : remedies(result)) {
+    report["remedies"].push_back({{"setting", m.setting},
+                                  {"now", m.now},
+                                  {"needed", m.needed},
+                                  {"because", m.why},
+                                  {"refusals_settled", m.refusals}});
+  }
+  report["overrides"] = result.program.overrides;
+  report["warnings"] = result.warnings;
+  report["not_checked"] = v.not_checked;
+  report["directions"] = ranking_json(result.ranking);
+  report["strips"] = Json::array();
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));
+  }
+  report["settings"] = Json::parse(result.program.settings_json);
+  return report.dump(2) + "\n";
+}
+
+namespace {
+
+void expect_free(const fs::path& path, bool force) {
+  std::error_code error;
+  if (!force && fs::exists(fs::symlink_status(path, error))) {
+    throw CommandError(Exit::kFile, path.string() + ": already there: use --force to overwrite");
+  }
+}
+
+// What an earlier plan wrote into the ribs' directory goes; anything else there is the user's and stays.
+void remove_rib_files(const fs::path& ribs) {
+  static const std::regex ours("S[0-9]{3,}\\.dxf|beziers\\.csv");
+  std::error_code error;
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(ribs, error)) {
+    if (std::regex_match(entry.path().filename().string(), ours)) old.push_back(entry.path());
+  }
+  for (const fs::path& file : old) {
+    if (!fs::remove(file, error) && error)
+      throw CommandError(Exit::kFile, file.string() + ": cannot be removed (" + error.message() + ")");
+  }
+  if (fs::is_directory(ribs, error) && fs::is_empty(ribs, error)) fs::remove(ribs, error);
+}
+
+void write_ribs(const Program& program, const fs::path& ribs, bool force) {
+  ensure_directory(ribs);
+  for (const ExportedFile& file : rib_files(program, "dxf", {}))
+    write_file_atomically(ribs / file.name, file.text, force);
+  const ExportedFile beziers = bezier_file(program);
+  write_file_atomically(ribs / beziers.name, beziers.text, force);
+}
+
+void write_reports(const PlanResult& result, const fs::path& directory, const RunFacts& facts, bool force,
+                   const ReportPictures& pictures) {
+  write_file_atomically(directory / "report.json", report_json(result), force);
+  write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
+                        force);
+  const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
+  for (const auto& [name, bytes] :
+       {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {
+    if (bytes->empty()) {
+      std::error_code error;
+      fs::remove(directory / name, error);  // of an older plan
+    } else {
+      write_file_atomically(directory / name, *bytes, force);
+    }
+  }
+  write_file_atomically(directory / "run.json", run_json(result, facts), force);
+}
+
+}  // namespace
+
+void prepare_output(const fs::path& directory, bool force) {
+  ensure_directory(directory);
+  if (::access(directory.c_str(), W_OK | X_OK) != 0) {
+    throw CommandError(Exit::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
+                                        "): choose another directory with -o");
+  }
+  for (const char* name : kFiles) expect_free(directory / name, force);
+  expect_free(directory / kRibs, force);
+  std::error_code error;
+  if (fs::exists(directory / kRibs, error) && !fs::is_directory(directory / kRibs, error)) {
+    throw CommandError(Exit::kFile, (directory / kRibs).string() +
+                                        ": is not a directory, and the rib curves go there: move it away");
+  }
+}
+
+Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts, const EmitOptions& options,
+             const TakePictures& take_pictures) {
+  Emitted emitted;
+  const bool passed = result.program.verification.status == "passed";
+  if (!passed && options.override_refusal) {
+    for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
+  }
+  emitted.program_written = passed || (options.override_refusal && !result.program.strips.empty());
+  // An older program goes first and the new one comes last: no directory holds a program beside a report that
+  // judges another one.
+  std::error_code error;
+  fs::remove(directory / "program.json", error);
+  if (error) {
+    throw CommandError(Exit::kFile, (directory / "program.json").string() +
+                                        ": an older program cannot be removed (" + error.message() + ")");
+  }
+  remove_rib_files(directory / kRibs);
+  std::optional<ProgramWriter> program;
+  if (emitted.program_written) program.emplace(result.program, directory / "program.json", options.force);
+  write_reports(result, directory, facts, options.force, take_pictures(result));
+  if (program) {
+    write_ribs(result.program, directory / kRibs, options.force);
+    program->place();
+  }
+  return emitted;
+}
+
+}  // namespace hotblade::pipeline

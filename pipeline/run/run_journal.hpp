@@ -1,0 +1,35 @@
+// What `hotblade run` remembers beside the program while a strip is under way, so that --resume finds the run
+// again after the client, the controller or both were killed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "pipeline/program/strip_jobs.hpp"
+
+namespace hotblade::pipeline {
+
+struct RunJournal {
+  std::uint64_t job = 0;
+  std::uint32_t run = 0, token = 0;
+};
+
+class RunJournalFile {
+ public:
+  // PROGRAM.HOST-PORT.resume
+  RunJournalFile(const std::filesystem::path& program, const HostPort& controller);
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  // nullopt when there is none. Throws CommandError with exit code 3 for a file that is none.
+  [[nodiscard]] std::optional<RunJournal> read() const;
+  // Whole, on disk before it returns. Throws CommandError with exit code 7.
+  void write(const RunJournal& journal) const;
+  void remove() const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,348 @@
+#include "pipeline/settings/settings.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/edit_distance.hpp"
+#include "pipeline/settings/settings_fields.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+// More blade lengths than this are a slip of the pen, and the plan tries each.
+constexpr std::size_t kMaxLengths = 100;
+// Direction components are rounded to doubles by hand; a vector below this is meant as zero.
+constexpr double kMinDirection = 1e-3;
+
+// Where a key's value came from, "job.toml:12", "--set" or "--units"; keys at their default are not in here.
+using Origins = std::map<std::string, std::string>;
+
+[[noreturn]] void fail(const std::string& where, const std::string& what) {
+  throw CommandError(Exit::kUsage, where + ": " + what);
+}
+
+[[noreturn]] void fail_key(const Origins& origins, const std::string& key, const std::string& what) {
+  const auto origin = origins.find(key);
+  fail(origin == origins.end() ? "settings" : origin->second, key + " " + what);
+}
+
+// ---- did you mean ----
+
+// The hint for an unknown "section.key": the nearest known key, in its own section or in another.
+std::string key_hint(const std::string& section, const std::string& key) {
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, key.size() / 3) + 1;
+  for (const SettingField& field : setting_fields()) {
+    // A key cut short ("kerf") is near; the same distance in the section asked for counts for more.
+    const bool cut_short = !key.empty() && field.key.starts_with(key);
+    const std::size_t edits = cut_short ? 1 : edit_distance(key, field.key);
+    const std::size_t distance = 2 * edits + (field.section == section ? 0 : 1);
+    if (distance < 2 * best) {
+      best = (distance + 1) / 2;
+      nearest = full_key(field);
+    }
+  }
+  return nearest.empty() ? "`hotblade config defaults` lists every key" : "did you mean " + nearest + "?";
+}
+
+std::string section_hint(const std::string& section) {
+  std::string nearest, all;
+  std::size_t best = std::max<std::size_t>(2, section.size() / 3) + 1;
+  for (const SettingField& field : setting_fields()) {
+    const std::string name(field.section);
+    if (all.find(name) == std::string::npos) all += (all.empty() ? "" : ", ") + name;
+    const std::size_t distance = edit_distance(section, name);
+    if (distance < best) {
+      best = distance;
+      nearest = name;
+    }
+  }
+  return nearest.empty() ? "sections are " + all : "did you mean [" + nearest + "]?";
+}
+
+// ---- reading values ----
+
+std::string type_name(const toml::node& node) {
+  std::ostringstream text;
+  text << node.type();
+  return text.str();
+}
+
+struct Reader {
+  const toml::node& node;
+  const SettingField& field;
+  const std::string& where;
+
+  [[noreturn]] void wrong_type(const std::string& wanted) const {
+    fail(where, full_key(field) + " (" + type_name(node) + ", must be " + wanted + ")");
+  }
+
+  double number(const toml::node& n, const std::string& wanted) const {
+    if (const auto integer = n.value_exact<std::int64_t>()) return static_cast<double>(*integer);
+    if (const auto real = n.value_exact<double>()) return *real;
+    wrong_type(wanted);
+  }
+
+  std::vector<double> numbers(const std::string& wanted) const {
+    const toml::array* array = node.as_array();
+    if (array == nullptr) wrong_type(wanted);
+    std::vector<double> values;
+    for (const toml::node& element : *array) values.push_back(number(element, wanted));
+    return values;
+  }
+
+  template <std::size_t N>
+  std::array<double, N> tuple() const {
+    const std::string wanted = "a list of " + std::to_string(N) + " numbers";
+    const std::vector<double> values = numbers(wanted);
+    if (values.size() != N) {
+      fail(where,
+           full_key(field) + " (" + std::to_string(values.size()) + " numbers, must be " + wanted + ")");
+    }
+    std::array<double, N> fixed;
+    std::copy(values.begin(), values.end(), fixed.begin());
+    return fixed;
+  }
+
+  void operator()(double* place) const { *place = number(node, "a number"); }
+  void operator()(int* place) const {
+    const auto integer = node.value_exact<std::int64_t>();
+    if (!integer) wrong_type("a whole number");
+    // Out of int is out of range whatever the range; the check that follows says so.
+    *place = static_cast<int>(
+        std::clamp<std::int64_t>(*integer, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
+  }
+  void operator()(std::string* place) const {
+    const auto text = node.value_exact<std::string>();
+    if (!text) wrong_type("a string");
+    *place = *text;
+  }
+  void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
+  void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
+  template <std::size_t N>
+  void operator()(std::optional<std::array<double, N>>* place) const {
+    *place = tuple<N>();
+  }
+};
+
+// ---- checking ----
+
+struct RangeCheck {
+  const SettingField& field;
+  const Origins& origins;
+
+  void check(double value) const {
+    // A NaN fails both comparisons.
+    if (value >= field.min && value <= field.max) return;
+    fail_key(origins, full_key(field), "(" + number_text(value) + ", must be " + range_text(field) + ")");
+  }
+  void operator()(const double* v) const { check(*v); }
+  void operator()(const int* v) const { check(*v); }
+  void operator()(const std::string* v) const {
+    if (field.choices == kAnyText) return;
+    const auto words = choices(field);
+    if (std::find(words.begin(), words.end(), *v) != words.end()) return;
+    fail_key(origins, full_key(field),
+             "(\"" + *v + "\", must be " + (words.size() > 1 ? "one of " : "") + range_text(field) + ")");
+  }
+  void operator()(const std::vector<double>* v) const {
+    if (v->empty() || v->size() > kMaxLengths) {
+      fail_key(origins, full_key(field),
+               "(" + std::to_string(v->size()) + " numbers, must be " + range_text(field) + ")");
+    }
+    for (const double value : *v) check(value);
+  }
+  template <std::size_t N>
+  void operator()(const std::array<double, N>* v) const {
+    for (const double value : *v) check(value);
+  }
+  template <std::size_t N>
+  void operator()(const std::optional<std::array<double, N>>* v) const {
+    if (v->has_value()) (*this)(&**v);
+  }
+};
+
+void check_together(const Settings& s, const Origins& origins) {
+  const auto at_most = [&](const char* key, double value, const char* limit_key, double limit) {
+    if (value <= limit) return;
+    fail_key(origins, key,
+             "(" + number_text(value) + ", must be at most " + limit_key + ", " + number_text(limit) + ")");
+  };
+  const auto& lengths = s.blade.free_lengths_mm;
+  if (std::adjacent_find(lengths.begin(), lengths.end(), std::greater_equal<>()) != lengths.end()) {
+    fail_key(origins, "blade.free_lengths_mm", "(not ascending): list every length once, shortest first");
+  }
+  const auto has_length = [&](const char* key, const std::optional<std::array<double, 3>>& d,
+                              const char* hint) {
+    if (!d || std::max({std::abs((*d)[0]), std::abs((*d)[1]), std::abs((*d)[2])}) >= kMinDirection) return;
+    fail_key(origins, key,
+             "(zero, must have a component of at least " + number_text(kMinDirection) + "): " + hint);
+  };
+  has_length("slice.direction", s.slice.direction, "leave it out to have it searched");
+  has_length("design.facing", s.design.facing, "leave it out to cut all faces");
+  if (s.slice.fan_axis) {
+    const auto& a = *s.slice.fan_axis;
+    if (std::max({std::abs(a[3]), std::abs(a[4]), std::abs(a[5])}) < kMinDirection) {
+      fail_key(origins, "slice.fan_axis",
+               "(direction zero, must have a component of at least " + number_text(kMinDirection) +
+                   "): the last three of its six numbers");
+    }
+    if (s.slice.direction) {
+      fail_key(origins, "slice.fan_axis",
+               "(given with slice.direction, must stand alone): planes are parallel or turn about an axis");
+    }
+  }
+  at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.width_mm", s.blade.width_mm);
+  if (s.blade.kerf_mm < s.blade.thickness_mm) {
+    fail_key(origins, "blade.kerf_mm",
+             "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
+                 number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
+  }
+  // The blade is formed above the stock, no nearer than clamps may come and not below where it is led in.
+  at_most("motion.lead_mm", s.motion.lead_mm, "motion.approach_mm", s.motion.approach_mm);
+  at_most("stock.clearance_mm", s.stock.clearance_mm, "motion.approach_mm", s.motion.approach_mm);
+  at_most("motion.min_feed_mm_s", s.motion.min_feed_mm_s, "motion.feed_mm_s", s.motion.feed_mm_s);
+  at_most("motion.feed_mm_s", s.motion.feed_mm_s, "motion.travel_mm_s", s.motion.travel_mm_s);
+  at_most("machine.plinth_mm", s.machine.plinth_mm, "the height of machine.envelope_mm",
+          s.machine.envelope_mm[2]);
+}
+
+// The access functions take a mutable Settings; a copy keeps const callers honest.
+void check(Settings settings, const Origins& origins) {
+  for (const SettingField& field : setting_fields())
+    std::visit(RangeCheck{field, origins}, field.place(settings));
+  check_together(settings, origins);
+}
+
+// ---- applying ----
+
+void apply_value(Settings& settings, Origins& origins, const std::string& section, const std::string& key,
+                 const toml::node& node, const std::string& where) {
+  const auto fields = setting_fields();
+  const auto field = std::find_if(fields.begin(), fields.end(), [&](const SettingField& f) {
+    return f.section == section && f.key == key;
+  });
+  if (field == fields.end()) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
+  const SettingPlace place = field->place(settings);
+  std::visit(Reader{node, *field, where}, place);
+  origins[full_key(*field)] = where;
+  // Here and not only at the end: a later source must not hide that this one is wrong.
+  std::visit(RangeCheck{*field, origins}, place);
+}
+
+bool is_section(const std::string& name) {
+  const auto fields = setting_fields();
+  return std::any_of(fields.begin(), fields.end(), [&](const SettingField& f) { return f.section == name; });
+}
+
+void apply_table(Settings& settings, Origins& origins, const toml::table& table, const std::string& source,
+                 bool with_line) {
+  const auto where = [&](const toml::source_region& region) {
+    return with_line ? source + ":" + std::to_string(region.begin.line) : source;
+  };
+  for (const auto& [section_key, section_node] : table) {
+    const std::string section(section_key.str());
+    const toml::table* keys = section_node.as_table();
+    if (keys == nullptr) {
+      fail(where(section_key.source()), section + ": a key outside a section: " + key_hint("", section));
+    }
+    if (!is_section(section)) {
+      fail(where(section_key.source()), "[" + section + "]: unknown section: " + section_hint(section));
+    }
+    for (const auto& [key, node] : *keys) {
+      apply_value(settings, origins, section, std::string(key.str()), node, where(key.source()));
+    }
+  }
+}
+
+std::string read_text(const std::filesystem::path& file) {
+  std::error_code code;
+  if (std::filesystem::is_directory(file, code)) {
+    throw CommandError(Exit::kFile, file.string() + ": is a directory: name a TOML file");
+  }
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf())) {
+    // An empty file copies nothing, which the stream counts as a failure.
+    if (in && std::filesystem::file_size(file, code) == 0 && !code) return "";
+    throw CommandError(Exit::kFile, file.string() + ": cannot read the configuration: does the file exist?");
+  }
+  return text.str();
+}
+
+void apply_file(Settings& settings, Origins& origins, const std::filesystem::path& file) {
+  const std::string text = read_text(file);
+  try {
+    apply_table(settings, origins, toml::parse(text, file.string()), file.string(), true);
+  } catch (const toml::parse_error& error) {
+    fail(file.string() + ":" + std::to_string(error.source().begin.line), std::string(error.description()));
+  }
+}
+
+// A value as TOML, or as the string it spells when it is no TOML but a plain word.
+toml::table parse_value(const std::string& value, const std::string& where) {
+  try {
+    toml::table table = toml::parse("value = " + value);
+    if (table.size() == 1) return table;
+  } catch (const toml::parse_error& error) {
+    const bool word = std::all_of(value.begin(), value.end(), [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == '/';
+    });
+    if (!word) fail(where, "(" + value + ") is no TOML value: " + std::string(error.description()));
+    toml::table table;
+    table.insert("value", value);
+    return table;
+  }
+  fail(where, "(" + value + ") is more than one TOML value");
+}
+
+void apply_assignment(Settings& settings, Origins& origins, const std::string& key, const std::string& value,
+                      const std::string& where) {
+  const auto dot = key.find('.');
+  if (dot == std::string::npos) fail(where, key + ": a key outside a section: " + key_hint("", key));
+  const std::string section = key.substr(0, dot);
+  if (!is_section(section)) fail(where, "[" + section + "]: unknown section: " + section_hint(section));
+  const toml::table table = parse_value(value, where + " " + key);
+  apply_value(settings, origins, section, key.substr(dot + 1), *table.get("value"), where);
+}
+
+}  // namespace
+
+Settings resolve(const SettingsSources& sources) {
+  Settings settings;
+  Origins origins;
+  for (const auto& file : sources.files) apply_file(settings, origins, file);
+  for (const std::string& assignment : sources.assignments) {
+    const auto equals = assignment.find('=');
+    if (equals == std::string::npos) fail("--set", "(" + assignment + ") must be section.key=value");
+    apply_assignment(settings, origins, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+  }
+  for (const SettingsFlag& flag : sources.flags) {
+    apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
+  }
+  check(settings, origins);
+  return settings;
+}
+
+void validate(const Settings& settings) {
+  check(settings, {});
+}
+
+robot::BladeSection blade_section(const BladeSettings& b) {
+  return {b.width_mm,           b.thickness_mm, b.youngs_modulus_mpa, b.poisson_ratio,
+          b.yield_strength_mpa, b.safety,       b.density_kg_m3};
+}
+
+double max_curvature_per_mm(const BladeSettings& blade) {
+  return robot::max_curvature_per_mm(blade_section(blade));
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,134 @@
+// The resolved configuration: built-in defaults < --config files in order < --set key=value < flags.
+// TOML sections and keys carry the member names below; unknown keys are errors. docs/configuration.md lists
+// them.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robot/blade/blade_section.hpp"
+
+namespace hotblade::pipeline {
+
+struct DesignSettings {
+  std::string units;           // mm, cm, m, in, ft; required, no default
+  std::string up = "z";        // z or y
+  std::string keep = "below";  // below, above, back, front: the foam that stays
+  std::string group;           // OBJ group or object to cut; empty: the whole file
+  // Faces to cut: those that look in this direction of the design frame; absent: all.
+  std::optional<std::array<double, 3>> facing;
+  double facing_max_deg = 80;     // between a face's normal and `facing`
+  double stitch_mm = 0;           // borders of the design this close to each other are joined
+  double tolerance_mm = 1.0;      // accepted deviation between cut and design
+  double max_uncut_share = 0.01;  // of the design's area that no strip reaches
+};
+
+struct SliceSettings {
+  std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
+  // Rib planes turn about this line instead: a point of it (mm) and its direction, design frame.
+  std::optional<std::array<double, 6>> fan_axis;
+  double spacing_mm = 20;       // largest distance between the sections that ribs are chosen from
+  std::string gaps = "bridge";  // or apart: may one blade cut both sides of a window?
+};
+
+struct FitSettings {
+  double lambda_threshold =
+      0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
+  double deviation_share = 0.5;  // of the tolerance that one rib's elastica may deviate from its target
+  double between_share = 0.1;  // of the tolerance that the surface between ribs may be farther off than they
+  int max_splits = 12;         // along a rib
+};
+
+struct BladeSettings {
+  std::vector<double> free_lengths_mm{400, 600, 800, 1000, 1200, 1500};
+  double width_mm = 8, thickness_mm = 0.5;
+  double youngs_modulus_mpa = 190000, poisson_ratio = 0.3, yield_strength_mpa = 1010, safety = 1.5;
+  double density_kg_m3 = 7900;
+  double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
+  double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
+  double min_margin_mm =
+      0;  // smallest accepted clamp error that snaps the blade; 0: from the machine's errors
+};
+
+struct StockSettings {
+  std::array<double, 3> max_size_mm{1200, 1200, 600};
+  double base_mm = 50;       // foam left under the lowest kept point
+  double border_mm = 10;     // foam around the design on the other sides
+  double clearance_mm = 40;  // clamps and table stay at least this far from the stock
+};
+
+struct MotionSettings {
+  double feed_mm_s = 7, min_feed_mm_s = 1;
+  double travel_mm_s = 100, accel_mm_s2 = 500, jerk_mm_s3 = 5000;
+  double angular_rad_s = 1, angular_accel_rad_s2 = 2;
+  double waypoint_s = 0.05;  // 0.005 to 0.05
+  double preheat_s = 2;
+  double approach_mm = 60;  // the blade is formed this far above the stock
+  double lead_mm = 0;       // lead_in and lead_out run this far outside the stock; 0: as far as needed
+};
+
+struct MachineSettings {
+  std::array<double, 3> envelope_mm{4000, 4000, 3000};  // centred on the table in x and y, z from 0
+  double plinth_mm =
+      0;  // the stock stands this far above the table; 0: as far as needed (pipeline/plan/motion/motion.hpp)
+  // Errors of each clamp, for the error budget. Repeatability of mid-size arms is 0.03 to 0.1 mm (ISO 9283
+  // data sheets); calibrated, their absolute error is a few tenths: put your cell's here.
+  double clamp_error_mm = 0.1, clamp_error_rad = 0.0002;
+};
+
+struct Settings {
+  DesignSettings design;
+  SliceSettings slice;
+  FitSettings fit;
+  BladeSettings blade;
+  StockSettings stock;
+  MotionSettings motion;
+  MachineSettings machine;
+};
+
+// A setting given by a flag of its own; errors name the flag.
+struct SettingsFlag {
+  std::string flag;   // "--units"
+  std::string key;    // "design.units"
+  std::string value;  // as for assignments
+};
+
+// Where settings come from, in the order they are applied.
+struct SettingsSources {
+  std::vector<std::filesystem::path> files;
+  std::vector<std::string>
+      assignments;  // "design.keep=back", value in TOML syntax, bare words taken as strings
+  std::vector<SettingsFlag> flags;
+};
+
+// One key as users see it: what docs/configuration.md and `hotblade config defaults` say about it.
+struct SettingInfo {
+  std::string key;            // "blade.kerf_mm"
+  std::string unit;           // empty: none
+  std::string default_value;  // TOML; "absent" for a key without a default
+  std::string range;          // "0.1 to 100", or the words allowed
+  std::string description;
+};
+[[nodiscard]] std::vector<SettingInfo> describe_settings();
+
+// Throws CommandError: exit 7 for a file that cannot be read, 2 for syntax, unknown keys, wrong types and
+// values out of range, each with `file:line: key (value, limit): hint`. Units are not required here.
+[[nodiscard]] Settings resolve(const SettingsSources& sources);
+
+// Checks ranges and that the parts fit together (kerf at least the thickness, lengths ascending, feed at most
+// travel); throws as resolve does.
+void validate(const Settings& settings);
+
+[[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);
+[[nodiscard]] std::string to_toml(const Settings& settings);  // commented, round-trips through resolve
+
+[[nodiscard]] robot::BladeSection blade_section(const BladeSettings& blade);
+
+// Bending strain limit: largest curvature the blade may take, 2 yield / (safety E thickness), 1/mm.
+[[nodiscard]] double max_curvature_per_mm(const BladeSettings& blade);
+
+}  // namespace hotblade::pipeline

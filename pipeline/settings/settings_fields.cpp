@@ -1,0 +1,216 @@
+#include "pipeline/settings/settings_fields.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace hotblade::pipeline {
+namespace {
+
+using Place = SettingPlace;
+using S = Settings;
+
+// Ranges are wide: they catch a slip of unit or comma, not an unusual machine. Where physics gives the limit,
+// it is checked between keys instead (settings.cpp, check_together).
+constexpr SettingField kFields[] = {
+    {"design", "units", "", 0, 0, "|mm|cm|m|in|ft", "Unit of the OBJ's numbers; required, here or as --units",
+     [](S& s) -> Place { return &s.design.units; }},
+    {"design", "up", "", 0, 0, "z|y", "Axis of the OBJ that points up",
+     [](S& s) -> Place { return &s.design.up; }},
+    {"design", "keep", "", 0, 0, "below|above|back|front",
+     "Foam that stays: below or above the surface, or behind or before the face normals",
+     [](S& s) -> Place { return &s.design.keep; }},
+    {"design", "group", "", 0, 0, kAnyText, "OBJ group or object to cut; empty: the whole file",
+     [](S& s) -> Place { return &s.design.group; }},
+    {"design", "facing", "", -1000, 1000, "",
+     "Cut the faces that look in this direction of the design frame, as of a solid; absent: all",
+     [](S& s) -> Place { return &s.design.facing; }},
+    {"design", "facing_max_deg", "deg", 0, 180, "", "Largest angle between a face's normal and design.facing",
+     [](S& s) -> Place { return &s.design.facing_max_deg; }},
+    {"design", "stitch_mm", "mm", 0, 10, "",
+     "Border vertices of the design this close to another border are joined; 0: none",
+     [](S& s) -> Place { return &s.design.stitch_mm; }},
+    {"design", "tolerance_mm", "mm", 0.01, 100, "", "Accepted deviation between cut and design",
+     [](S& s) -> Place { return &s.design.tolerance_mm; }},
+    {"design", "max_uncut_share", "", 0, 1, "",
+     "Share of the design's area that may stay out of reach of every strip",
+     [](S& s) -> Place { return &s.design.max_uncut_share; }},
+
+    {"slice", "direction", "", -1000, 1000, "",
+     "Normal of the rib planes in the design frame, of any length; absent: searched",
+     [](S& s) -> Place { return &s.slice.direction; }},
+    {"slice", "fan_axis", "mm", -1e6, 1e6, "",
+     "Line that the rib planes turn about instead, in the design frame: a point x, y, z, then a direction of "
+     "any length",
+     [](S& s) -> Place { return &s.slice.fan_axis; }},
+    {"slice", "spacing_mm", "mm", 0.5, 500, "",
+     "Largest distance between the sections that ribs are chosen from",
+     [](S& s) -> Place { return &s.slice.spacing_mm; }},
+    {"slice", "gaps", "", 0, 0, "bridge|apart",
+     "Windows and notches: one strip across them where it serves both sides, or a block for each side",
+     [](S& s) -> Place { return &s.slice.gaps; }},
+
+    {"fit", "lambda_threshold", "", 0, 10, "",
+     "Ribs with a larger lambda-residual are projected before the fit",
+     [](S& s) -> Place { return &s.fit.lambda_threshold; }},
+    {"fit", "deviation_share", "", 0.01, 1, "", "Share of the tolerance that one rib's elastica may use up",
+     [](S& s) -> Place { return &s.fit.deviation_share; }},
+    {"fit", "between_share", "", 0.001, 1, "",
+     "Share of the tolerance that the surface between ribs may be farther off than the ribs",
+     [](S& s) -> Place { return &s.fit.between_share; }},
+    {"fit", "max_splits", "", 0, 1000, "",
+     "Most splits along a rib, beyond those its length asks for: no strip is longer than a blade or a block",
+     [](S& s) -> Place { return &s.fit.max_splits; }},
+
+    {"blade", "free_lengths_mm", "mm", 50, 5000, "",
+     "Blades at hand: free lengths between the clamps, ascending",
+     [](S& s) -> Place { return &s.blade.free_lengths_mm; }},
+    {"blade", "width_mm", "mm", 0.1, 100, "", "Width of the blade's section, along the rib planes' normal",
+     [](S& s) -> Place { return &s.blade.width_mm; }},
+    {"blade", "thickness_mm", "mm", 0.05, 5, "", "Thickness of the blade's section",
+     [](S& s) -> Place { return &s.blade.thickness_mm; }},
+    {"blade", "youngs_modulus_mpa", "MPa", 1000, 500000, "", "Young's modulus",
+     [](S& s) -> Place { return &s.blade.youngs_modulus_mpa; }},
+    {"blade", "poisson_ratio", "", 0, 0.5, "", "Poisson's ratio, for the blade's twist under its weight",
+     [](S& s) -> Place { return &s.blade.poisson_ratio; }},
+    {"blade", "yield_strength_mpa", "MPa", 10, 5000, "", "Yield strength",
+     [](S& s) -> Place { return &s.blade.yield_strength_mpa; }},
+    {"blade", "safety", "", 1, 10, "", "Bending stress stays below the yield strength divided by this",
+     [](S& s) -> Place { return &s.blade.safety; }},
+    {"blade", "density_kg_m3", "kg/m3", 100, 25000, "", "Density, for the blade's sag",
+     [](S& s) -> Place { return &s.blade.density_kg_m3; }},
+    {"blade", "kerf_mm", "mm", 0.05, 20, "",
+     "Melted band of a blade that moves square to its width, the thickness included",
+     [](S& s) -> Place { return &s.blade.kerf_mm; }},
+    {"blade", "min_margin", "", 0, 1000, "",
+     "Smallest accepted stability margin: eigenvalue of the second variation times length squared",
+     [](S& s) -> Place { return &s.blade.min_margin; }},
+    {"blade", "min_margin_mm", "mm", 0, 20, "",
+     "Smallest accepted clamp error that makes the blade snap; 0 takes twice the machine's clamp errors",
+     [](S& s) -> Place { return &s.blade.min_margin_mm; }},
+
+    {"stock", "max_size_mm", "mm", 10, 10000, "", "Largest foam block: length, width, height",
+     [](S& s) -> Place { return &s.stock.max_size_mm; }},
+    {"stock", "base_mm", "mm", 0, 2000, "", "Foam left under the lowest kept point",
+     [](S& s) -> Place { return &s.stock.base_mm; }},
+    {"stock", "border_mm", "mm", 0, 1000, "", "Foam around the design on the other sides",
+     [](S& s) -> Place { return &s.stock.border_mm; }},
+    {"stock", "clearance_mm", "mm", 0, 1000, "", "Clamps and table stay at least this far from the stock",
+     [](S& s) -> Place { return &s.stock.clearance_mm; }},
+
+    {"motion", "feed_mm_s", "mm/s", 0.1, 1000, "", "Cutting feed at the fastest point of the blade",
+     [](S& s) -> Place { return &s.motion.feed_mm_s; }},
+    {"motion", "min_feed_mm_s", "mm/s", 0.01, 1000, "",
+     "Cutting feed at the slowest point of the blade, at least",
+     [](S& s) -> Place { return &s.motion.min_feed_mm_s; }},
+    {"motion", "travel_mm_s", "mm/s", 1, 5000, "", "Fastest clamp speed outside the foam",
+     [](S& s) -> Place { return &s.motion.travel_mm_s; }},
+    {"motion", "accel_mm_s2", "mm/s2", 1, 100000, "", "Largest acceleration of a clamp",
+     [](S& s) -> Place { return &s.motion.accel_mm_s2; }},
+    {"motion", "jerk_mm_s3", "mm/s3", 1, 10000000, "", "Largest jerk of a clamp",
+     [](S& s) -> Place { return &s.motion.jerk_mm_s3; }},
+    {"motion", "angular_rad_s", "rad/s", 0.001, 20, "", "Largest turning speed of a clamp",
+     [](S& s) -> Place { return &s.motion.angular_rad_s; }},
+    {"motion", "angular_accel_rad_s2", "rad/s2", 0.001, 1000, "", "Largest turning acceleration of a clamp",
+     [](S& s) -> Place { return &s.motion.angular_accel_rad_s2; }},
+    {"motion", "waypoint_s", "s", 0.005, 0.05, "", "Time between waypoints",
+     [](S& s) -> Place { return &s.motion.waypoint_s; }},
+    {"motion", "preheat_s", "s", 0, 600, "", "Dwell with the heat on before the blade enters the foam",
+     [](S& s) -> Place { return &s.motion.preheat_s; }},
+    {"motion", "approach_mm", "mm", 0, 2000, "", "The blade is bent into shape this far above the stock",
+     [](S& s) -> Place { return &s.motion.approach_mm; }},
+    {"motion", "lead_mm", "mm", 0, 500, "",
+     "The cut starts and ends this far outside the stock; 0 takes 20, and as far as the clamps need it to "
+     "end",
+     [](S& s) -> Place { return &s.motion.lead_mm; }},
+
+    {"machine", "envelope_mm", "mm", 100, 100000, "",
+     "Space of the cell: length and width centred on the table, height from the table up",
+     [](S& s) -> Place { return &s.machine.envelope_mm; }},
+    {"machine", "plinth_mm", "mm", 0, 3000, "",
+     "The stock stands this far above the table; 0 takes 150, or as much more as a strip's clamps need to "
+     "stay clear of it",
+     [](S& s) -> Place { return &s.machine.plinth_mm; }},
+    {"machine", "clamp_error_mm", "mm", 0, 10, "", "Error of a clamp's position, for the error budget",
+     [](S& s) -> Place { return &s.machine.clamp_error_mm; }},
+    {"machine", "clamp_error_rad", "rad", 0, 0.1, "", "Error of a clamp's angle, for the error budget",
+     [](S& s) -> Place { return &s.machine.clamp_error_rad; }},
+};
+
+template <typename Numbers>
+std::string list_text(const Numbers& values) {
+  std::string text = "[";
+  for (const double v : values) text += (text.size() > 1 ? ", " : "") + number_text(v);
+  return text + "]";
+}
+
+struct TomlText {
+  std::optional<std::string> operator()(const double* v) const { return number_text(*v); }
+  std::optional<std::string> operator()(const int* v) const { return std::to_string(*v); }
+  // A JSON string with its escapes is a TOML basic string too.
+  std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
+  std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
+  std::optional<std::string> operator()(const std::array<double, 3>* v) const { return list_text(*v); }
+  template <std::size_t N>
+  std::optional<std::string> operator()(const std::optional<std::array<double, N>>* v) const {
+    return v->has_value() ? std::optional(list_text(**v)) : std::nullopt;
+  }
+};
+
+}  // namespace
+
+std::span<const SettingField> setting_fields() {
+  return kFields;
+}
+
+std::string full_key(const SettingField& field) {
+  return std::string(field.section) + "." + std::string(field.key);
+}
+
+std::vector<std::string> choices(const SettingField& field) {
+  std::vector<std::string> words{""};
+  for (const char c : field.choices) {
+    if (c == '|') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+std::string number_text(double value) {
+  std::array<char, 32> buffer{};
+  // Sizes that people write out are written out: 100000, not 1e+05. Both forms fit the buffer.
+  const double size = std::abs(value);
+  const bool plain = value == 0 || (size >= 1e-4 && size < 1e9);
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
+  return {buffer.data(), end};
+}
+
+std::optional<std::string> toml_text(const SettingPlace& place) {
+  return std::visit(TomlText{}, place);
+}
+
+std::string range_text(const SettingField& field) {
+  Settings defaults;
+  const SettingPlace place = field.place(defaults);
+  if (std::holds_alternative<std::string*>(place)) {
+    if (field.choices == kAnyText) return "any text";
+    std::string text;
+    for (const std::string& word : choices(field)) {
+      if (word.empty()) continue;
+      text += (text.empty() ? "" : ", ") + word;
+    }
+    return text.empty() ? "empty" : text;
+  }
+  const std::string range = number_text(field.min) + " to " + number_text(field.max);
+  if (std::holds_alternative<double*>(place) || std::holds_alternative<int*>(place)) return range;
+  const char* count = "3 numbers";
+  if (std::holds_alternative<std::vector<double>*>(place)) count = "1 to 100 numbers";
+  if (std::holds_alternative<std::optional<std::array<double, 6>>*>(place)) count = "6 numbers";
+  return std::string(count) + ", each " + range;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,50 @@
+// Every settings key in one table: where it lives, its type, range and meaning. Reading, checking, writing
+// and documenting settings all walk this table, so that they cannot disagree.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "pipeline/settings/settings.hpp"
+
+namespace hotblade::pipeline {
+
+// A place inside a Settings value.
+using SettingPlace =
+    std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
+                 std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
+
+inline constexpr std::string_view kAnyText = "*";
+
+struct SettingField {
+  std::string_view section, key, unit;
+  double min = 0, max = 0;   // of a number, or of every number of a list; both included
+  std::string_view choices;  // of a string: the words allowed, separated by '|'; an empty word means unset;
+                             // kAnyText: any
+  std::string_view description;
+  SettingPlace (*place)(Settings&);
+};
+
+[[nodiscard]] std::span<const SettingField> setting_fields();
+
+// "section.key".
+[[nodiscard]] std::string full_key(const SettingField& field);
+
+// The words of field.choices.
+[[nodiscard]] std::vector<std::string> choices(const SettingField& field);
+
+// Shortest text that reads back to the same number.
+[[nodiscard]] std::string number_text(double value);
+
+// The value as TOML; nothing for an optional that is absent.
+[[nodiscard]] std::optional<std::string> toml_text(const SettingPlace& place);
+
+// What is accepted, in words: "0.1 to 100", "3 numbers, each 10 to 10000", "z or y".
+[[nodiscard]] std::string range_text(const SettingField& field);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,64 @@
+// Settings written out: JSON for programs, TOML for people, and the table of every key.
+#include <nlohmann/json.hpp>
+
+#include "pipeline/settings/settings_fields.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+constexpr const char* kAbsent = "absent";
+
+struct ToJson {
+  template <std::size_t N>
+  nlohmann::ordered_json operator()(const std::optional<std::array<double, N>>* v) const {
+    return v->has_value() ? nlohmann::ordered_json(**v) : nlohmann::ordered_json(nullptr);
+  }
+  template <typename T>
+  nlohmann::ordered_json operator()(const T* v) const {
+    return *v;
+  }
+};
+
+std::string unit_and_range(const SettingField& field) {
+  return (field.unit.empty() ? "" : std::string(field.unit) + ", ") + range_text(field);
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Settings& settings) {
+  Settings copy = settings;
+  nlohmann::ordered_json json;
+  for (const SettingField& field : setting_fields()) {
+    json[std::string(field.section)][std::string(field.key)] = std::visit(ToJson{}, field.place(copy));
+  }
+  return json;
+}
+
+std::string to_toml(const Settings& settings) {
+  Settings copy = settings;
+  std::string text, section;
+  for (const SettingField& field : setting_fields()) {
+    if (field.section != section) {
+      text += (section.empty() ? "[" : "\n[") + std::string(field.section) + "]\n";
+      section = field.section;
+    }
+    text += "# " + std::string(field.description) + " (" + unit_and_range(field) + ")\n";
+    const std::string key(field.key);
+    const auto value = toml_text(field.place(copy));
+    text += value ? key + " = " + *value + "\n" : "# " + key + " is " + kAbsent + "\n";
+  }
+  return text;
+}
+
+std::vector<SettingInfo> describe_settings() {
+  Settings defaults;
+  std::vector<SettingInfo> infos;
+  for (const SettingField& field : setting_fields()) {
+    infos.push_back({full_key(field), std::string(field.unit),
+                     toml_text(field.place(defaults)).value_or(kAbsent), range_text(field),
+                     std::string(field.description)});
+  }
+  return infos;
+}
+
+}  // namespace hotblade::pipeline

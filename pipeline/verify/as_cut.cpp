@@ -1,0 +1,256 @@
+#include "pipeline/verify/as_cut.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/settings/command_error.hpp"
+#include "pipeline/verify/as_cut_budget.hpp"
+#include "robot/controller/execution_log.hpp"
+#include "robot/controller/execution_poses.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using robot::LoggedPose;
+
+[[noreturn]] void refuse(const std::filesystem::path& log, const std::string& why) {
+  throw CommandError(Exit::kBadInput, log.string() + ": " + why);
+}
+
+void require_proof(const robot::Job& job, const std::map<std::uint64_t, robot::LoggedJob>& logged,
+                   const std::filesystem::path& log) {
+  const auto found = logged.find(job.id);
+  if (found == logged.end())
+    refuse(log,
+           fmt::format("has nothing of strip {} of this program (job {}): it is the log of another program, "
+                       "or the strip was not run",
+                       job.strip, robot::to_hex(job.id)));
+  const robot::ExecutionProof proof = robot::prove(job, found->second);
+  if (proof.executed < proof.planned)
+    refuse(log, fmt::format("strip {} is incomplete (waypoints {}, planned {}): run it to its end", job.strip,
+                            proof.executed, proof.planned));
+  if (!proof.holds())
+    refuse(log, fmt::format("strip {}: {}: not what was planned", job.strip,
+                            !proof.in_order      ? "sequence numbers are not 0 to N-1, once each"
+                            : !proof.bytes_equal ? "the bytes of a waypoint differ"
+                                                 : "the hash chain does not follow"));
+}
+
+Pose to_design(const Pose& design_to_cell, const Pose& p) {
+  const Eigen::Quaterniond back = design_to_cell.q.conjugate();
+  return {back * (p.p - design_to_cell.p), back * p.q};
+}
+
+// The part that forms the design: as planned at the waypoints before and after, in between by place.
+std::optional<std::array<double, 2>> foam_between(const BladePose& from, const BladePose& to, double share) {
+  if (from.foam && to.foam) {
+    std::array<double, 2> foam{};
+    for (std::size_t i = 0; i < 2; ++i) foam[i] = (1 - share) * (*from.foam)[i] + share * (*to.foam)[i];
+    return foam;
+  }
+  // On the way into the foam and out of it the nearer waypoint says.
+  return share < 0.5 ? from.foam : to.foam;
+}
+
+ExecutedStrip executed_strip(const Strip& planned, const std::vector<LoggedPose>& logged,
+                             const std::filesystem::path& log) {
+  ExecutedStrip strip;
+  for (const LoggedPose& l : logged) {
+    if (!l.blade)
+      refuse(log,
+             fmt::format("strip {} at {:.2f} s: no blade shape: the controller has to solve the equilibrium "
+                         "(sim without --no-equilibrium)",
+                         planned.id, l.t));
+    if (l.sequence >= planned.poses.size())
+      refuse(log, fmt::format("strip {}: pose after waypoint {} of {}", planned.id, l.sequence,
+                              planned.poses.size()));
+    BladePose pose;
+    pose.t = l.t;
+    pose.heat = l.heat;
+    pose.a = to_design(planned.design_to_cell, l.a);
+    pose.b = to_design(planned.design_to_cell, l.b);
+    pose.frame = {pose.a.p, pose.a.q * Eigen::Vector3d::UnitX(), pose.a.q * Eigen::Vector3d::UnitY()};
+    pose.blade = *l.blade;
+    const std::size_t next = std::min<std::size_t>(l.sequence + 1, planned.poses.size() - 1);
+    const BladePose &from = planned.poses[l.sequence], &to = planned.poses[next];
+    if (l.heat) pose.foam = foam_between(from, to, share_of_step(from, to, l.path_s));
+    strip.poses.push_back(std::move(pose));
+    strip.after.push_back(l.sequence);
+    strip.path_s.push_back(l.path_s);
+    strip.executed_s = std::max(strip.executed_s, l.t);
+  }
+  return strip;
+}
+
+bool inside(const Stock& stock, const Eigen::Vector3d& p) {
+  const Eigen::Vector3d d = p - stock.frame.origin;
+  const Eigen::Vector3d at(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
+  return (at.array() >= 0).all() && (at.array() <= stock.size_mm.array()).all();
+}
+
+// Points of hot blades inside the stock that do not form the design, poses about `sample_mm` apart.
+void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, double sample_mm,
+                 BladeTouches& touches) {
+  constexpr int kMarks = 3;
+  std::array<Eigen::Vector3d, kMarks> last;
+  last.fill(Eigen::Vector3d::Zero());
+  bool any = false;
+  for (const BladePose& pose : strip.poses) {
+    if (!pose.heat) continue;
+    const int points = static_cast<int>(std::ceil(pose.blade.length / sample_mm)) + 1;
+    std::array<Eigen::Vector3d, kMarks> marks;
+    const auto ends = elastica::sample(pose.blade, kMarks);
+    double moved = 0;
+    for (std::size_t i = 0; i < kMarks; ++i) {
+      marks[i] = pose.frame.point(ends[i].x, ends[i].y);
+      if (any) moved = std::max(moved, (marks[i] - last[i]).norm());
+    }
+    if (any && moved < sample_mm) continue;
+    any = true;
+    last = marks;
+    const elastica::ElasticaCurve curve(pose.blade);
+    for (int k = 0; k < points; ++k) {
+      const double s = pose.blade.length * k / (points - 1);
+      if (pose.foam && s >= (*pose.foam)[0] && s <= (*pose.foam)[1]) continue;
+      const auto q = curve.at(s);
+      const Eigen::Vector3d p = pose.frame.point(q.x, q.y);
+      if (!inside(planned.stock, p)) continue;
+      touches.points.push_back(p);
+      touches.plane_normals.push_back(pose.frame.normal());
+      touches.strip_of_point.push_back(index);
+    }
+  }
+}
+
+// Of the ribs of a strip the one whose plane is nearest.
+std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at) {
+  std::string id;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Rib& rib : strip.ribs) {
+    const double off = std::abs(rib.frame.normal().dot(at - rib.frame.origin));
+    if (off < nearest) {
+      nearest = off;
+      id = rib.id;
+    }
+  }
+  return id;
+}
+
+// Hot poses in the order of the path, without what was gone over again after a retraction.
+std::vector<BladePose> forming_poses(const ExecutedStrip& strip) {
+  std::vector<BladePose> poses;
+  double reached = -1;
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+    if (!strip.poses[i].foam || !(strip.path_s[i] > reached)) continue;
+    reached = strip.path_s[i];
+    poses.push_back(strip.poses[i]);
+  }
+  return poses;
+}
+
+}  // namespace
+
+std::vector<ExecutedStrip> read_executed(const StripJobs& work, const std::filesystem::path& log_file) {
+  try {
+    const auto logged = robot::read_execution_log(log_file);
+    for (const robot::Job& job : work.jobs) require_proof(job, logged, log_file);
+    const auto poses = robot::read_execution_poses(log_file);
+    std::vector<ExecutedStrip> executed;
+    for (std::size_t i = 0; i < work.jobs.size(); ++i) {
+      const auto found = poses.find(work.jobs[i].id);
+      if (found == poses.end() || found->second.empty())
+        refuse(log_file, "strip " + work.jobs[i].strip + " has no poses: the log was kept without them");
+      executed.push_back(executed_strip(work.program.strips[i], found->second, log_file));
+    }
+    return executed;
+  } catch (const robot::LogError& error) {
+    throw CommandError(std::filesystem::exists(log_file) ? Exit::kBadInput : Exit::kFile, error.what());
+  }
+}
+
+double AsCutReport::budget_sum_mm() const {
+  double sum = 0;
+  for (const auto& [name, mm] : budget_mm) sum += mm;
+  return sum;
+}
+
+AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& executed,
+                   const surface::DesignSurface& design, const VerifyOptions& options) {
+  AsCutReport report;
+  Program cut = program;
+  BladeTouches touches;
+  for (std::size_t i = 0; i < executed.size(); ++i) {
+    cut.strips[i].poses = forming_poses(executed[i]);
+    add_touches(program.strips[i], executed[i], static_cast<int>(i), options.sample_mm, touches);
+    report.executed_s += executed[i].executed_s;
+    for (const BladePose& pose : executed[i].poses) report.hot_poses += pose.heat ? 1 : 0;
+  }
+  report.touch_samples = touches.points.size();
+  report.cut = measure(swept_surface(cut, options.sample_mm), touches, program, design, options);
+  if (report.cut.worst_strip >= 0) {
+    const Strip& worst = program.strips[static_cast<std::size_t>(report.cut.worst_strip)];
+    report.strip = worst.id;
+    report.rib = nearest_rib(worst, report.cut.deviation.at);
+  }
+  const AsCutBudget budget = as_cut_budget(program, executed, design, report.cut.half_band_mm, options);
+  report.budget_mm = budget.lines_mm;
+  report.not_in_budget = budget.missing;
+  report.shape_mismatch_mm = budget.shape_mismatch_mm;
+  return report;
+}
+
+std::string to_json(const AsCutReport& report, const VerifyOptions& options) {
+  const VerifyReport& c = report.cut;
+  const Deviation& d = c.deviation;
+  nlohmann::ordered_json json;
+  json["within_tolerance"] = c.within_tolerance;
+  json["tolerance_mm"] = options.tolerance_mm;
+  json["deviation_mm"] = {{"max", d.max},
+                          {"p99", d.p99},
+                          {"rms", d.rms},
+                          {"mean", d.mean},
+                          {"at", {d.at.x(), d.at.y(), d.at.z()}}};
+  json["worst"] = {{"strip", report.strip}, {"rib", report.rib}};
+  json["gouge_mm"] = c.gouge_mm;
+  json["uncut_mm2"] = c.uncut_mm2;
+  json["uncut_share"] = c.uncut_share();
+  json["budget_mm"] = nlohmann::ordered_json::object();
+  for (const auto& [name, mm] : report.budget_mm) json["budget_mm"][name] = mm;
+  json["budget_sum_mm"] = report.budget_sum_mm();
+  json["not_in_budget"] = report.not_in_budget;
+  json["shape_mismatch_mm"] = report.shape_mismatch_mm;
+  json["samples"] = {{"cut", c.cut_samples},
+                     {"beyond_design", c.beyond_samples},
+                     {"design", c.design_samples},
+                     {"touches", report.touch_samples}};
+  json["hot_poses"] = report.hot_poses;
+  json["executed_s"] = report.executed_s;
+  return json.dump(2);
+}
+
+std::string describe(const AsCutReport& report, const VerifyOptions& options) {
+  const Deviation& d = report.cut.deviation;
+  std::string text = fmt::format(
+      "as cut: deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} mm), "
+      "worst at "
+      "({:.1f}, {:.1f}, {:.1f}) in {} near {}\n",
+      d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z(), report.strip,
+      report.rib);
+  text += fmt::format("as cut: uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n",
+                      report.cut.uncut_mm2, 100 * report.cut.uncut_share(), 100 * options.max_uncut_share);
+  text += fmt::format("as cut: {} hot blade poses, deepest cut beside the design's {:.3f} mm\n",
+                      report.hot_poses, report.cut.gouge_mm);
+  text += "budget, mm:";
+  for (const auto& [name, mm] : report.budget_mm) text += fmt::format(" {} {:.3f},", name, mm);
+  text += fmt::format(" together {:.3f}\n", report.budget_sum_mm());
+  for (const std::string& line : report.not_in_budget) text += "not in the budget: " + line + "\n";
+  return text;
+}
+
+}  // namespace hotblade::pipeline

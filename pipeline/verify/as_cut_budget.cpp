@@ -1,0 +1,201 @@
+#include "pipeline/verify/as_cut_budget.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "elastica/blade/continuation.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
+#include "pipeline/verify/as_cut.hpp"
+#include "pipeline/verify/budget.hpp"
+#include "robot/pose/motion.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+// Largest distance of centre-line points, brought back by half the melted band, from the design.
+class RibMeasure {
+ public:
+  RibMeasure(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
+      : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices, mesh_.triangles, backend) {}
+
+  // Of what lies on the design or no farther than `reach_mm` past its border.
+  [[nodiscard]] double deviation_mm(const Points& points, const Eigen::Vector3d& plane_normal,
+                                    double reach_mm) const {
+    double worst = 0;
+    const std::vector<gpu::Nearest> nearest = to_design_.query(points);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto& t = mesh_.triangles[static_cast<std::size_t>(nearest[i].triangle)];
+      const auto at = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(t[k])]; };
+      const Eigen::Vector3d n = (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized();
+      // Across the design's plane: a rib may end a little beyond the border.
+      const Eigen::Vector3d d = points[i] - nearest[i].point;
+      const double across = std::abs(n.dot(d));
+      if ((d - n.dot(d) * n).norm() > reach_mm) continue;
+      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normal)));
+    }
+    return worst;
+  }
+
+ private:
+  const BladeData& blade_;
+  const surface::TriangleMesh& mesh_;
+  gpu::MeshDistance to_design_;
+};
+
+struct RibErrors {
+  double section_mm = 0, curve_mm = 0, fit_mm = 0;
+};
+
+RibErrors rib_errors(const Program& program, const surface::DesignSurface& design,
+                     const VerifyOptions& options) {
+  constexpr int kSamples = 129;
+  const RibMeasure measure(program, design, options.backend);
+  const double reach_mm = options.reach * options.tolerance_mm;
+  RibErrors errors;
+  for (const Strip& strip : program.strips) {
+    for (const Rib& rib : strip.ribs) {
+      Points target, curve;
+      for (const Eigen::Vector2d& q : rib.target) target.push_back(rib.frame.point(q.x(), q.y()));
+      for (const auto& q : elastica::sample(rib.elastica, kSamples))
+        curve.push_back(rib.frame.point(q.x, q.y));
+      const Eigen::Vector3d normal = rib.frame.normal();
+      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, normal, reach_mm));
+      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, normal, reach_mm));
+      errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
+    }
+  }
+  return errors;
+}
+
+constexpr int kBladePoints = 17;
+
+// The part of a blade that forms the design.
+Points points_on(const elastica::Elastica& blade, const Frame& frame, const std::array<double, 2>& part) {
+  const elastica::ElasticaCurve curve(blade);
+  Points points;
+  for (int i = 0; i < kBladePoints; ++i) {
+    const auto q = curve.at(part[0] + (part[1] - part[0]) * i / (kBladePoints - 1));
+    points.push_back(frame.point(q.x, q.y));
+  }
+  return points;
+}
+
+double farthest(const Points& a, const Points& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a[i] - b[i]).norm());
+  return worst;
+}
+
+// The planned blade at a time between poses k and k + 1: the cubic through the four poses about it.
+std::optional<Points> planned_points(const Strip& strip, std::size_t k, double t,
+                                     const std::array<double, 2>& part) {
+  if (k < 1 || k + 2 >= strip.poses.size()) return std::nullopt;
+  Points sum(kBladePoints, Eigen::Vector3d::Zero());
+  for (std::size_t j = k - 1; j <= k + 2; ++j) {
+    const BladePose& pose = strip.poses[j];
+    if (!pose.foam) return std::nullopt;
+    double weight = 1;
+    for (std::size_t m = k - 1; m <= k + 2; ++m) {
+      if (m != j) weight *= (t - strip.poses[m].t) / (pose.t - strip.poses[m].t);
+    }
+    const Points points = points_on(pose.blade, pose.frame, part);
+    for (std::size_t i = 0; i < points.size(); ++i) sum[i] += weight * points[i];
+  }
+  return sum;
+}
+
+// The blade between the program's own clamps, moved as the controller moves those of the registers. The shape
+// of a blade pulled straight depends on less than the registers hold: the program's own is taken, linear in
+// time.
+Points unrounded_points(const BladePose& from, const BladePose& to, double share, const BladePose& executed) {
+  const Pose a = robot::interpolate(from.a, to.a, share), b = robot::interpolate(from.b, to.b, share);
+  const Eigen::Vector3d d = a.q.conjugate() * (b.p - a.p);
+  const Eigen::Vector3d tangent = a.q.conjugate() * (b.q * Eigen::Vector3d::UnitX());
+  const double near = elastica::clamps_of(executed.blade).b.theta;
+  const double theta =
+      near + std::remainder(std::atan2(tangent.y(), tangent.x()) - near, 2 * std::numbers::pi);
+  constexpr double kTaut = 1 - 1e-5;
+  if (d.head<2>().norm() < kTaut * executed.blade.length) {
+    const auto solved = elastica::solve_clamped(executed.blade, {{0, 0, 0}, {d.x(), d.y(), theta}});
+    const Frame frame{a.p, a.q * Eigen::Vector3d::UnitX(), a.q * Eigen::Vector3d::UnitY()};
+    if (solved) return points_on(solved->elastica, frame, *executed.foam);
+  }
+  Points points = points_on(from.blade, from.frame, *executed.foam);
+  const Points next = points_on(to.blade, to.frame, *executed.foam);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i] = (1 - share) * points[i] + share * next[i];
+  return points;
+}
+
+struct MotionErrors {
+  double quantisation_mm = 0, interpolation_mm = 0, mismatch_mm = 0;
+};
+
+void add_motion_errors(const Strip& strip, const ExecutedStrip& executed, MotionErrors& errors) {
+  constexpr std::size_t kLooks = 400;  // a strip; the errors repeat from waypoint to waypoint
+  std::vector<std::size_t> forming;
+  for (std::size_t i = 0; i < executed.poses.size(); ++i) {
+    if (executed.poses[i].foam) forming.push_back(i);
+  }
+  // A prime step would do; one more than a multiple of most sampling ratios looks at every phase of a step.
+  const std::size_t step = std::max<std::size_t>(1, forming.size() / kLooks) | 1;
+  for (std::size_t i = 0; i < forming.size(); i += step) {
+    const BladePose& pose = executed.poses[forming[i]];
+    const std::size_t k = executed.after[forming[i]];
+    if (k + 1 >= strip.poses.size()) continue;
+    const BladePose &from = strip.poses[k], &to = strip.poses[k + 1];
+    const double share = share_of_step(from, to, executed.path_s[forming[i]]);
+    const auto planned = planned_points(strip, k, from.t + share * (to.t - from.t), *pose.foam);
+    if (!planned) continue;
+    const Points is = points_on(pose.blade, pose.frame, *pose.foam);
+    const Points unrounded = unrounded_points(from, to, share, pose);
+    errors.quantisation_mm = std::max(errors.quantisation_mm, farthest(is, unrounded));
+    errors.interpolation_mm = std::max(errors.interpolation_mm, farthest(unrounded, *planned));
+    errors.mismatch_mm = std::max(errors.mismatch_mm, farthest(is, *planned));
+  }
+}
+
+}  // namespace
+
+double share_of_step(const BladePose& from, const BladePose& to, double path_s) {
+  return to.t > from.t ? std::clamp((path_s - from.t) / (to.t - from.t), 0.0, 1.0) : 0;
+}
+
+AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStrip>& executed,
+                          const surface::DesignSurface& design, double half_band_mm,
+                          const VerifyOptions& options) {
+  AsCutBudget budget;
+  const auto planned = [&](const std::string& name) {
+    for (const auto& [line, mm] : program.verification.budget_mm) {
+      if (line == name) return mm;
+    }
+    budget.missing.push_back(name);
+    return 0.0;
+  };
+  const RibErrors ribs = rib_errors(program, design, options);
+  MotionErrors motion;
+  for (std::size_t i = 0; i < executed.size(); ++i) {
+    add_motion_errors(program.strips[i], executed[i], motion);
+  }
+  const double joint = std::min(planned("joint_fit"), ribs.fit_mm);
+  budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh)},
+                     {"section", ribs.section_mm},
+                     {"fit", ribs.fit_mm - joint},
+                     {"joint_fit", joint},
+                     {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - ribs.curve_mm)},
+                     {"kerf_width", half_band_mm},
+                     {"gravity_droop", planned("gravity_droop")},
+                     {"gravity_in_plane", planned("gravity_in_plane")},
+                     {"quantisation", motion.quantisation_mm},
+                     {"interpolation", motion.interpolation_mm},
+                     {"clamp_error", planned("clamp_error")}};
+  budget.shape_mismatch_mm = motion.mismatch_mm;
+  return budget;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,183 @@
+#include "pipeline/verify/branch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "elastica/blade/blade_batch.hpp"
+#include "robot/blade/blade_branch.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using elastica::Elastica;
+
+Elastica seen_from_a(const Elastica& e) {
+  const double c = std::cos(e.theta), s = std::sin(e.theta);
+  return {0, 0, 0, e.kappa, c * e.lambda1 + s * e.lambda2, c * e.lambda2 - s * e.lambda1, e.length};
+}
+
+// What the following of one pose found, before its shape is compared with the plan's.
+struct FollowedPose {
+  Elastica shape;
+  double margin = 0;
+  bool taut = false;
+};
+
+// Winds more than any blade, or is not a number: nowhere near a shape that was followed.
+bool wild(const Elastica& e) {
+  constexpr double kMostRate = 1000;
+  return !(elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length <= kMostRate);
+}
+
+// Of some poses: how far the blade is from where the program says, and its largest curvature.
+struct FollowedBlock {
+  std::vector<double> off_mm, curvature_per_mm;
+
+  FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
+    // Every eighth point of the one is beside a point of the other.
+    constexpr std::size_t kPoints = 9, kFine = 65, kEvery = (kFine - 1) / (kPoints - 1);
+    std::vector<Elastica> found, planned;
+    std::vector<elastica::Part> whole;
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      found.push_back(followed[i].shape);
+      planned.push_back(wild(poses[i].blade) ? Elastica{} : seen_from_a(poses[i].blade));
+      whole.push_back({0, followed[i].shape.length});
+    }
+    const elastica::PartPoints is = elastica::sample_parts(found, whole, kFine);
+    for (std::size_t i = 0; i < followed.size(); ++i) whole[i].last = planned[i].length;
+    const elastica::PartPoints should = elastica::sample_parts(planned, whole, kPoints);
+    for (std::size_t i = 0; i < followed.size(); ++i) {
+      double largest = wild(poses[i].blade) ? std::numeric_limits<double>::infinity() : 0;
+      for (std::size_t k = 0; k < kPoints; ++k)
+        largest = std::max(largest, (is.at(i, kEvery * k) - should.at(i, k)).norm());
+      off_mm.push_back(largest);
+      curvature_per_mm.push_back(elastica::max_abs_curvature(found[i], is, i));
+    }
+  }
+};
+
+// Adds what was found of the poses to the report, up to where the blade is elsewhere.
+void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchReport& report) {
+  constexpr std::size_t kBlock = 256;
+  for (std::size_t from = 0; from < followed.size(); from += kBlock) {
+    const std::size_t count = std::min(kBlock, followed.size() - from);
+    const FollowedBlock block(followed.subspan(from, count), std::span(strip.poses).subspan(from, count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const FollowedPose& pose = followed[from + i];
+      report.largest_curvature_per_mm = std::max(report.largest_curvature_per_mm, block.curvature_per_mm[i]);
+      report.smallest_margin = std::min(report.smallest_margin, pose.margin);
+      // The pose of a finding is the last one, and is not compared.
+      if (!report.held() && from + i == report.pose) return;
+      if (pose.taut) {
+        ++report.taut_poses;
+        continue;
+      }
+      const double off = block.off_mm[i];
+      if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
+      if (off <= kShapeMismatchMm) continue;  // not a number goes on to be found
+      report.status = BranchStatus::kElsewhere;
+      report.pose = from + i;
+      report.value = off;
+      report.bound = kShapeMismatchMm;
+      return;
+    }
+  }
+}
+
+BranchStatus status_of(robot::BladeStatus status) {
+  switch (status) {
+    case robot::BladeStatus::kNoFlatArc:
+      return BranchStatus::kNoFlatArc;
+    case robot::BladeStatus::kOutOfPlane:
+      return BranchStatus::kOutOfPlane;
+    case robot::BladeStatus::kOutOfReach:
+      return BranchStatus::kOutOfReach;
+    case robot::BladeStatus::kSnapped:
+      return BranchStatus::kSnapped;
+    case robot::BladeStatus::kYields:
+      return BranchStatus::kYields;
+    case robot::BladeStatus::kUnsafe:
+      return BranchStatus::kUnsafe;
+    case robot::BladeStatus::kHeld:
+      break;
+  }
+  return BranchStatus::kHeld;
+}
+
+// The limit of a finding, its unit and what to do.
+struct BranchLimit {
+  const char *name, *unit, *hint;
+};
+
+BranchLimit limit_of(BranchStatus status) {
+  switch (status) {
+    case BranchStatus::kNoFlatArc:
+      return {"half turn of the flat arc at the start", "rad",
+              "a strip starts at a flat arc of 0.10 to 0.17 rad"};
+    case BranchStatus::kOutOfPlane:
+      return {"distance of clamp B from clamp A's plane", "mm", "both clamps of a waypoint lie in one plane"};
+    case BranchStatus::kSnapped:
+      return {"stability margin, the blade snaps through", "", "a shorter blade or more splits"};
+    case BranchStatus::kOutOfReach:
+      return {"distance between the clamps", "mm", "the blade is pulled taut: a longer blade"};
+    case BranchStatus::kElsewhere:
+      return {"distance of the blade from the planned shape", "mm",
+              "the clamps lead the blade to another shape than the plan's"};
+    case BranchStatus::kYields:
+      return {"blade radius", "mm", "the blade would yield: a thinner blade or more splits"};
+    case BranchStatus::kUnsafe:
+      return {"stability margin", "", "the blade could snap through: a shorter blade or more splits"};
+    case BranchStatus::kHeld:
+      break;
+  }
+  return {"held", "", ""};
+}
+
+}  // namespace
+
+Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
+  const BranchLimit limit = limit_of(report.status);
+  Refusal refusal{strip.id, "", limit.name, report.value, report.bound, limit.unit, limit.hint};
+  if (report.pose >= strip.poses.size()) return refusal;
+  const BladePose& pose = strip.poses[report.pose];
+  refusal.rib = rib_at(strip, report.pose);
+  refusal.limit += fmt::format(", in phase {} at {:.2f} s", pose.phase, pose.t);
+  return refusal;
+}
+
+BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
+  BranchReport report;
+  if (strip.poses.empty()) report.status = BranchStatus::kNoFlatArc;
+  report.smallest_margin = std::numeric_limits<double>::infinity();
+  robot::BladeBranch blade(strip.blade_length_mm,
+                           {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
+  std::vector<FollowedPose> followed;
+  for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
+    const robot::BladeFinding finding = blade.move_to(strip.poses[i].a, strip.poses[i].b);
+    followed.push_back({blade.shape(), blade.margin(), blade.taut()});
+    if (finding.held()) continue;
+    report.status = status_of(finding.status);
+    report.pose = i;
+    report.value = finding.value;
+    report.bound = finding.bound;
+  }
+  compare(strip, followed, report);
+  return report;
+}
+
+std::string rib_at(const Strip& strip, std::size_t pose) {
+  if (!strip.poses[pose].foam) return "";
+  for (std::size_t away = 0; away < strip.poses.size(); ++away) {
+    for (const std::size_t i : {pose - std::min(away, pose), std::min(pose + away, strip.poses.size() - 1)}) {
+      if (strip.poses[i].rib) return strip.ribs[static_cast<std::size_t>(*strip.poses[i].rib)].id;
+    }
+  }
+  return "";
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,54 @@
+// The shape that a strip's clamps give the blade, found from the clamp poses alone.
+//
+// Waypoint 0 holds a flat circular arc, whose loop-free equilibrium is unique (docs/controller-protocol.md).
+// From there the equilibrium is followed from waypoint to waypoint (robot/blade/blade_branch.hpp, as the
+// controller does) to the end of the strip. The program's own shapes are only compared with what is found.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+#include "pipeline/verify/refusal.hpp"
+
+namespace hotblade::pipeline {
+
+struct BranchOptions {
+  double max_curvature_per_mm = 0;  // of the blade within yield
+  double min_margin = 0;            // smallest accepted stability margin
+};
+
+enum class BranchStatus {
+  kHeld,        // one stable branch from the flat arc to the end, the program's own, within yield
+  kNoFlatArc,   // waypoint 0 is no flat arc: which shape the blade has there is not known
+  kOutOfPlane,  // the two clamps of a waypoint do not lie in one plane
+  kSnapped,     // the shape is lost between two waypoints
+  kOutOfReach,  // the clamps are farther apart than the blade reaches
+  kElsewhere,   // the blade is not where the program says
+  kYields,
+  kUnsafe,  // stable, with less than the smallest accepted margin
+};
+
+struct BranchReport {
+  BranchStatus status = BranchStatus::kHeld;
+  std::size_t pose = 0;         // of the finding; 0 when held
+  double value = 0, bound = 0;  // the amount and its limit, in the unit of branch_refusal()
+  double mismatch_mm = 0;  // largest distance of the blade from where the program says, as far as followed
+  double smallest_margin = 0;  // of the shapes found, as often as robot/blade/blade_branch.hpp computes it
+  double largest_curvature_per_mm = 0;
+  [[nodiscard]] bool held() const { return status == BranchStatus::kHeld; }
+  std::size_t taut_poses = 0;  // pulled straight, where the clamps decide the shape to second order only
+};
+
+// A finding that is not kHeld as a refusal: strip, rib, limit by phase and time, amount.
+[[nodiscard]] Refusal branch_refusal(const Strip& strip, const BranchReport& report);
+
+// More is another shape than the program's; less is rounding of poses and the registers' micrometre.
+inline constexpr double kShapeMismatchMm = 0.02;
+
+[[nodiscard]] BranchReport follow_branch(const Strip& strip, const BranchOptions& options);
+
+// The rib being cut at a pose, or the nearest one in time while cutting; empty in other phases.
+[[nodiscard]] std::string rib_at(const Strip& strip, std::size_t pose);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,85 @@
+#include "pipeline/verify/budget.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "surface/read/face_links.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Registers count micrometres: half a count on each axis.
+constexpr double kQuantisationMm = 0.5e-3 * 1.7320508075688772;
+
+struct Side {
+  Eigen::Vector3d normal{0, 0, 0};
+  double height = 0;
+};
+
+// Largest distance between a blade point and the line between its neighbours in time: linear interpolation's
+// error, and what a denser sampling of the same motion would move.
+double interpolation_mm(const Program& program) {
+  double worst = 0;
+  for (const Strip& strip : program.strips) {
+    for (std::size_t i = 2; i < strip.poses.size(); ++i) {
+      const BladePose &p = strip.poses[i - 2], &q = strip.poses[i - 1], &r = strip.poses[i];
+      if (q.phase != "cut") continue;
+      for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+        const Eigen::Vector3d bend = (p.*clamp).p - 2 * (q.*clamp).p + (r.*clamp).p;
+        worst = std::max(worst, bend.norm() / 8);
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+double mesh_chord_mm(const surface::TriangleMesh& mesh) {
+  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
+  // The face of a corner, seen from the corner's edge.
+  const auto side = [&](std::size_t corner) -> Side {
+    const auto& t = mesh.triangles[corner / 3];
+    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i % 3])]; };
+    const Eigen::Vector3d a = at(corner % 3), b = at(corner % 3 + 1), c = at(corner % 3 + 2);
+    const Eigen::Vector3d n = (b - a).cross(c - a);
+    const double length = (b - a).norm();
+    if (!(length > 0) || !(n.norm() > 0)) return {};
+    return {n.normalized(), n.norm() / length};
+  };
+  std::vector<double> chords;
+  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
+    if (links.beyond[c] < static_cast<int>(c)) continue;  // none, or met from the other face
+    const Side p = side(c), q = side(static_cast<std::size_t>(links.beyond[c]));
+    if (!(p.height > 0) || !(q.height > 0)) continue;
+    const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));
+    // An arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.
+    chords.push_back(0.5 * (p.height + q.height) * angle / 8);
+  }
+  if (chords.empty()) return 0;
+  const auto nth =
+      chords.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(chords.size() - 1));
+  std::nth_element(chords.begin(), nth, chords.end());
+  return *nth;
+}
+
+std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
+                                                         const Program& program, const PoseErrors& errors) {
+  double fit = 0;
+  for (const Strip& strip : program.strips) {
+    for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
+  }
+  return {{"mesh", mesh_chord_mm(design.mesh)},
+          {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
+          {"joint_fit", std::min(fit, errors.joint_fit_mm)},
+          {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
+          {"interpolation", interpolation_mm(program) + errors.off_plane_mm},
+          {"quantisation", kQuantisationMm},
+          {"gravity_droop", errors.droop_mm},
+          {"gravity_in_plane", errors.in_plane_mm},
+          {"clamp_error", errors.clamp_mm}};
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,33 @@
+// The error budget: what each step of the chain may add, in mm, each line computed on its own.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+// What weight and the clamps' errors move the surface, the largest of all strips, mm.
+struct PoseErrors {
+  double droop_mm = 0;      // by droop and twist out of the plane
+  double in_plane_mm = 0;   // by the first-order change of the shape in a tilted plane
+  double clamp_mm = 0;      // by the clamps' errors times the sensitivity of the shape
+  double joint_fit_mm = 0;  // the ribs' largest deviation above that of each rib's own fit
+  double off_plane_mm = 0;  // between waypoints whose planes are not parallel
+};
+
+// Height of the mesh's chords over the surface it stands for, from the angle between neighbouring faces: 99%
+// of the edges stay below; creases are the design's own.
+[[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh);
+
+// Lines: mesh, fit, joint_fit, between_ribs, interpolation, quantisation, gravity_droop, gravity_in_plane,
+// clamp_error.
+[[nodiscard]] std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
+                                                                       const Program& program,
+                                                                       const PoseErrors& errors);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,198 @@
+#include "pipeline/verify/swept_surface.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "elastica/blade/blade_batch.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Even points of the part in foam of some poses.
+elastica::PartPoints points_in_foam(std::span<const BladePose* const> poses, std::size_t points) {
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> parts;
+  for (const BladePose* pose : poses) {
+    blades.push_back(pose->blade);
+    parts.push_back({(*pose->foam)[0], (*pose->foam)[1]});
+  }
+  return elastica::sample_parts(blades, parts, points);
+}
+
+// Of both ends and the middle the farthest.
+double moved_mm(const std::array<Eigen::Vector3d, 3>& from, const std::array<Eigen::Vector3d, 3>& to) {
+  double moved = 0;
+  for (std::size_t i = 0; i < 3; ++i) moved = std::max(moved, (to[i] - from[i]).norm());
+  return moved;
+}
+
+// Poses with foam, one whenever an end or the middle has moved by `sample_mm`; first and last included. The
+// last one takes the place of one less than half of that before it: the surface's slope is measured between
+// rows, and over a hundredth of a millimetre the registers' micrometre would decide it.
+std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
+  std::vector<const BladePose*> in_foam, rows;
+  for (const BladePose& pose : strip.poses) {
+    if (pose.foam) in_foam.push_back(&pose);
+  }
+  if (in_foam.empty()) return rows;
+  const elastica::PartPoints points = points_in_foam(in_foam, 3);
+  std::array<Eigen::Vector3d, 3> last, marks;
+  last.fill(Eigen::Vector3d::Zero());
+  for (std::size_t n = 0; n < in_foam.size(); ++n) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Eigen::Vector2d q = points.at(n, i);
+      marks[i] = in_foam[n]->frame.point(q.x(), q.y());
+    }
+    if (n > 0 && moved_mm(last, marks) < sample_mm) continue;
+    rows.push_back(in_foam[n]);
+    last = marks;
+  }
+  if (rows.back() == in_foam.back()) return rows;
+  if (rows.size() > 1 && moved_mm(last, marks) < 0.5 * sample_mm) rows.pop_back();
+  rows.push_back(in_foam.back());
+  return rows;
+}
+
+// A strip's rows and where its part of the surface begins.
+struct StripGrid {
+  std::vector<const BladePose*> rows;
+  std::size_t columns = 0;
+  std::size_t first_vertex = 0, first_triangle = 0;
+
+  [[nodiscard]] std::size_t vertices() const { return rows.size() * columns; }
+  [[nodiscard]] std::size_t triangles() const {
+    return rows.size() < 2 ? 0 : 2 * (rows.size() - 1) * (columns - 1);
+  }
+};
+
+StripGrid strip_grid(const Strip& strip, double sample_mm) {
+  StripGrid grid;
+  grid.rows = grid_rows(strip, sample_mm);
+  if (grid.rows.size() < 2) grid.rows.clear();
+  double longest = 0;
+  for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
+  grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / sample_mm))) + 1;
+  return grid;
+}
+
+// Calls work(first, last) for blocks of rows on all cores allowed: as many as fill the lanes of many blades.
+template <typename Work>
+void for_rows(const StripGrid& grid, const Work& work) {
+  constexpr std::size_t kBlock = 64;
+  tbb::parallel_for(std::size_t{0}, (grid.rows.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    work(block * kBlock, std::min(grid.rows.size(), (block + 1) * kBlock));
+  });
+}
+
+// Blade points, curvatures, and in place of the normals the directions left of the blade.
+void place_rows(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
+  const auto some = std::span(grid.rows).subspan(from, to - from);
+  const elastica::PartPoints on = points_in_foam(some, grid.columns);
+  std::size_t v = grid.first_vertex + from * grid.columns;
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    const Frame& frame = some[i]->frame;
+    const Eigen::Vector3d plane = frame.normal();
+    for (std::size_t n = i * grid.columns; n < (i + 1) * grid.columns; ++n, ++v) {
+      out.vertices[v] = frame.point(on.x[n], on.y[n]);
+      out.curvature_per_mm[v] = std::abs(on.curvature[n]);
+      out.normals[v] = -on.sin[n] * frame.x + on.cos[n] * frame.y;
+      out.plane_normals[v] = plane;
+    }
+  }
+}
+
+// Unit normal of the blade points at row i and column j, by central differences, towards where `left` points.
+Eigen::Vector3d grid_normal(const StripGrid& g, const std::vector<Eigen::Vector3d>& points, std::size_t i,
+                            std::size_t j, const Eigen::Vector3d& left) {
+  const auto at = [&](std::size_t a, std::size_t b) -> const Eigen::Vector3d& {
+    return points[g.first_vertex + a * g.columns + b];
+  };
+  const Eigen::Vector3d along = at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0);
+  const Eigen::Vector3d sweep = at(std::min(i + 1, g.rows.size() - 1), j) - at(i > 0 ? i - 1 : 0, j);
+  const Eigen::Vector3d n = along.cross(sweep);
+  const double size = n.norm();
+  if (!(size > 0)) return left;
+  return (n.dot(left) < 0 ? -n : n) / size;
+}
+
+// Two triangles between four vertices, facing as the normals do.
+void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
+  const auto& v = out.vertices;
+  const auto facing = [&](int p, int q, int r) {
+    const auto at = [&](int k) -> const Eigen::Vector3d& { return v[static_cast<std::size_t>(k)]; };
+    const bool front =
+        (at(q) - at(p)).cross(at(r) - at(p)).dot(out.normals[static_cast<std::size_t>(p)]) >= 0;
+    return front ? std::array<int, 3>{p, q, r} : std::array<int, 3>{p, r, q};
+  };
+  const auto columns = static_cast<int>(grid.columns);
+  std::size_t t = grid.first_triangle + 2 * from * (grid.columns - 1);
+  for (std::size_t i = from; i < std::min(to, grid.rows.size() - 1); ++i) {
+    const auto row = static_cast<int>(grid.first_vertex + i * grid.columns);
+    for (int a = row; a + 1 < row + columns; ++a) {
+      const int b = a + 1, c = a + columns, d = c + 1;
+      out.triangles[t++] = facing(a, b, d);
+      out.triangles[t++] = facing(a, d, c);
+    }
+  }
+}
+
+void add_strip(const Program& program, std::size_t index, const StripGrid& grid, SweptSurface& out) {
+  for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(grid, from, to, out); });
+  // Normals first, from the blade's points; then these move to the melted band's edge.
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      for (std::size_t j = 0; j < grid.columns; ++j) {
+        const std::size_t v = grid.first_vertex + i * grid.columns + j;
+        out.normals[v] = grid_normal(grid, out.vertices, i, j, out.normals[v]);
+        out.strip_of_vertex[v] = static_cast<int>(index);
+        out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
+      }
+    }
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    const std::size_t last = grid.first_vertex + to * grid.columns;
+    for (std::size_t v = grid.first_vertex + from * grid.columns; v < last; ++v) {
+      out.vertices[v] -= half_band_mm(program.blade, out.normals[v], out.plane_normals[v]) * out.normals[v];
+    }
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) { place_triangles(grid, from, to, out); });
+}
+
+}  // namespace
+
+double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
+                    const Eigen::Vector3d& plane_normal) {
+  return 0.5 * (blade.kerf_mm + blade.width_mm * std::abs(normal.dot(plane_normal)));
+}
+
+SweptSurface swept_surface(const Program& program, double sample_mm) {
+  if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
+  std::vector<StripGrid> grids(program.strips.size());
+  tbb::parallel_for(std::size_t{0}, grids.size(),
+                    [&](std::size_t i) { grids[i] = strip_grid(program.strips[i], sample_mm); });
+  std::size_t vertices = 0, triangles = 0;
+  for (StripGrid& grid : grids) {
+    grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
+    grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
+  }
+  SweptSurface out;
+  out.vertices.resize(vertices);
+  out.plane_normals.resize(vertices);
+  out.normals.resize(vertices);
+  out.strip_of_vertex.resize(vertices);
+  out.pose_of_vertex.resize(vertices);
+  out.curvature_per_mm.resize(vertices);
+  out.triangles.resize(triangles);
+  tbb::parallel_for(std::size_t{0}, grids.size(),
+                    [&](std::size_t i) { add_strip(program, i, grids[i], out); });
+  return out;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,33 @@
+// The surface that a program leaves on the kept foam: blade positions over the cut, moved to the edge of the
+// melted band.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+
+namespace hotblade::pipeline {
+
+// Half of what a blade melts across a surface of this unit normal, mm: the width stands along the normal of
+// the plane the blade bends in.
+[[nodiscard]] double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
+                                  const Eigen::Vector3d& plane_normal);
+
+struct SweptSurface {
+  std::vector<Eigen::Vector3d> vertices;       // mm, design frame
+  std::vector<Eigen::Vector3d> normals;        // unit, towards the waste
+  std::vector<std::array<int, 3>> triangles;   // front on the waste side
+  std::vector<int> strip_of_vertex;            // index into program.strips
+  std::vector<int> pose_of_vertex;             // index into its strip's poses
+  std::vector<double> curvature_per_mm;        // of the blade there, without sign
+  std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+};
+
+// Grid over poses that form the design (those with a foam interval), about `sample_mm` apart along and across
+// the blade. Waste is on the left of the blade, A to B, in its frame (docs/program.md). Throws
+// std::logic_error when sample_mm is not positive.
+[[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,81 @@
+// The verify stage: the surface a program cuts against the design, both ways.
+//
+// Cut to design: every sample of the as-cut surface. A sample whose nearest design point lies on the design's
+// border has run past the edge; only its distance across the design's plane there counts, and nothing of it
+// farther than `reach` tolerances past the edge: there is no design to compare it with. Design to cut:
+// every sample of the design; it counts as uncut area, not as deviation, when it lies farther than `reach`
+// tolerances from the cut and its nearest cut point is on the cut's edge, or farther than `far` tolerances
+// from every cut.
+//
+// The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
+// branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
+// alone (pipeline/verify/branch.hpp).
+#pragma once
+
+#include <vector>
+
+#include "gpu/backend/backend.hpp"
+#include "pipeline/program/program.hpp"
+#include "pipeline/verify/branch.hpp"
+#include "pipeline/verify/deviation_statistics.hpp"
+#include "pipeline/verify/swept_surface.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+struct VerifyOptions {
+  double tolerance_mm = 1;
+  double max_uncut_share = 0.01;
+  double sample_mm = 2.5;                     // spacing of samples on both surfaces
+  double reach = 3, far = 20;                 // tolerances
+  gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
+  double min_margin = 0;                      // smallest accepted stability margin
+  // Vertices of the cut that are searched at once, whole strips: memory, 500 bytes a vertex. Values depend on
+  // it by rounding only.
+  std::size_t cut_vertices_at_once = 1 << 20;
+};
+
+// Where a hot blade is in foam without forming the design: points of its centre line.
+struct BladeTouches {
+  std::vector<Eigen::Vector3d> points;         // mm, design frame
+  std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+  std::vector<int> strip_of_point;
+};
+
+struct VerifyReport {
+  Deviation deviation;
+  int worst_strip = -1;     // of the largest deviation: index into program.strips
+  double gouge_mm = 0;      // deepest cut of a touch into the kept side of its own strip's design
+  double half_band_mm = 0;  // largest difference of the half band by the cut's own slope and by the design's
+  DeviationHistogram histogram;  // up to 1.5 tolerances
+  std::vector<std::pair<double, double>>
+      percentiles_mm;                // percent of the samples, deviation they stay within
+  std::vector<double> strip_max_mm;  // cut to design, by strip
+  double uncut_mm2 = 0, area_mm2 = 0;
+  double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
+  std::size_t cut_samples = 0, design_samples = 0;
+  std::size_t beyond_samples = 0;      // of the cut: past the design's edge, in a window for example
+  bool within_tolerance = false;       // deviation and uncut share both
+  gpu::BackendUse to_design, to_cut;   // what computed the distances each way
+  std::vector<BranchReport> branches;  // by strip
+  // Every strip's blade takes the program's shapes.
+  [[nodiscard]] bool holds() const;
+  [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
+};
+
+// More is a program whose clamps and blade do not belong together; less is rounding.
+inline constexpr double kClampMismatchMm = 1e-3;
+
+// A cut surface against the design: everything of verify() but the shapes and the clamps. A touch counts, by
+// the edge of its melted band, where it reaches into the kept side of what its own strip forms; on the waste
+// side it does no harm. What is no longer needed of a large cut is given up on the way.
+[[nodiscard]] VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
+                                   const surface::DesignSurface& design, const VerifyOptions& options);
+
+[[nodiscard]] VerifyReport verify(const Program& program, const surface::DesignSurface& design,
+                                  const VerifyOptions& options);
+
+// What no stage of this version looks at; said in every program and report.
+[[nodiscard]] std::vector<std::string> not_checked();
+
+}  // namespace hotblade::pipeline

@@ -1,9 +1,0 @@
-#include "pipeline/version.hpp"
-
-namespace hotblade::pipeline {
-
-std::string version() {
-  return HOTBLADE_VERSION;
-}
-
-}  // namespace hotblade::pipeline

@@ -1,0 +1,166 @@
+#include "robot/blade/blade_branch.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "elastica/blade/continuation.hpp"
+#include "elastica/blade/stability.hpp"
+
+namespace hotblade::robot {
+
+namespace {
+
+using elastica::Elastica;
+
+// Chord over length from which the blade is straight but for less than its thickness or so: the equations for
+// its force become singular, and its shape is a straight line whatever the force.
+constexpr double kTaut = 1 - 1e-6;
+// Register rounding and the like: a shape at the limit itself is not beyond it.
+constexpr double kCurvatureSlack = 1e-4;
+
+// The flat arc of waypoint 0, if clamp B stands as one would have it.
+std::optional<Elastica> flat_arc(double x, double y, double theta, double length) {
+  constexpr double kLeast = 0.10, kMost = 0.17;  // rad, docs/controller-protocol.md
+  // Far below what a second stable shape would need, far above rounding.
+  constexpr double kAngleSlack = 1e-3, kChordSlack = 1e-4;
+  const double u = 0.5 * theta;
+  if (!(std::abs(u) >= kLeast - kAngleSlack && std::abs(u) <= kMost + kAngleSlack)) return std::nullopt;
+  if (!(std::abs(std::atan2(y, x) - u) <= kAngleSlack)) return std::nullopt;
+  if (!(std::abs(std::hypot(x, y) - length * std::sin(u) / u) <= kChordSlack * length)) return std::nullopt;
+  return Elastica{0, 0, 0, 2 * u / length, 0, 0, length};
+}
+
+// A nearly straight blade between clamps whose directions differ from the chord's by ta and tb, without force
+// along the chord: its curvature is linear, kappa = (-4 ta - 2 tb) / l + 6 (ta + tb) s / l^2, up to squares
+// of the angles, which are below 1e-5 where it is used.
+struct Relaxed {
+  Elastica shape;
+  double shortening_mm = 0;  // of the chord against the length: l (2 ta^2 - ta tb + 2 tb^2) / 30
+};
+
+Relaxed relaxed(double x, double y, double theta, double length) {
+  const double ta = -std::atan2(y, x), tb = theta + ta;
+  const double across = 6 * (ta + tb) / (length * length);
+  return {{0, 0, 0, (-4 * ta - 2 * tb) / length, std::sin(ta) * across, std::cos(ta) * across, length},
+          length * (2 * ta * ta - ta * tb + 2 * tb * tb) / 30};
+}
+
+}  // namespace
+
+double bend_between(const Elastica& p, const Elastica& q) {
+  const double l = p.length;
+  return std::abs(p.kappa - q.kappa) * l +
+         0.5 * (std::abs(p.lambda1 - q.lambda1) + std::abs(p.lambda2 - q.lambda2)) * l * l;
+}
+
+double curvature_bound(const Elastica& e) {
+  const double force = std::hypot(e.lambda1, e.lambda2);
+  const double along = e.lambda1 * std::cos(e.theta) + e.lambda2 * std::sin(e.theta);
+  return std::sqrt(e.kappa * e.kappa + 2 * std::max(0.0, force - along));
+}
+
+BladeBranch::Relative BladeBranch::relative(const Pose& a, const Pose& b) const {
+  const Eigen::Matrix3d to_a = a.q.toRotationMatrix().transpose();
+  const Eigen::Vector3d d = to_a * (b.p - a.p);
+  const Eigen::Vector3d tangent = to_a * (b.q * Eigen::Vector3d::UnitX());
+  const Eigen::Vector3d normal = to_a * (b.q * Eigen::Vector3d::UnitZ());
+  const double theta = std::atan2(tangent.y(), tangent.x());
+  // Between two poses a clamp turns by far less than half a turn.
+  const double unwrapped = theta_ + std::remainder(theta - theta_, 2 * std::numbers::pi);
+  return {d.x(), d.y(), unwrapped, std::max(std::abs(d.z()), d.norm() * normal.head<2>().norm())};
+}
+
+BladeFinding BladeBranch::lose(BladeStatus status, double value, double bound) {
+  return lost_ = {status, value, bound};
+}
+
+BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
+  if (lost()) return lost_;
+  const Relative to = relative(a, b);
+  if (!(to.off_plane_mm <= limits_.off_plane_mm))
+    return {BladeStatus::kOutOfPlane, to.off_plane_mm, limits_.off_plane_mm};
+  if (!started_) {
+    if (const BladeFinding first = start(to); !first.held()) return first;
+  }
+  if (const BladeFinding bent = bend_to(to); !bent.held()) return bent;
+  theta_ = to.theta;
+  return check_limits();
+}
+
+BladeFinding BladeBranch::start(const Relative& b) {
+  const auto arc = flat_arc(b.x, b.y, b.theta, length_mm_);
+  if (!arc) return {BladeStatus::kNoFlatArc, 0.5 * std::abs(b.theta), 0.17};
+  shape_ = *arc;
+  followed_ = {};
+  started_ = true;
+  return {};
+}
+
+BladeFinding BladeBranch::bend_to(const Relative& b) {
+  const double chord = std::hypot(b.x, b.y);
+  if (chord >= kTaut * length_mm_ - limits_.rounding_mm) return pull_taut(b, chord);
+  const elastica::ClampPair to{{0, 0, 0}, {b.x, b.y, b.theta}};
+  // From a straight blade the clamps' turn picks the side.
+  const Elastica from = taut_ ? relaxed(b.x, b.y, b.theta, length_mm_).shape : shape_;
+  const bool end_known = !taut_ && followed_.elastica.length > 0;
+  taut_ = false;
+  return follow_by(end_known ? elastica::follow_on(followed_, to) : elastica::follow(from, to), b);
+}
+
+BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Relative& b) {
+  followed_ = way.shape;
+  shape_ = way.shape.elastica;
+  if (way.status == elastica::FollowStatus::kFollowed) return {};
+  if (way.status == elastica::FollowStatus::kOutOfReach)
+    return lose(BladeStatus::kOutOfReach, std::hypot(b.x, b.y), length_mm_);
+  return lose(BladeStatus::kSnapped, elastica::stability_margin(shape_), limits_.min_margin);
+}
+
+// What the blade would have to be stretched by stays within what the clamps' positions are known to.
+BladeFinding BladeBranch::pull_taut(const Relative& b, double chord) {
+  const Relaxed straight = relaxed(b.x, b.y, b.theta, length_mm_);
+  const double slack = (1 - kTaut) * length_mm_ + limits_.rounding_mm;
+  if (!(chord <= length_mm_ + slack)) return lose(BladeStatus::kOutOfReach, chord, length_mm_);
+  const double wanted = chord + straight.shortening_mm;
+  constexpr double kStretch = 4;  // times the slack: a blade under tension is shorter than a relaxed one
+  if (!(wanted <= length_mm_ + kStretch * slack)) return lose(BladeStatus::kOutOfReach, wanted, length_mm_);
+  shape_ = straight.shape;
+  followed_ = {};
+  taut_ = true;
+  return {};
+}
+
+double BladeBranch::exact_margin() {
+  if (poses_since_margin_ == 0) return margin_;
+  margin_ = margin_shape_.length > 0 ? elastica::stability_margin(shape_, margin_)
+                                     : elastica::stability_margin(shape_);
+  margin_shape_ = shape_;
+  poses_since_margin_ = 0;
+  return margin_;
+}
+
+double BladeBranch::largest_curvature_per_mm() const {
+  return elastica::ElasticaCurve(shape_).max_abs_curvature();
+}
+
+BladeFinding BladeBranch::check_limits() {
+  constexpr int kEvery = 16;
+  ++poses_since_margin_;
+  const double l = length_mm_, force = std::hypot(shape_.lambda1, shape_.lambda2) * l * l;
+  const double limit = limits_.min_margin,
+               drop = kMarginPerBend * (1 + 0.1 * force) * bend_between(shape_, margin_shape_);
+  const bool first = margin_shape_.length <= 0;
+  const bool known = margin_ - drop >= limit && limit <= kMarginBoundHolds;
+  if (first || poses_since_margin_ >= kEvery || !known) exact_margin();
+  const double most = limits_.max_curvature_per_mm * (1 + kCurvatureSlack);
+  if (!(curvature_bound(shape_) <= most)) {
+    const double curvature = largest_curvature_per_mm();
+    if (!(curvature <= most)) return {BladeStatus::kYields, 1 / curvature, 1 / limits_.max_curvature_per_mm};
+  }
+  if (!(margin_ >= limits_.min_margin)) return {BladeStatus::kUnsafe, margin_, limits_.min_margin};
+  return {};
+}
+
+}  // namespace hotblade::robot

@@ -1,0 +1,107 @@
+// The shape that two clamps give the blade, followed from pose to pose.
+//
+// A strip starts at a flat circular arc, whose loop-free equilibrium is unique (docs/controller-protocol.md).
+// From there the clamps are told one after the other, and the equilibrium is followed
+// (elastica/blade/continuation.hpp): where the blade is depends on the clamps alone. mm, rad.
+#pragma once
+
+#include <limits>
+
+#include "elastica/blade/continuation.hpp"
+#include "elastica/curve/elastica.hpp"
+#include "robot/pose/pose.hpp"
+
+namespace hotblade::robot {
+
+struct BladeLimits {
+  double max_curvature_per_mm = std::numeric_limits<double>::infinity();  // within yield
+  double min_margin = 0;    // smallest stability margin (elastica/blade/stability.hpp)
+  double off_plane_mm = 0;  // clamp B from clamp A's plane, its tilt counted over the chord
+  double rounding_mm = 0;   // of a clamp's position: from this close to its length the blade counts as taut
+};
+
+enum class BladeStatus {
+  kHeld,
+  kNoFlatArc,   // the first pose is no flat arc: which shape the blade has there is not known
+  kOutOfPlane,  // the clamps do not lie in one plane
+  kOutOfReach,  // the clamps are farther apart than the blade reaches
+  kSnapped,     // the branch ends or loses stability on the way from the pose before
+  kYields,
+  kUnsafe,  // stable, with less than the smallest margin
+};
+
+// What was found, and the amount against its limit: half turn (rad), distance from the plane (mm), chord
+// (mm), margin, radius (mm), margin.
+struct BladeFinding {
+  BladeStatus status = BladeStatus::kHeld;
+  double value = 0, bound = 0;
+  [[nodiscard]] bool held() const { return status == BladeStatus::kHeld; }
+};
+
+// Plain data, cheap to copy: try on a copy, keep the copy when it holds. Never allocates after construction
+// but inside the curvature's evaluation, and throws nothing for finite poses.
+class BladeBranch {
+ public:
+  BladeBranch() = default;
+  BladeBranch(double length_mm, const BladeLimits& limits) : limits_(limits), length_mm_(length_mm) {}
+
+  // Moves the clamps on; the first pose must be a flat arc. After a snap or beyond its reach the blade is
+  // lost: every later call says the same. After the other findings it can be followed on.
+  //
+  // Curvature is checked at every pose, exactly where its bound does not settle it, stability by its index
+  // all the way between two of them. The margin's value costs more than the shape: it is computed again as
+  // soon as the shape has changed by what could bring it to the limit (kMarginPerBend), and at every
+  // sixteenth pose.
+  BladeFinding move_to(const Pose& a, const Pose& b);
+
+  [[nodiscard]] bool lost() const { return lost_.status != BladeStatus::kHeld; }
+  // Clamp A to clamp B, in the axes of clamp A: from the origin along x.
+  [[nodiscard]] const elastica::Elastica& shape() const { return shape_; }
+  // The blade is pulled straight within the clamps' rounding: its force along the chord cannot be known, and
+  // it is taken to be free of it.
+  [[nodiscard]] bool taut() const { return taut_; }
+  [[nodiscard]] double largest_curvature_per_mm() const;
+  // Of the last shape it was computed for; exact_margin() computes it for the present one.
+  [[nodiscard]] double margin() const { return margin_; }
+  double exact_margin();
+
+ private:
+  struct Relative {
+    double x = 0, y = 0, theta = 0;  // of clamp B, seen from clamp A
+    double off_plane_mm = 0;
+  };
+  [[nodiscard]] Relative relative(const Pose& a, const Pose& b) const;
+  BladeFinding start(const Relative& b);
+  BladeFinding bend_to(const Relative& b);
+  BladeFinding pull_taut(const Relative& b, double chord);
+  BladeFinding follow_by(const elastica::FollowReport& way, const Relative& b);
+  BladeFinding check_limits();
+  BladeFinding lose(BladeStatus status, double value, double bound);
+
+  BladeLimits limits_;
+  double length_mm_ = 0;
+  bool started_ = false, taut_ = false;
+  elastica::Elastica shape_;
+  elastica::ClampedShape followed_;  // shape_ with its end, where it was followed; else without a length
+  double theta_ = 0;                 // of clamp B against clamp A, not modulo 2 pi
+  double margin_ = 0;
+  elastica::Elastica margin_shape_;  // that the margin was computed for
+  int poses_since_margin_ = 0;
+  BladeFinding lost_;
+};
+
+// A margin sinks to values below kMarginBoundHolds by at most this, times 1 + force times length^2 / 10, for
+// a unit change of the shape's bend: |d kappa| l + (|d lambda1| + |d lambda2|) l^2 / 2. Measured on random
+// stable shapes, with a factor to spare (tests/robot/blade/blade_branch_test.cpp). Above, where blades are
+// nearly straight, it may change faster: limits up there are looked at in every pose.
+inline constexpr double kMarginPerBend = 40, kMarginBoundHolds = 20;
+
+// Size of the change from one shape to another of the same length, both in the axes of their clamp A.
+[[nodiscard]] double bend_between(const elastica::Elastica& p, const elastica::Elastica& q);
+
+// |kappa| is nowhere above this: kappa^2 / 2 - lambda1 cos theta - lambda2 sin theta is the same all along an
+// elastica, so kappa^2 is largest where the tangent points along the force, whether or not it does so
+// somewhere. Exact for circular arcs.
+[[nodiscard]] double curvature_bound(const elastica::Elastica& e);
+
+}  // namespace hotblade::robot

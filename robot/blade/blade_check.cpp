@@ -1,0 +1,78 @@
+#include "robot/blade/blade_check.hpp"
+
+#include "robot/blade/blade_section.hpp"
+#include "robot/pose/motion.hpp"
+
+namespace hotblade::robot {
+
+namespace {
+
+BladeLimits limits_of(const AnnouncedBlade& blade, const BladeCheckOptions& options) {
+  constexpr double kMicrometre = 1e-3;
+  // Between planes that are not parallel interpolated clamps leave their plane; more than that is no plan's.
+  constexpr double kOffPlane_mm = 0.05;
+  // Half a count on each axis of both clamps.
+  constexpr double kRounding_mm = 1.7320508075688772 * kMicrometre;
+  BladeSection section;
+  section.width_mm = blade.width_um * kMicrometre;
+  section.thickness_mm = blade.thickness_um * kMicrometre;
+  section.youngs_modulus_mpa = blade.youngs_modulus_mpa;
+  section.yield_strength_mpa = blade.yield_strength_mpa;
+  section.safety = options.safety;
+  return {max_curvature_per_mm(section), options.min_margin, kOffPlane_mm, kRounding_mm};
+}
+
+LimitCode code_of(BladeStatus status) {
+  switch (status) {
+    case BladeStatus::kNoFlatArc:
+      return LimitCode::kStartPose;
+    case BladeStatus::kOutOfPlane:
+      return LimitCode::kBladePlane;
+    case BladeStatus::kOutOfReach:
+      return LimitCode::kBladeReach;
+    case BladeStatus::kSnapped:
+      return LimitCode::kBladeSnap;
+    case BladeStatus::kYields:
+      return LimitCode::kBladeYield;
+    case BladeStatus::kUnsafe:
+      return LimitCode::kBladeMargin;
+    case BladeStatus::kHeld:
+      break;
+  }
+  return LimitCode::kNone;
+}
+
+}  // namespace
+
+BladeCheck::BladeCheck(const AnnouncedBlade& blade, const BladeCheckOptions& options)
+    : on_(options.equilibrium), branch_(blade.length_mm(), limits_of(blade, options)) {}
+
+LimitCode BladeCheck::next(const Waypoint& w) {
+  if (!on_) return LimitCode::kNone;
+  if (started_) {
+    constexpr double kHalfway = 0.5;
+    const LimitCode between =
+        move_to(interpolate(last_a_, w.a, kHalfway), interpolate(last_b_, w.b, kHalfway));
+    if (between != LimitCode::kNone) return between;
+  }
+  started_ = true;
+  last_a_ = w.a;
+  last_b_ = w.b;
+  return move_to(w.a, w.b);
+}
+
+LimitCode BladeCheck::move_to(const Pose& a, const Pose& b) {
+  return on_ ? code_of(branch_.move_to(a, b).status) : LimitCode::kNone;
+}
+
+std::optional<elastica::Elastica> BladeCheck::shape() const {
+  if (!on_ || branch_.lost() || branch_.shape().length <= 0) return std::nullopt;
+  return branch_.shape();
+}
+
+std::optional<BladeMargins> BladeCheck::margins() {
+  if (!shape()) return std::nullopt;
+  return BladeMargins{branch_.exact_margin(), branch_.largest_curvature_per_mm()};
+}
+
+}  // namespace hotblade::robot

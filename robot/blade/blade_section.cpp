@@ -1,0 +1,101 @@
+#include "robot/blade/blade_section.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "elastica/blade/blade_batch.hpp"
+
+namespace hotblade::robot {
+
+namespace {
+
+// Nodes of elastica/blade/gravity.hpp that cover [s0, s1].
+struct NodeRange {
+  std::size_t first = 0, last = 0;
+};
+
+NodeRange nodes(double length, double s0, double s1) {
+  const double cells = elastica::kGravityCells;
+  const double first = std::clamp(std::floor(s0 / length * cells), 0.0, cells);
+  const double last = std::clamp(std::ceil(s1 / length * cells), first, cells);
+  return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
+}
+
+}  // namespace
+
+double bending_stiffness_n_mm2(const BladeSection& s) {
+  return s.youngs_modulus_mpa * s.width_mm * std::pow(s.thickness_mm, 3) / 12;
+}
+
+elastica::StiffnessRatios stiffness_ratios(const BladeSection& s) {
+  const double r = s.thickness_mm / s.width_mm;
+  const double shape = 1 - 0.63 * r * (1 - std::pow(r, 4) / 12);
+  // G J / B = E / (2 (1 + nu)) w t^3 / 3 / (E w t^3 / 12).
+  return {1 / (r * r), 2 / (1 + s.poisson_ratio) * shape};
+}
+
+double weight_n_mm(const BladeSection& s) {
+  constexpr double kCubicMetrePerMm3 = 1e-9;
+  return s.density_kg_m3 * kCubicMetrePerMm3 * s.width_mm * s.thickness_mm * kGravity_m_s2;
+}
+
+double max_curvature_per_mm(const BladeSection& s) {
+  return 2 * s.yield_strength_mpa / (s.safety * s.youngs_modulus_mpa * s.thickness_mm);
+}
+
+BladeLoads blade_loads(const elastica::Elastica& blade, const BladeSection& section) {
+  const elastica::ElasticaCurve curve(blade);
+  return blade_loads(blade, curve.at(blade.length).kappa, curve.max_abs_curvature(), section);
+}
+
+BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, double sharpest_per_mm,
+                       const BladeSection& section) {
+  const double stiffness = bending_stiffness_n_mm2(section);
+  BladeLoads loads;
+  // B theta'' = F x tangent for a blade that clamp B pushes with F.
+  loads.force_n = -stiffness * Eigen::Vector2d(blade.lambda1, blade.lambda2);
+  loads.moment_a_n_mm = stiffness * blade.kappa;
+  loads.moment_b_n_mm = stiffness * end_per_mm;
+  loads.stress_mpa = section.youngs_modulus_mpa * section.thickness_mm / 2 * sharpest_per_mm;
+  loads.smallest_radius_mm =
+      sharpest_per_mm > 0 ? 1 / sharpest_per_mm : std::numeric_limits<double>::infinity();
+  return loads;
+}
+
+BladeSag blade_sag(const elastica::Elastica& blade, const BladeSection& section, const Eigen::Vector3d& down,
+                   double s0, double s1) {
+  const SagPlace place{down, s0, s1};
+  return blade_sags({&blade, 1}, section, {&place, 1}).front();
+}
+
+std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> blades, const BladeSection& section,
+                                 std::span<const SagPlace> places) {
+  if (blades.size() != places.size()) throw std::logic_error("a sag is asked for at one place of each blade");
+  const double load = weight_n_mm(section) / bending_stiffness_n_mm2(section);
+  std::vector<elastica::DroopLoad> loads;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    const SagPlace& place = places[i];
+    if (!(place.s0 <= place.s1))
+      throw std::logic_error("the part of a blade that sags ends before it starts");
+    const NodeRange range = nodes(blades[i].length, place.s0, place.s1);
+    loads.push_back({load * place.down.z(), range.first, range.last});
+  }
+  std::vector<elastica::DroopReach> reach(blades.size());
+  elastica::droops(blades, loads, stiffness_ratios(section), reach);
+  std::vector<BladeSag> sags;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    BladeSag& sag = sags.emplace_back(BladeSag{reach[i].shift, reach[i].twist, 0, reach[i].stable});
+    // Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
+    constexpr double kLevel = 1e-9;
+    const Eigen::Vector2d in_plane = places[i].down.head<2>();
+    if (in_plane.norm() <= kLevel) continue;
+    const elastica::PlaneShift shift = elastica::plane_shift(blades[i], load * in_plane);
+    for (std::size_t k = loads[i].first; k <= loads[i].last; ++k)
+      sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[k].norm());
+  }
+  return sags;
+}
+
+}  // namespace hotblade::robot

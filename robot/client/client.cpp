@@ -1,0 +1,514 @@
+#include "robot/client/client.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+
+#include "robot/wire/modbus_link.hpp"
+
+namespace hotblade::robot {
+
+using protocol::Fault;
+using protocol::Op;
+using protocol::Result;
+using protocol::State;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr auto kProgressEvery = milliseconds(100);
+constexpr auto kBusyRetry = milliseconds(100);
+constexpr auto kShortestBackoff = milliseconds(5), kLongestBackoff = milliseconds(500);
+constexpr std::uint32_t kPrefill = 256;  // waypoints before START: seconds of motion, at any step
+constexpr int kMaxFruitless = 100;       // answers without progress, one after the other
+// One after the other: a request that was spoilt on the way earns one, a controller of another kind nothing
+// else.
+constexpr int kMaxExceptions = 10;
+
+std::string limit_text(LimitCode code, const MotionLimits& l) {
+  const auto number = [](double value) {
+    std::string text = std::to_string(value);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+  };
+  std::string text = describe(code);
+  if (code == LimitCode::kSpeed) text += " (limit " + number(l.speed_mm_s) + " mm/s)";
+  if (code == LimitCode::kAcceleration) text += " (limit " + number(l.accel_mm_s2) + " mm/s^2)";
+  if (code == LimitCode::kAngularSpeed) text += " (limit " + number(l.angular_rad_s) + " rad/s)";
+  if (code == LimitCode::kAngularAcceleration)
+    text += " (limit " + number(l.angular_accel_rad_s2) + " rad/s^2)";
+  if (code == LimitCode::kMinDt) text += " (limit " + std::to_string(l.min_dt_us) + " us)";
+  return text;
+}
+
+std::uint32_t prefix_crc(const Job& job, std::uint32_t count) {
+  std::uint32_t crc = 0;
+  for (std::uint32_t i = 0; i < count; ++i) crc = protocol::crc32(job.raw[i], crc);
+  return crc;
+}
+
+// One job on its way. Steps return false when the outcome is settled.
+class Streamer {
+ public:
+  Streamer(const Job& job, const StreamOptions& options)
+      : job_(job),
+        options_(options),
+        link_(options.host, options.port, options.response_ms),
+        nonce_(std::random_device{}()) {}
+
+  StreamReport run() {
+    if (connect() && identify() && refresh() && choose_run() && open() && go()) finish();
+    report_.executed = status_.job_id == job_.id ? status_.executed : 0;
+    report_.run = run_;
+    report_.token = token_;
+    show(true);
+    return report_;
+  }
+
+ private:
+  bool settle(StreamOutcome outcome, const std::string& what) {
+    report_.outcome = outcome;
+    report_.message =
+        options_.host + ":" + std::to_string(options_.port) + ": strip " + job_.strip + ": " + what;
+    return false;
+  }
+  [[nodiscard]] bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+
+  bool connect();
+  bool reconnect();
+  bool identify();
+  bool known_kind();
+  template <std::size_t N>
+  bool read_block(std::uint16_t address, std::array<std::uint16_t, N>& block, const char* name);
+  [[nodiscard]] bool intact(std::span<const std::uint16_t, protocol::kIdentSize> ident) const {
+    return protocol::ident_intact(ident);
+  }
+  [[nodiscard]] bool intact(std::span<const std::uint16_t, protocol::kStatusSize> status) const {
+    return (ident_.capabilities & protocol::kCapBlockCrc) == 0 || protocol::block_intact(status);
+  }
+  bool refused_again(const char* what);
+  bool interrupted_without_link();
+  bool refresh();
+  bool transact(std::uint16_t address, std::span<const std::uint16_t> registers);
+  bool command(Op op);
+  bool choose_run();
+  bool open();
+  bool refused_open();
+  bool check_prefix();
+  bool go();
+  bool step();
+  bool started();
+  bool ready_to_move() const;
+  bool send_window(bool wait);
+  bool judge_window(std::uint32_t accepted_before);
+  bool hold();
+  bool stopped_by_fault();
+  void finish();
+  void show(bool force);
+
+  const Job& job_;
+  const StreamOptions& options_;
+  ModbusLink link_;
+  protocol::Ident ident_;
+  protocol::Status status_;
+  std::uint32_t nonce_, run_ = 0, token_ = 0;
+  bool open_ = false, lost_ = false;
+  int fruitless_ = 0, exceptions_ = 0;
+  Clock::time_point shown_{};
+  StreamReport report_;
+};
+
+bool Streamer::connect() {
+  const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
+  auto pause = kShortestBackoff;
+  while (!link_.connect()) {
+    if (interrupted()) return interrupted_without_link();
+    if (Clock::now() >= give_up) {
+      return settle(StreamOutcome::kLinkLost,
+                    "no connection (" + link_.error() + ", waited " + std::to_string(options_.link_down_ms) +
+                        " ms): check that the controller runs; --resume goes on later");
+    }
+    std::this_thread::sleep_for(pause);
+    pause = std::min<milliseconds>(2 * pause, kLongestBackoff);
+  }
+  return true;
+}
+
+// After a lost answer: nothing is known but what the controller says now.
+bool Streamer::reconnect() {
+  ++report_.reconnects;
+  lost_ = true;
+  return connect();
+}
+
+// True while another attempt makes sense.
+bool Streamer::refused_again(const char* what) {
+  if (++exceptions_ < kMaxExceptions) return true;
+  return settle(StreamOutcome::kRefused,
+                std::string(what) + " (" + link_.error() +
+                    ", again and again): client and controller disagree on the protocol; check the address");
+}
+
+// A whole block, however many attempts that takes.
+template <std::size_t N>
+bool Streamer::read_block(std::uint16_t address, std::array<std::uint16_t, N>& block, const char* name) {
+  const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
+  for (;;) {
+    const LinkOutcome outcome = link_.read(address, block);
+    if (outcome == LinkOutcome::kOk && intact(block)) break;
+    if (outcome == LinkOutcome::kException) {
+      if (!refused_again((std::string(name) + " cannot be read").c_str())) return false;
+      continue;
+    }
+    if (interrupted()) return interrupted_without_link();
+    if (Clock::now() >= give_up) {
+      return settle(StreamOutcome::kLinkLost, "no answers (waited " + std::to_string(options_.link_down_ms) +
+                                                  " ms): check the link; --resume goes on later");
+    }
+    if (!reconnect()) return false;
+  }
+  exceptions_ = 0;
+  return true;
+}
+
+bool Streamer::interrupted_without_link() {
+  return settle(
+      StreamOutcome::kInterrupted,
+      "interrupted while the link is down: a machine that moves is held by the controller's watchdog");
+}
+
+bool Streamer::identify() {
+  std::array<std::uint16_t, protocol::kIdentSize> block{};
+  if (!read_block(protocol::kIdentBase, block, "IDENT")) return false;
+  const std::uint32_t boot = ident_.boot_id;
+  ident_ = protocol::decode_ident(block);
+  if (boot != 0 && boot != ident_.boot_id) ++report_.restarts;
+  return known_kind();
+}
+
+bool Streamer::known_kind() {
+  if (ident_.magic == protocol::kMagic && ident_.version == protocol::kVersion &&
+      ident_.registers_per_waypoint == protocol::kRegistersPerWaypoint &&
+      ident_.unit_codes == protocol::kUnitCodes &&
+      ident_.max_waypoints_per_write >= protocol::kMaxWaypointsPerWindow) {
+    return true;
+  }
+  return settle(StreamOutcome::kRefused, "no hot-blade controller of protocol version 1 (magic " +
+                                             std::to_string(ident_.magic) + ", version " +
+                                             std::to_string(ident_.version) + "): check the address");
+}
+
+bool Streamer::refresh() {
+  std::array<std::uint16_t, protocol::kStatusSize> block{};
+  if (!read_block(protocol::kStatusBase, block, "STATUS")) return false;
+  status_ = protocol::decode_status(block);
+  lost_ = false;
+  return true;
+}
+
+// Writes a block and reads STATUS in one transaction. After a lost answer IDENT and STATUS are read afresh,
+// and lost_ stays set: whether the write was carried out shows in `accepted` or in the last nonce.
+bool Streamer::transact(std::uint16_t address, std::span<const std::uint16_t> registers) {
+  std::array<std::uint16_t, protocol::kStatusSize> block{};
+  const LinkOutcome outcome = link_.write_read(address, registers, protocol::kStatusBase, block);
+  lost_ = false;
+  if (outcome == LinkOutcome::kOk && intact(block)) {
+    exceptions_ = 0;
+    status_ = protocol::decode_status(block);
+    return true;
+  }
+  if (outcome == LinkOutcome::kException) {
+    if (!refused_again("the controller refused a write")) return false;
+  } else if (!reconnect() || !identify()) {
+    return false;
+  }
+  const int exceptions = exceptions_;
+  if (!refresh()) return false;
+  if (outcome == LinkOutcome::kException) exceptions_ = exceptions;
+  lost_ = true;
+  return true;
+}
+
+// Until it is answered; the same nonce makes the controller carry it out once.
+bool Streamer::command(Op op) {
+  protocol::Command c{++nonce_, op, job_.id, run_, token_, 0, {}};
+  if (op == Op::kOpen) {
+    c.waypoint_count = job_.size();
+    c.blade = job_.blade;
+  }
+  const auto block = protocol::encode_command(c);
+  for (int attempt = 0; attempt < kMaxFruitless; ++attempt) {
+    if (!transact(protocol::kCommandBase, block)) return false;
+    if (!lost_ && status_.last_result != Result::kBadCrc) return true;
+  }
+  return settle(StreamOutcome::kLinkLost,
+                std::string(protocol::name(op)) + " is never answered: check the link");
+}
+
+bool Streamer::choose_run() {
+  const bool there = status_.job_id == job_.id && status_.state != State::kIdle;
+  if (there && !options_.resume && status_.state != State::kFault && status_.state != State::kEstop) {
+    return settle(StreamOutcome::kRefused,
+                  "already open on the controller (" + std::to_string(status_.executed) + " of " +
+                      std::to_string(job_.size()) + " waypoints executed): --resume takes it over");
+  }
+  run_ = options_.run;
+  if (run_ == 0) run_ = there && options_.resume ? status_.run : status_.run + 1;
+  return true;
+}
+
+bool Streamer::open() {
+  if (status_.state == State::kFault || status_.state == State::kEstop) return stopped_by_fault();
+  // Our own lease may stand in the way: of the client we go on for, or of an OPEN whose answer was lost.
+  const auto patience = Clock::now() + milliseconds(ident_.lease_ms + 2000);
+  for (;;) {
+    const int reconnects = report_.reconnects;
+    if (!command(Op::kOpen)) return false;
+    const bool ours = status_.job_id == job_.id && status_.run == run_;
+    const bool may_wait = ours && (options_.resume || report_.reconnects > reconnects);
+    if (status_.last_result != Result::kBusy || !may_wait || Clock::now() > patience) break;
+    if (interrupted()) return settle(StreamOutcome::kInterrupted, "interrupted while waiting for the lease");
+    show(false);
+    std::this_thread::sleep_for(kBusyRetry);
+  }
+  if (status_.last_result != Result::kOk) return refused_open();
+  token_ = status_.token;
+  open_ = true;
+  if (!check_prefix()) return false;
+  if (options_.opened) options_.opened(run_, token_);
+  return true;
+}
+
+bool Streamer::refused_open() {
+  switch (status_.last_result) {
+    case Result::kBusy:
+      return settle(StreamOutcome::kRefused,
+                    "BUSY: another client owns the controller (job " + to_hex(status_.job_id) + ", lease " +
+                        std::to_string(ident_.lease_ms) + " ms): wait until it is done");
+    case Result::kLimit:
+      return settle(StreamOutcome::kRefused,
+                    std::string("LIMIT: ") + describe(static_cast<LimitCode>(status_.fault_detail)) + " (" +
+                        std::to_string(job_.size()) + " waypoints, at most " +
+                        std::to_string(ident_.max_waypoints) + "): check the program's blade");
+    default:
+      return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
+                                                 ": OPEN refused in state " + protocol::name(status_.state) +
+                                                 " (job " + to_hex(status_.job_id) +
+                                                 " is open): finish or abort it first");
+  }
+}
+
+bool Streamer::check_prefix() {
+  const bool equal = status_.job_id == job_.id && status_.run == run_ && status_.accepted <= job_.size() &&
+                     prefix_crc(job_, status_.accepted) == status_.accepted_crc;
+  if (equal) return true;
+  return settle(StreamOutcome::kRefused, "the controller holds other waypoints (job " +
+                                             to_hex(status_.job_id) + ", " +
+                                             std::to_string(status_.accepted) +
+                                             " accepted): it was restarted or taken over; look at its log");
+}
+
+bool Streamer::go() {
+  while (status_.state != State::kDone) {
+    if (interrupted()) return hold();
+    show(false);
+    if (!step()) return false;
+    if (lost_ && !check_prefix()) return false;
+  }
+  return true;
+}
+
+// What the state asks for: start, go on, send, or wait.
+bool Streamer::step() {
+  switch (status_.state) {
+    case State::kOpen:
+    case State::kHeld:
+      if (!ready_to_move()) return send_window(false);
+      return command(status_.state == State::kOpen ? Op::kStart : Op::kResume) && started();
+    case State::kRunning:
+      return send_window(true);
+    case State::kFault:
+    case State::kEstop:
+      return stopped_by_fault();
+    default:
+      return settle(StreamOutcome::kRefused,
+                    "the job is no longer open on the controller (restarted?): run it anew");
+  }
+}
+
+bool Streamer::started() {
+  fruitless_ = status_.last_result == Result::kOk ? 0 : fruitless_ + 1;
+  const bool may_change = status_.last_result == Result::kOk || status_.last_result == Result::kState;
+  if (may_change && fruitless_ < kMaxFruitless) return true;
+  return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
+                                             ": the motion may not start in state " +
+                                             protocol::name(status_.state));
+}
+
+bool Streamer::ready_to_move() const {
+  const std::uint32_t ahead = status_.accepted - status_.executed;
+  return status_.accepted == job_.size() || ahead >= std::min<std::uint32_t>(kPrefill, ident_.fifo_size) ||
+         status_.free == 0;
+}
+
+// The next waypoints as far as there is room, or a sign of life.
+bool Streamer::send_window(bool wait) {
+  const std::uint32_t accepted = status_.accepted;
+  const std::uint32_t room = std::min<std::uint32_t>(status_.free, protocol::kMaxWaypointsPerWindow);
+  const std::uint32_t n = std::min(room, job_.size() - accepted);
+  const auto raw = std::span(job_.raw).subspan(accepted, n);
+  const auto window = protocol::encode_window(token_, accepted, n > 0 && accepted + n == job_.size(), raw);
+  if (!transact(protocol::kWindowBase, window.span())) return false;
+  ++report_.windows;
+  if (lost_) return true;
+  if (n == 0 && wait) std::this_thread::sleep_for(milliseconds(options_.poll_ms));
+  if (n == 0) return status_.last_result != Result::kBadToken || judge_window(accepted);
+  return judge_window(accepted);
+}
+
+bool Streamer::judge_window(std::uint32_t accepted_before) {
+  fruitless_ = status_.accepted > accepted_before ? 0 : fruitless_ + 1;
+  const std::string at = "waypoint " + std::to_string(status_.fault_sequence);
+  switch (status_.last_result) {
+    case Result::kLimit:
+      report_.at = status_.fault_sequence;
+      return settle(StreamOutcome::kRefused,
+                    "LIMIT: " + at + ": " +
+                        limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits) +
+                        ": the program does not fit this machine");
+    case Result::kBadToken:
+      return settle(StreamOutcome::kRefused, "BADTOKEN: another client has taken over (token " +
+                                                 std::to_string(status_.token) + ", ours " +
+                                                 std::to_string(token_) + ")");
+    case Result::kConflict:
+      report_.at = status_.fault_sequence;
+      return settle(StreamOutcome::kFault, "CONFLICT: " + at + " was accepted with other contents");
+    default:
+      break;
+  }
+  if (fruitless_ < kMaxFruitless) return true;
+  return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
+                                             ": no waypoint accepted in " + std::to_string(kMaxFruitless) +
+                                             " windows");
+}
+
+// Ctrl-C: slow down along the path and wait for rest.
+bool Streamer::hold() {
+  if (status_.state == State::kRunning) {
+    if (!command(Op::kHold)) return false;
+    const auto patience = Clock::now() + milliseconds(5000);
+    while (status_.state == State::kRunning && Clock::now() < patience) {
+      std::this_thread::sleep_for(milliseconds(options_.poll_ms));
+      if (!refresh()) return false;
+    }
+  }
+  return settle(StreamOutcome::kInterrupted,
+                std::string("interrupted, controller is ") + protocol::name(status_.state) + " after " +
+                    std::to_string(status_.executed) + " of " + std::to_string(job_.size()) + " waypoints");
+}
+
+bool Streamer::stopped_by_fault() {
+  if (status_.state == State::kEstop) {
+    if (status_.job_id == job_.id && status_.executed > 0) report_.at = status_.executed - 1;
+    return settle(StreamOutcome::kFault, "ESTOP is latched: clear the cell, then reset with --reset");
+  }
+  std::string what = std::string("FAULT ") + protocol::name(status_.fault);
+  report_.at = status_.fault_sequence;
+  if (status_.fault == Fault::kExecutionLimit) {
+    what += ": " + limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits);
+  }
+  return settle(StreamOutcome::kFault,
+                what + " at waypoint " + std::to_string(status_.fault_sequence) + ": reset with --reset");
+}
+
+void Streamer::finish() {
+  const bool complete =
+      status_.executed == job_.size() && prefix_crc(job_, job_.size()) == status_.executed_crc;
+  if (!complete) {
+    settle(StreamOutcome::kFault, "DONE with other waypoints than planned (" +
+                                      std::to_string(status_.executed) + " of " +
+                                      std::to_string(job_.size()) + ")");
+    return;
+  }
+  const protocol::Status done = status_;
+  if (!command(Op::kClose)) return;
+  // A controller restarted after it had closed the job does not remember the command, but the job.
+  const bool closed = status_.state == State::kIdle && status_.job_id == job_.id && status_.run == run_ &&
+                      status_.executed == job_.size();
+  if (status_.last_result != Result::kOk && !closed) {
+    settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) + ": CLOSE refused");
+  }
+  status_ = done;
+}
+
+void Streamer::show(bool force) {
+  if (!options_.progress) return;
+  const auto now = Clock::now();
+  if (!force && now - shown_ < kProgressEvery) return;
+  shown_ = now;
+  const std::uint32_t executed = open_ ? std::min(status_.executed, job_.size()) : 0;
+  const double end = protocol::time_us(job_.raw.back());
+  const double at = executed > 0 ? protocol::time_us(job_.raw[executed - 1]) : 0.0;
+  options_.progress({status_.state, status_.fault, status_.accepted, executed, job_.size(), (end - at) * 1e-6,
+                     report_.reconnects});
+}
+
+}  // namespace
+
+StreamReport stream(const Job& job, const StreamOptions& options) {
+  return Streamer(job, options).run();
+}
+
+ControllerSnapshot look(const StreamOptions& options) {
+  ControllerSnapshot snapshot;
+  ModbusLink link(options.host, options.port, options.response_ms);
+  std::array<std::uint16_t, protocol::kIdentSize> ident{};
+  std::array<std::uint16_t, protocol::kStatusSize> status{};
+  constexpr int kAttempts = 5;
+  for (int attempt = 0; attempt < kAttempts && !snapshot.reached; ++attempt) {
+    if (attempt > 0) std::this_thread::sleep_for(kShortestBackoff * (1 << attempt));
+    snapshot.reached = link.connect() && link.read(protocol::kIdentBase, ident) == LinkOutcome::kOk &&
+                       link.read(protocol::kStatusBase, status) == LinkOutcome::kOk;
+  }
+  if (!snapshot.reached) {
+    snapshot.message = options.host + ":" + std::to_string(options.port) + ": no controller answers (" +
+                       link.error() + "): check the address";
+    return snapshot;
+  }
+  snapshot.ident = protocol::decode_ident(ident);
+  snapshot.status = protocol::decode_status(status);
+  return snapshot;
+}
+
+ResetReport reset(const StreamOptions& options) {
+  const auto place = options.host + ":" + std::to_string(options.port) + ": ";
+  ControllerSnapshot now = look(options);
+  if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
+  const auto patience = Clock::now() + milliseconds(now.ident.lease_ms + 2000);
+  ModbusLink link(options.host, options.port, options.response_ms);
+  std::uint32_t nonce = std::random_device{}();
+  while (now.status.state == State::kFault || now.status.state == State::kEstop) {
+    if (options.interrupted && options.interrupted())
+      return {StreamOutcome::kInterrupted, place + "interrupted"};
+    if (Clock::now() > patience) {
+      return {StreamOutcome::kRefused, place + "RESET refused (" + protocol::name(now.status.last_result) +
+                                           "): the owner of the job is still there; stop it first"};
+    }
+    const auto block =
+        protocol::encode_command({++nonce, Op::kReset, now.status.job_id, now.status.run, 0, 0, {}});
+    std::array<std::uint16_t, protocol::kStatusSize> status{};
+    if (link.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk) {
+      now.status = protocol::decode_status(status);
+    } else {
+      link.connect();
+    }
+    if (now.status.state != State::kIdle) std::this_thread::sleep_for(kBusyRetry);
+  }
+  return {};
+}
+
+}  // namespace hotblade::robot

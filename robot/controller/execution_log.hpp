@@ -1,0 +1,72 @@
+// The execution log: append-only JSON lines, the proof of what a controller executed
+// (docs/controller-protocol.md).
+//
+//   {"ev":"exec","job":"<16 hex>","token":T,"seq":K,"t_plan":S,"t_exec":S,"raw":"<104
+//   hex>","margins":{..},"chain":"<64 hex>"}
+//   {"ev":"pose","job":"<16
+//   hex>","seq":K,"t":S,"frame":{..},"a":{..},"b":{..},"blade":{..},"heat":B,"state":"RUNNING"}
+//
+// with poses every 10 ms of simulated time in the cell frame, mm and s, and lines for changes of state. It is
+// the controller's journal too: read_controller_journal().
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "robot/controller/controller_journal.hpp"
+#include "robot/controller/execution_sink.hpp"
+
+namespace hotblade::robot {
+
+class ExecutionLog final : public ExecutionSink {
+ public:
+  struct Options {
+    bool durable = true;  // fsync on commit
+    bool poses = true;
+  };
+  // Appends to the file, which nobody else may be writing; a torn last line, left by a crash, is dropped.
+  // Throws LogError.
+  ExecutionLog(std::filesystem::path file, const Options& options);
+  ~ExecutionLog() override;
+
+  void executed(const ExecutedWaypoint& waypoint) override;
+  void pose(const PoseSample& sample) override;
+  void event(const JobEvent& event) override;
+  bool commit() override;
+
+ private:
+  void write_out();
+  void make_room();
+
+  int fd_ = -1;
+  Options options_;
+  std::string buffer_;  // capacity reserved once
+  bool failed_ = false, dirty_ = false;
+};
+
+// What a log says about one job in one run.
+struct LoggedJob {
+  std::vector<std::uint32_t> sequences;    // in the order of execution
+  std::vector<protocol::RawWaypoint> raw;  // the same order
+  Sha256 chain{};                          // of the last executed waypoint
+  bool chain_follows = true;  // every line's chain is the hash of the line before and its own bytes
+  double t_exec = 0;          // s, of the last executed waypoint
+};
+
+// Jobs of a log by job id; where a job was run more than once its last run counts, restarts of the controller
+// included. Throws LogError for a line
+// that is no line of a log, with its number.
+[[nodiscard]] std::map<std::uint64_t, LoggedJob> read_execution_log(const std::filesystem::path& file);
+
+// The proof of a run: every waypoint of the job executed once, in order, bytes equal, chain equal.
+struct ExecutionProof {
+  std::size_t planned = 0, executed = 0;
+  bool in_order = false;  // sequence numbers 0 .. planned-1, once each
+  bool bytes_equal = false, chain_equal = false;
+  [[nodiscard]] bool holds() const { return in_order && bytes_equal && chain_equal; }
+};
+[[nodiscard]] ExecutionProof prove(const Job& job, const LoggedJob& logged);
+
+}  // namespace hotblade::robot

@@ -1,0 +1,155 @@
+#include "robot/pose/limits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hotblade::robot {
+namespace {
+
+constexpr double kSqrt3 = 1.7320508075688772;
+constexpr double kPositionStep_mm = 1e-3;  // register unit; rounding is half of it, twice in a difference
+constexpr double kTimeStep_s = 1e-6;
+// A decoded quaternion turns by at most 2 * sqrt(3) * 2^-30 for its three rounded components, and as much
+// again for the derived one where it is no larger than they are; a difference of two doubles it.
+constexpr double kAngleStep_rad = 4 * 2 * kSqrt3 / 1073741824.0;
+// Doubles of a limit itself, as it went through a register.
+constexpr double kRelative = 1e-9;
+
+// Largest error of a speed over dt from rounding positions and times.
+double linear_slack(double speed, double dt) {
+  return kSqrt3 * kPositionStep_mm / dt + speed * kTimeStep_s / dt;
+}
+double angular_slack(double speed, double dt) {
+  return kAngleStep_rad / dt + speed * kTimeStep_s / dt;
+}
+
+// Rotation from q0 to q1 by the shorter arc, as axis times angle in the axes both are given in.
+Eigen::Vector3d rotation(const Eigen::Quaterniond& q0, const Eigen::Quaterniond& q1) {
+  Eigen::Quaterniond d = q1 * q0.conjugate();
+  if (d.w() < 0) d.coeffs() = -d.coeffs();
+  const double s = d.vec().norm();
+  const double angle = 2 * std::atan2(s, d.w());
+  return s > 0 ? Eigen::Vector3d(d.vec() * (angle / s)) : Eigen::Vector3d::Zero();
+}
+
+}  // namespace
+
+const char* describe(LimitCode code) {
+  constexpr std::array kTexts{"no limit",
+                              "number of waypoints or misplaced last flag",
+                              "quaternion is not of unit length",
+                              "heat bits of the clamps differ",
+                              "time does not increase",
+                              "time step below the minimum",
+                              "start pose is no flat circular arc of the blade",
+                              "position outside the envelope",
+                              "speed",
+                              "acceleration",
+                              "angular speed",
+                              "angular acceleration",
+                              "chord too long for the blade",
+                              "blade data or number of waypoints out of range",
+                              "path does not continue from the held pose",
+                              "clamps are not in one plane",
+                              "blade is pulled taut, the clamps are too far apart",
+                              "blade snaps through",
+                              "blade would yield",
+                              "blade's stability margin is too small"};
+  const auto i = static_cast<std::size_t>(code);
+  return i < kTexts.size() ? kTexts[i] : "unknown limit";
+}
+
+LimitCode LimitChecker::next(const Waypoint& w) {
+  if (const LimitCode place = check_place(w); place != LimitCode::kNone) return place;
+  if (!started_) {
+    if (const LimitCode first = check_first(w); first != LimitCode::kNone) return first;
+    started_ = true;
+    last_ = w;
+    return LimitCode::kNone;
+  }
+  if (w.t_us <= last_.t_us) return LimitCode::kTime;
+  // Both times are rounded, so a step of exactly the minimum may come out 1 us short.
+  if (w.t_us - last_.t_us + 1 < limits_.min_dt_us) return LimitCode::kMinDt;
+  const double dt = (w.t_us - last_.t_us) * kTimeStep_s;
+  const Velocity va{(w.a.p - last_.a.p) / dt, rotation(last_.a.q, w.a.q) / dt};
+  const Velocity vb{(w.b.p - last_.b.p) / dt, rotation(last_.b.q, w.b.q) / dt};
+  const double dt0 = last_dt_ > 0 ? last_dt_ : dt;
+  for (const LimitCode code : {check_speed(va, dt), check_speed(vb, dt), check_change(va_, va, dt0, dt),
+                               check_change(vb_, vb, dt0, dt)}) {
+    if (code != LimitCode::kNone) return code;
+  }
+  last_ = w;
+  va_ = va;
+  vb_ = vb;
+  last_dt_ = dt;
+  return LimitCode::kNone;
+}
+
+LimitCode LimitChecker::finish() const {
+  if (last_dt_ <= 0) return LimitCode::kNone;
+  const LimitCode a = check_change(va_, {}, last_dt_, last_dt_);
+  return a != LimitCode::kNone ? a : check_change(vb_, {}, last_dt_, last_dt_);
+}
+
+LimitCode LimitChecker::check_place(const Waypoint& w) const {
+  const auto inside = [this](const Eigen::Vector3d& p) {
+    return (p.array() >= limits_.envelope_min_mm.array()).all() &&
+           (p.array() <= limits_.envelope_max_mm.array()).all();
+  };
+  if (!inside(w.a.p) || !inside(w.b.p)) return LimitCode::kEnvelope;
+  // Two clamps rounded to whole micrometres on three axes move apart by at most sqrt(3) um.
+  constexpr double kRounding_mm = 2e-3;
+  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm)
+    return LimitCode::kChord;
+  return LimitCode::kNone;
+}
+
+LimitCode LimitChecker::check_first(const Waypoint& w) const {
+  if (w.t_us != 0) return LimitCode::kTime;
+  constexpr double kMinTurn = 0.10, kMaxTurn = 0.17;  // rad, controller-protocol.md
+  // How far a start pose may be off: far below what a second stable shape would need (tenths of a radian),
+  // far above rounding. The chord then follows to l u du / 3.
+  constexpr double kAngleSlack_rad = 1e-3, kChordSlack = 1e-4;
+  const Eigen::Vector3d chord = w.b.p - w.a.p;
+  const double length = chord.norm();
+  if (length <= 0) return LimitCode::kStartPose;
+  const Eigen::Vector3d c = chord / length;
+  const Eigen::Vector3d normal = w.a.q * Eigen::Vector3d::UnitZ();
+  const auto turn = [&](const Pose& pose) {
+    const Eigen::Vector3d tangent = pose.q * Eigen::Vector3d::UnitX();
+    return std::atan2(normal.dot(c.cross(tangent)), c.dot(tangent));
+  };
+  const double ua = turn(w.a), ub = turn(w.b);
+  const double out_of_plane =
+      std::max(std::abs(c.dot(normal)), (normal - w.b.q * Eigen::Vector3d::UnitZ()).norm());
+  const double u = (ua - ub) / 2, arc_chord = blade_length_mm_ * std::sin(u) / u;
+  const bool flat = std::abs(ua + ub) <= 2 * kAngleSlack_rad && out_of_plane <= kAngleSlack_rad &&
+                    std::abs(u) >= kMinTurn - kAngleSlack_rad && std::abs(u) <= kMaxTurn + kAngleSlack_rad &&
+                    std::abs(length - arc_chord) <= kChordSlack * blade_length_mm_;
+  return flat ? LimitCode::kNone : LimitCode::kStartPose;
+}
+
+LimitCode LimitChecker::check_speed(const Velocity& v, double dt) const {
+  const double linear = v.linear.norm(), angular = v.angular.norm();
+  if (linear > limits_.speed_mm_s * (1 + kRelative) + linear_slack(linear, dt)) return LimitCode::kSpeed;
+  if (angular > limits_.angular_rad_s * (1 + kRelative) + angular_slack(angular, dt))
+    return LimitCode::kAngularSpeed;
+  return LimitCode::kNone;
+}
+
+LimitCode LimitChecker::check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const {
+  const double mean_dt = (dt0 + dt1) / 2;
+  const double linear = (to.linear - from.linear).norm() / mean_dt;
+  const double linear_error =
+      (linear_slack(from.linear.norm(), dt0) + linear_slack(to.linear.norm(), dt1)) / mean_dt;
+  if (linear > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return LimitCode::kAcceleration;
+  const double angular = (to.angular - from.angular).norm() / mean_dt;
+  const double angular_error =
+      (angular_slack(from.angular.norm(), dt0) + angular_slack(to.angular.norm(), dt1)) / mean_dt;
+  if (angular > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error)
+    return LimitCode::kAngularAcceleration;
+  return LimitCode::kNone;
+}
+
+}  // namespace hotblade::robot

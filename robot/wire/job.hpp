@@ -1,0 +1,64 @@
+// One strip as the controller knows it: encoded waypoints and the identity that binds them to a program.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "robot/pose/waypoint.hpp"
+#include "robot/wire/protocol.hpp"
+
+namespace hotblade::robot {
+
+using Sha256 = std::array<std::uint8_t, 32>;
+
+[[nodiscard]] Sha256 sha256(std::span<const std::uint8_t> bytes);
+[[nodiscard]] std::string to_hex(std::span<const std::uint8_t> bytes);
+// 16 digits, as job ids stand in logs and messages.
+[[nodiscard]] std::string to_hex(std::uint64_t value);
+
+// A chain of hashes over executed waypoints: chain_k = SHA-256(chain_(k-1) || raw_k), where chain_(-1) is the
+// job id's 8 bytes. Two logs with one last chain hold the same waypoints in the same order.
+class Chain {
+ public:
+  explicit Chain(std::uint64_t job_id);
+  Chain(const Chain&) = delete;
+  Chain& operator=(const Chain&) = delete;
+  ~Chain();
+
+  // Starts again; nothing is allocated after construction.
+  void restart(std::uint64_t job_id);
+  // Goes on from a value that is known.
+  void resume(const Sha256& value);
+  const Sha256& add(const protocol::RawWaypoint& raw);
+  [[nodiscard]] const Sha256& value() const { return value_; }
+
+ private:
+  void* context_;  // EVP_MD_CTX
+  Sha256 value_{};
+  bool first_ = true;
+};
+
+// A waypoint that no register can hold: `waypoint 17: ...`.
+struct JobError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Job {
+  std::uint64_t id = 0;
+  std::string strip;
+  std::vector<protocol::RawWaypoint> raw;
+  AnnouncedBlade blade;
+
+  [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(raw.size()); }
+};
+
+// id = the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id (UTF-8) and the waypoint
+// bytes. Throws JobError for a waypoint that cannot be encoded and for an empty strip.
+[[nodiscard]] Job make_job(const Sha256& program_sha256, const std::string& strip,
+                           std::span<const Waypoint> waypoints, const AnnouncedBlade& blade);
+
+}  // namespace hotblade::robot

@@ -1,0 +1,126 @@
+#include "surface/read/design_surface.hpp"
+
+#include <openssl/evp.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <utility>
+
+#include "surface/read/mesh_counts.hpp"
+#include "surface/read/mesh_repair.hpp"
+#include "surface/read/obj_text.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+// Ten kilometres: far beyond any building part, so a larger coordinate is a damaged number or a wrong unit.
+constexpr double kLargestCoordinateMm = 1e7;
+// The range in which a formwork's largest extent is believed without a question.
+constexpr double kSmallestExtentMm = 20, kLargestExtentMm = 100e3;
+
+[[noreturn]] void file_error(const std::filesystem::path& file, const std::string& why) {
+  throw FileError(file.string() + ": " + why);
+}
+
+std::string read_whole(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) file_error(file, "no such file: check the path");
+  if (std::filesystem::is_directory(status)) file_error(file, "is a directory, not a file: name an OBJ file");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
+  if (!stream)
+    file_error(file, std::string("cannot be opened (") + std::strerror(errno) + "): check the permissions");
+  std::string text;
+  const auto size = std::filesystem::file_size(file, error);
+  if (!error) text.reserve(size);
+  std::array<char, 1 << 16> block;
+  for (std::size_t n = 0; (n = std::fread(block.data(), 1, block.size(), stream.get())) > 0;) {
+    text.append(block.data(), n);
+  }
+  if (std::ferror(stream.get()) != 0)
+    file_error(file, std::string("cannot be read (") + std::strerror(errno) + ")");
+  return text;
+}
+
+std::string sha256_of(const std::string& bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int length = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("SHA-256 is not available from OpenSSL: check its configuration");
+  }
+  std::string hex;
+  for (unsigned int i = 0; i < length; ++i) {
+    constexpr const char* kDigits = "0123456789abcdef";
+    hex += kDigits[digest[i] >> 4];
+    hex += kDigits[digest[i] & 15];
+  }
+  return hex;
+}
+
+void to_design_frame(std::vector<Eigen::Vector3d>& positions, double scale, char up) {
+  for (Eigen::Vector3d& p : positions) {
+    p *= scale;
+    if (up == 'y') p = Eigen::Vector3d(p.x(), -p.z(), p.y());
+  }
+}
+
+void warn_of_size(const std::string& units, Health& health) {
+  const double extent = (health.bbox_mm[1] - health.bbox_mm[0]).maxCoeff();
+  if (extent >= kSmallestExtentMm && extent <= kLargestExtentMm) return;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "largest extent %.6g mm is implausible for a mould (%.0f mm to %.0f mm): ", extent,
+                kSmallestExtentMm, kLargestExtentMm);
+  health.warnings.push_back(text + ("is the design really in " + units + "?"));
+}
+
+}  // namespace
+
+double scale_to_mm(const std::string& units) {
+  constexpr std::array<std::pair<const char*, double>, 5> kScales = {
+      {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}}};
+  for (const auto& [name, scale] : kScales) {
+    if (units == name) return scale;
+  }
+  throw std::logic_error("unknown unit ('" + units + "'): give mm, cm, m, in or ft");
+}
+
+DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options) {
+  if (options.up != 'z' && options.up != 'y') {
+    throw std::logic_error(std::string("unknown up axis ('") + options.up + "'): give z or y");
+  }
+  if (!(options.stitch_mm >= 0) || (options.facing && !(options.facing->norm() > 0))) {
+    throw std::logic_error("read_obj: stitch_mm has to be 0 or more and facing has to have a length");
+  }
+  DesignSurface design;
+  design.file_name = file.filename().string();
+  design.units = options.units;
+  design.up = options.up;
+  design.scale_to_mm = scale_to_mm(options.units);
+  std::string text = read_whole(file);
+  design.sha256 = sha256_of(text);
+  ObjText obj = parse_obj(text, file.string(), kLargestCoordinateMm / design.scale_to_mm);
+  std::string().swap(text);
+  design.health.file_vertices = obj.positions.size();
+  design.health.file_faces = obj.faces();
+  design.health.warnings = std::move(obj.warnings);
+  if (!options.group.empty()) {
+    keep_group(obj, options.group, file.string());
+    design.health.repairs.push_back("took the " + std::to_string(obj.faces()) + " of " +
+                                    std::to_string(design.health.file_faces) + " faces in group " +
+                                    options.group);
+  }
+  to_design_frame(obj.positions, design.scale_to_mm, options.up);
+  std::vector<Eigen::Vector3d> positions = std::exchange(obj.positions, {});
+  RepairedMesh repaired = repair_mesh(obj, std::move(positions), options, file.string(), design.health);
+  measure_mesh(repaired, design.health);
+  warn_of_size(design.units, design.health);
+  design.mesh = std::move(repaired.mesh);
+  design.face_line = std::move(repaired.line);
+  return design;
+}
+
+}  // namespace hotblade::surface

@@ -1,0 +1,80 @@
+// The design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health
+// measured.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace hotblade::surface {
+
+// The text or the geometry of the input is not usable; what() reads `file:line: what (value, limit): hint`.
+struct MeshError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+// The file is missing or cannot be read.
+struct FileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct TriangleMesh {
+  std::vector<Eigen::Vector3d> vertices;      // mm
+  std::vector<std::array<int, 3>> triangles;  // indices into vertices, counter-clockwise seen from the front
+};
+
+// What was found in the file and in the mesh. Counts are of the mesh as used, but for non_manifold_vertices,
+// degenerate_faces, duplicate_faces and unused_vertices, which tell what was found and repaired. Border
+// figures of a mesh with blockers stay 0.
+struct Health {
+  std::size_t file_vertices = 0, file_faces = 0;  // as written in the OBJ
+  std::size_t vertices = 0, triangles = 0;
+  std::size_t components = 0;
+  std::size_t border_loops = 0;
+  double border_length_mm = 0;
+  std::size_t non_manifold_edges = 0, non_manifold_vertices = 0;
+  std::size_t degenerate_faces = 0, duplicate_faces = 0, unused_vertices = 0;
+  bool orientable = true;
+  bool closed = false;  // no border at all
+  double area_mm2 = 0;
+  std::array<Eigen::Vector3d, 2> bbox_mm{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::vector<std::string> repairs;   // what was changed, one line each, with counts
+  std::vector<std::string> warnings;  // implausible size and the like, said with the number
+  std::vector<std::string> blockers;  // why the mesh cannot be sliced; empty: sliceable
+};
+
+struct DesignSurface {
+  TriangleMesh mesh;
+  std::vector<std::uint32_t> face_line;  // per triangle: the line of the OBJ where its face starts
+  Health health;
+  std::string file_name;  // base name
+  std::string sha256;     // of the file's bytes, lower-case hex
+  std::string units;      // mm, cm, m, in or ft
+  char up = 'z';
+  double scale_to_mm = 1;
+};
+
+struct ReadOptions {
+  std::string units;       // required: mm, cm, m, in or ft
+  char up = 'z';           // 'z' or 'y'; y-up input is turned (x, y, z) -> (x, -z, y)
+  std::string group = {};  // take the faces of this group or object only; empty: all
+  // Take the faces whose normal, as the file winds them, is within facing_max_rad of this direction of the
+  // design frame, of any length; absent: all.
+  std::optional<Eigen::Vector3d> facing = std::nullopt;
+  double facing_max_rad = 1.4;
+  double stitch_mm = 0;  // join border vertices of the design that lie within this distance; 0: none
+};
+
+// Scale of a unit name to mm; throws std::logic_error for an unknown name.
+[[nodiscard]] double scale_to_mm(const std::string& units);
+
+// Reads an OBJ: text checked line by line, then the mesh is built in OpenMesh and counted again.
+// Throws FileError, or MeshError for the first bad line. Geometry that can be read but not sliced is reported
+// in health.blockers, not thrown. Face normals are made to agree within a component where that is possible.
+[[nodiscard]] DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options);
+
+}  // namespace hotblade::surface

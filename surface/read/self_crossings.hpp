@@ -1,0 +1,34 @@
+// Faces of a mesh that pass through each other or lie on each other.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::surface {
+
+// Two faces cross where their common part runs through the inside of both, or is an area. Faces that touch
+// along an edge or in a corner, joined or not, do not.
+struct SelfCrossings {
+  std::size_t pairs = 0;
+  // The pair of the lowest numbers, and where it crosses, in mm. Meaningless when there is none.
+  std::array<int, 2> faces{-1, -1};
+  Eigen::Vector3d at = Eigen::Vector3d::Zero();
+  // Adds pairs, of which `pair` has the lowest numbers.
+  void count(const std::array<int, 2>& pair, std::size_t more) {
+    if (pairs == 0 || pair < faces) faces = pair;
+    pairs += more;
+  }
+};
+
+// Boxes first (near_faces.hpp), then a plane between the faces in plain numbers, then exact predicates
+// (CGAL).
+[[nodiscard]] SelfCrossings find_self_crossings(const TriangleMesh& mesh);
+
+// What to tell about them, with place and lines of the file; empty when there are none.
+[[nodiscard]] std::string self_crossings_text(const DesignSurface& design);
+
+}  // namespace hotblade::surface

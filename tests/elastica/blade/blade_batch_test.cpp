@@ -1,0 +1,171 @@
+#include "elastica/blade/blade_batch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "elastica/blade/stability.hpp"
+
+namespace hotblade::elastica {
+namespace {
+
+constexpr StiffnessRatios kStrip{256, 1.54};
+
+std::vector<Simd> instruction_sets() {
+  std::vector<Simd> sets;
+  for (const Simd simd : {Simd::kBaseline, Simd::kAvx2, Simd::kAvx512}) {
+    if (supported(simd)) sets.push_back(simd);
+  }
+  return sets;
+}
+
+// Stable and lost ones, from hardly bent to winding, some so fast that no batch takes them, and the
+// degenerate: straight, circular, compressed at and about the load that buckles them, pulled taut.
+std::vector<Elastica> blades(std::size_t count) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> u(-1, 1), exponent(-6, 2);
+  std::vector<Elastica> all{{0, 0, 0.3, 0, 0, 0, 500},   {10, 20, -2, 0.004, 0, 0, 700},
+                            {0, 0, 0, 0, 39, 0, 1},      {0, 0, 0, 0, 39.47, 0, 1},
+                            {0, 0, 1, 0, -60, -90, 1},   {0, 0, 0, 1e-9, 1e-9, 1e-9, 1},
+                            {0, 0, 3, 1e-7, 0, 1e-6, 1}, {5, 5, 0.1, 40, 0, 0, 1},
+                            {5, 5, 0.1, 3, 500, 400, 1}, {1, 1, 1, 2.5, 0, 0, 1}};
+  while (all.size() < count) {
+    const double length = 1000 * (1.1 + u(random)), size = std::pow(10, exponent(random)) / length;
+    all.push_back({100 * u(random), 100 * u(random), 4 * u(random), 3 * u(random) * size,
+                   30 * u(random) * size / length, 30 * u(random) * size / length, length});
+  }
+  return all;
+}
+
+TEST(BladeBatch, PointsAreThoseOfOneCurveOnEveryInstructionSet) {
+  const std::vector<Elastica> all = blades(400);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> share(-0.5, 1.5);
+  std::vector<double> s;
+  for (const Elastica& e : all) s.push_back(e.length * share(random));
+  s[3] = 0;
+  for (const Simd simd : instruction_sets()) {
+    std::vector<CurvePoint> points(all.size());
+    points_at(all, s, points, simd);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const CurvePoint p = point_at(all[i], s[i]);
+      const double rate = 1 + all[i].length * std::abs(p.kappa);
+      EXPECT_NEAR((points[i].position() - p.position()).norm(), 0, 1e-11 * all[i].length) << i;
+      EXPECT_NEAR(points[i].theta, p.theta, 1e-11 * rate) << i;
+      EXPECT_NEAR(points[i].kappa * all[i].length, p.kappa * all[i].length, 1e-9 * rate) << i;
+    }
+  }
+}
+
+TEST(BladeBatch, PartsAreThePointsAtTheirArcLengths) {
+  const std::vector<Elastica> all = blades(100);
+  constexpr std::size_t kPoints = 17;
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double at = static_cast<double>(i) / static_cast<double>(all.size());
+    parts.push_back({(at - 0.3) * all[i].length, (1.2 - 0.5 * at) * all[i].length});
+  }
+  parts[4] = {0, 0};
+  for (const Simd simd : instruction_sets()) {
+    const PartPoints points = sample_parts(all, parts, kPoints, simd);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t k = 0; k < kPoints; ++k) {
+        const double s =
+            parts[i].first + (parts[i].last - parts[i].first) * static_cast<double>(k) / (kPoints - 1);
+        const CurvePoint p = point_at(all[i], s);
+        const std::size_t n = i * kPoints + k;
+        EXPECT_NEAR((points.at(i, k) - p.position()).norm(), 0, 1e-11 * all[i].length) << i << " " << k;
+        EXPECT_NEAR((Eigen::Vector2d(points.cos[n], points.sin[n]) - p.tangent()).norm(), 0, 1e-10) << i;
+        EXPECT_NEAR(points.turn[n], p.theta - all[i].theta, 1e-10 * (1 + std::abs(p.theta))) << i;
+        EXPECT_NEAR(points.curvature[n] * all[i].length, p.kappa * all[i].length,
+                    1e-9 * (1 + std::abs(p.kappa) * all[i].length));
+      }
+    }
+  }
+}
+
+TEST(BladeBatch, MarginsAreThoseOfOneBladeOnEveryInstructionSet) {
+  const std::vector<Elastica> all = blades(4000);
+  for (const Simd simd : instruction_sets()) {
+    std::vector<double> margins(all.size());
+    stability_margins(all, margins, simd);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const double one = stability_margin(all[i]);
+      EXPECT_NEAR(margins[i], one, 1e-9 * (1 + std::abs(one))) << i << " " << static_cast<int>(simd);
+    }
+  }
+}
+
+TEST(BladeBatch, DroopsAreThoseOfOneBladeOnEveryInstructionSet) {
+  const std::vector<Elastica> all = blades(2000);
+  std::mt19937_64 random(2);
+  std::vector<DroopLoad> loads;
+  for (const Elastica& e : all) {
+    const std::size_t a = random() % (kGravityCells + 1), b = random() % (kGravityCells + 1);
+    loads.push_back({1 / std::pow(e.length, 3), std::min(a, b), std::max(a, b)});
+  }
+  std::size_t stable = 0, lost = 0;
+  for (const Simd simd : instruction_sets()) {
+    std::vector<DroopReach> reach(all.size());
+    droops(all, loads, kStrip, reach, simd);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Droop one = droop(all[i], loads[i].load, kStrip);
+      double shift = 0, twist = 0;
+      for (std::size_t k = loads[i].first; k <= loads[i].last; ++k) {
+        shift = std::max(shift, std::abs(one.shift[k]));
+        twist = std::max(twist, std::abs(one.twist[k]));
+      }
+      EXPECT_EQ(reach[i].stable, one.stable) << i;
+      ++(one.stable ? stable : lost);
+      if (!one.stable) continue;
+      // A blade about to tip magnifies rounding as it does its weight: a straight one sags by 1e-5 of its
+      // length.
+      const double share = 1e-9 * std::max(1.0, one.largest / (0.01 * all[i].length));
+      EXPECT_NEAR(reach[i].shift, shift, share * (one.largest + 1e-12 * all[i].length)) << i;
+      EXPECT_NEAR(reach[i].twist, twist, share * (one.largest_twist + 1e-12)) << i;
+    }
+  }
+  EXPECT_GT(stable, 1000U);
+  EXPECT_GT(lost, 10U);
+}
+
+TEST(BladeBatch, SplittingABatchChangesNoBit) {
+  const std::vector<Elastica> all = blades(203);
+  for (const Simd simd : instruction_sets()) {
+    std::vector<double> together(all.size());
+    std::vector<DroopReach> sag(all.size());
+    const std::vector<DroopLoad> loads(all.size(), {1e-9, 0, kGravityCells});
+    stability_margins(all, together, simd);
+    droops(all, loads, kStrip, sag, simd);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const std::span<const Elastica> one(&all[i], 1);
+      double margin = 0;
+      DroopReach reach;
+      stability_margins(one, {&margin, 1}, simd);
+      droops(one, {&loads[i], 1}, kStrip, {&reach, 1}, simd);
+      EXPECT_EQ(margin, together[i]) << i;
+      EXPECT_EQ(reach.shift, sag[i].shift) << i;
+      EXPECT_EQ(reach.twist, sag[i].twist) << i;
+    }
+  }
+}
+
+TEST(BladeBatch, RefusesWhatOneCurveRefuses) {
+  std::vector<double> margin(1);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<Elastica> bad{{0, 0, 0, nan, 0, 0, 1}}, good{{0, 0, 0, 1, 0, 0, 1}},
+      wound{{0, 0, 0, 1e6, 0, 0, 1}};
+  EXPECT_THROW(stability_margins(bad, margin), std::logic_error);
+  EXPECT_THROW(stability_margins(good, {}), std::logic_error);
+  EXPECT_THROW((void)sample_parts(wound, std::vector<Part>{{0, 1}}, 5), std::logic_error);
+  EXPECT_THROW((void)sample_parts(good, std::vector<Part>{{0, 1}}, 1), std::logic_error);
+  std::vector<DroopReach> reach(1);
+  EXPECT_THROW(droops(good, std::vector<DroopLoad>{{1, 5, 300}}, kStrip, reach), std::logic_error);
+  EXPECT_THROW(droops(good, std::vector<DroopLoad>{{nan, 0, 3}}, kStrip, reach), std::logic_error);
+}
+
+}  // namespace
+}  // namespace hotblade::elastica

@@ -1,0 +1,131 @@
+// Designs that no blade of the list can cut, refused from outside: which strip, rib, limit, and by how much.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "elastica/curve/elastica.hpp"
+#include "tests/pipeline/run_program.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ContainsRegex;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::hotblade;
+
+class BladeLimits : public ::testing::Test {
+ protected:
+  // A profile in y and z, drawn along x over 200 mm.
+  std::string extruded(const std::vector<Eigen::Vector2d>& profile) {
+    const auto file = files_ / "design.obj";
+    std::ofstream out(file);
+    out.precision(17);
+    constexpr int kRows = 4;
+    for (int i = 0; i <= kRows; ++i) {
+      for (const Eigen::Vector2d& q : profile)
+        out << "v " << 200.0 * i / kRows << " " << q.x() << " " << q.y() << "\n";
+    }
+    const auto n = static_cast<int>(profile.size());
+    for (int i = 0; i < kRows; ++i) {
+      for (int j = 0; j + 1 < n; ++j) {
+        const int a = i * n + j + 1, c = a + n;
+        out << "f " << a << " " << c << " " << c + 1 << " " << a + 1 << "\n";
+      }
+    }
+    return file.string();
+  }
+
+  std::string arc(double radius, double turn) {
+    std::vector<Eigen::Vector2d> profile;
+    for (int i = 0; i <= 80; ++i) {
+      const double phi = turn * (i / 80.0 - 0.5);
+      profile.emplace_back(radius * std::sin(phi), radius * std::cos(phi));
+    }
+    return extruded(profile);
+  }
+
+  Ended plan(const std::string& design, const std::vector<std::string>& settings) {
+    std::vector<std::string> args{
+        "plan", design, "--units", "mm", "--set", "slice.direction=[1,0,0]", "-o", (files_ / "cut").string()};
+    for (const std::string& s : settings) {
+      args.push_back("--set");
+      args.push_back(s);
+    }
+    return hotblade(args);
+  }
+
+  [[nodiscard]] nlohmann::json refusal() const {
+    return nlohmann::json::parse(testing::read_bytes(files_ / "cut" / "report.json"))["refusals"].at(0);
+  }
+
+  testing::TemporaryDirectory files_;
+};
+
+TEST_F(BladeLimits, ARibThatWouldYieldIsRefusedByStripRibRadiusAndAmount) {
+  const Ended ended = plan(arc(50, 2.0), {});
+  EXPECT_EQ(ended.code, 4);
+  EXPECT_THAT(
+      ended.err,
+      ContainsRegex("S001R[0-9]+ at \\(.*radius of a rib .*yield.* 50\\.[0-9]* mm \\(limit 70\\.54 mm\\)"));
+}
+
+TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
+  // More than two periods of an elastica: exactly what one blade could be bent to, if it stayed there.
+  const double rate = 2 * 3.19 / 240;  // sqrt(lambda1) for a period of about 240 mm
+  const elastica::Elastica wave{0, 0, 0.5, 0, rate * rate, 0, 530};
+  std::vector<Eigen::Vector2d> profile;
+  for (const auto& p : elastica::sample(wave, 400)) profile.push_back(p.position());
+  const Ended ended = plan(extruded(profile), {"fit.max_splits=0"});
+  EXPECT_EQ(ended.code, 4);
+  EXPECT_THAT(
+      ended.err,
+      ContainsRegex("S001R[0-9]+ at \\(.*stability margin \\(snap-through\\) -[0-9.]+ \\(limit 1\\)"));
+  // Each length of the list says what stopped it.
+  EXPECT_EQ(refusal()["details"].size(), 6u);
+  EXPECT_THAT(refusal()["details"].at(0), AllOf(HasSubstr("400 mm"), HasSubstr("rib length 53")));
+}
+
+TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
+  const Ended ended = plan(arc(400, 0.6), {"blade.free_lengths_mm=[250]", "fit.max_splits=0"});
+  EXPECT_EQ(ended.code, 4);
+  EXPECT_THAT(ended.err,
+              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 41.6 mm\\)"));
+}
+
+TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {
+  const std::string design = arc(400, 0.6);
+  ASSERT_EQ(plan(design, {}).code, 0);
+  const auto file = files_ / "cut" / "program.json";
+  const auto verify = [&] { return hotblade({"verify", file.string(), "--design", design}); };
+  const Ended sound = verify();
+  EXPECT_EQ(sound.code, 0) << sound.out << sound.err;
+  EXPECT_THAT(sound.out, HasSubstr("held on one branch"));
+  auto program = nlohmann::ordered_json::parse(testing::read_bytes(file));
+  program["blade"]["yield_strength_mpa"] = 100;
+  std::ofstream(file) << program.dump();
+  const Ended weak = verify();
+  EXPECT_EQ(weak.code, 4);
+  EXPECT_THAT(weak.out, ContainsRegex("S001.*blade radius.* mm \\(limit 712.5 mm\\)"));
+}
+
+TEST_F(BladeLimits, PosesCarryMarginLoadsAndSag) {
+  const std::string design = arc(400, 0.6);
+  ASSERT_EQ(plan(design, {}).code, 0);
+  const auto program = nlohmann::json::parse(testing::read_bytes(files_ / "cut" / "program.json"));
+  for (const auto& pose : program["strips"][0]["poses"]) {
+    EXPECT_GT(pose["margin"], 1);
+    EXPECT_GT(pose["loads"]["stress_mpa"], 0);
+    EXPECT_GT(pose["loads"]["droop_mm"], 0);
+    EXPECT_EQ(pose["loads"]["in_plane_sag_mm"], 0);
+  }
+  EXPECT_GT(program["verification"]["budget_mm"]["clamp_error"], 0);
+  EXPECT_GT(program["verification"]["budget_mm"]["gravity_droop"], 0);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

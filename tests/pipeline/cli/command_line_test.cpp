@@ -1,0 +1,399 @@
+// The program from outside: exit codes, what goes to stdout and what to stderr, and messages with a place.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/paths.hpp"
+#include "tests/pipeline/run_program.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using ::testing::AllOf;
+using testing::Ended;
+using ::testing::HasSubstr;
+using testing::hotblade;
+using ::testing::IsEmpty;
+using ::testing::MatchesRegex;
+using ::testing::Not;
+using ::testing::StartsWith;
+using testing::TemporaryDirectory;
+using Words = std::vector<std::string>;
+
+const std::string kVault = hotblade::testing::source_dir() + "/samples/barrel_vault.obj";
+const std::string kVaultJob = hotblade::testing::source_dir() + "/samples/barrel_vault.toml";
+
+class CommandLine : public ::testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(files_ / name, std::ios::binary) << bytes;
+    return (files_ / name).string();
+  }
+  // Checks a file with the given bytes.
+  Ended check(const std::string& name, const std::string& bytes) const {
+    return hotblade({"check", write(name, bytes), "--units", "mm"});
+  }
+  TemporaryDirectory files_;
+};
+
+const std::string kTriangle = "v 0 0 0\nv 100 0 0\nv 0 100 0\n";
+
+// ---- usage ----
+
+struct Usage {
+  std::string name;
+  Words args;
+  std::string message;
+};
+class WrongUsage : public ::testing::TestWithParam<Usage> {};
+
+TEST_P(WrongUsage, ExitsWithTwoAndSaysWhatIsWrongOnStderrAlone) {
+  const Ended ended = hotblade(GetParam().args);
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr(GetParam().message));
+  EXPECT_THAT(ended.out, IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLine, WrongUsage,
+    ::testing::Values(
+        Usage{"no_command", {}, "A subcommand is required"},
+        Usage{"unknown_command", {"slicing"}, "unknown command or option: slicing\n`hotblade --help`"},
+        Usage{"misspelt_command", {"pln"}, "unknown command or option: pln: did you mean plan?"},
+        Usage{"unknown_config_command",
+              {"config", "edit"},
+              "unknown command or option: edit\n`hotblade config --help`"},
+        Usage{"unknown_option", {"check", kVault, "--units", "mm", "--fast"}, "--fast"},
+        Usage{"unknown_global_option", {"--fast"}, "unknown command or option: --fast"},
+        Usage{"extra_word", {"check", kVault, "more.obj", "--units", "mm"}, "more.obj"},
+        Usage{"no_design", {"check", "--units", "mm"}, "design is required"},
+        Usage{"option_without_value", {"check", kVault, "--units"}, "--units"},
+        Usage{
+            "unknown_progress", {"check", kVault, "--progress", "loud"}, "loud not in {auto,bar,json,none}"},
+        Usage{"missing_unit", {"check", kVault}, "an OBJ carries none: say --units mm, cm, m, in or ft"},
+        Usage{"unknown_unit",
+              {"check", kVault, "--units", "furlong"},
+              "--units: design.units (\"furlong\", must be one of mm, cm, m, in, ft)"},
+        Usage{
+            "unknown_up", {"check", kVault, "--units", "mm", "--up", "x"}, "--up: design.up (\"x\", must be"},
+        Usage{"unknown_key", {"config", "show", "--set", "blade.kerf=1"}, "did you mean blade.kerf_mm?"},
+        Usage{"value_not_finite",
+              {"config", "show", "--set", "blade.kerf_mm=nan"},
+              "blade.kerf_mm (nan, must be"}),
+    [](const auto& usage) { return usage.param.name; });
+
+TEST_F(CommandLine, EveryCommandHasHelpWithAnExampleAndASectionInTheDocs) {
+  const Ended help = hotblade({"--help"});
+  EXPECT_EQ(help.code, 0);
+  EXPECT_THAT(help.err, IsEmpty());
+  // The subcommands are the indented first words after the heading.
+  std::istringstream text(help.out.substr(help.out.find("Subcommands:")));
+  std::string line;
+  std::getline(text, line);
+  const std::string docs = testing::read_bytes(hotblade::testing::source_dir() + "/docs/commands.md");
+  std::size_t commands = 0;
+  while (std::getline(text, line) && line.starts_with("  ")) {
+    std::string command;
+    std::istringstream(line) >> command;
+    const Ended ended = hotblade({command, "--help"});
+    EXPECT_EQ(ended.code, 0) << command;
+    EXPECT_THAT(ended.out, HasSubstr("Example: hotblade " + command)) << command;
+    EXPECT_THAT(docs, HasSubstr("## hotblade " + command + "\n")) << "docs/commands.md";
+    ++commands;
+  }
+  EXPECT_GE(commands, 2u);
+}
+
+TEST_F(CommandLine, HelpSaysKindsOfValuesOnceAndForPeople) {
+  const std::string ribs = hotblade({"ribs", "--help"}).out;
+  EXPECT_THAT(ribs, HasSubstr("--format dxf|svg|csv|gcode REQUIRED"));
+  EXPECT_THAT(ribs, HasSubstr("--tolerance MM (1e-06 - 100)"));
+  EXPECT_THAT(hotblade({"sim", "--help"}).out, HasSubstr("--listen HOST:PORT=127.0.0.1:1502"));
+  EXPECT_THAT(hotblade({"plan", "--help"}).out, HasSubstr("--jobs INT (above 0)"));
+  EXPECT_THAT(hotblade({"completion", "man"}).out, HasSubstr("listen HOST:PORT"));
+}
+
+TEST_F(CommandLine, VersionIsOneLineOnStdout) {
+  const Ended ended = hotblade({"--version"});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, MatchesRegex("hotblade [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  EXPECT_THAT(ended.err, IsEmpty());
+}
+
+TEST_F(CommandLine, GlobalOptionsAreTakenBeforeAndAfterTheCommand) {
+  for (const Words& args : {Words{"-q", "-v", "--progress", "none", "config", "defaults"},
+                            Words{"config", "defaults", "--progress", "none", "-v", "-q"},
+                            Words{"config", "--progress=json", "defaults"}}) {
+    EXPECT_EQ(hotblade(args).code, 0);
+  }
+}
+
+TEST_F(CommandLine, LogFileTakesTheErrorsToo) {
+  const std::string log = (files_ / "log").string();
+  const Ended ended = hotblade({"check", "missing.obj", "--units", "mm", "--log-file", log});
+  EXPECT_EQ(ended.code, 7);
+  EXPECT_EQ(testing::read_bytes(log), ended.err);
+  EXPECT_EQ(hotblade({"config", "defaults", "--log-file", (files_ / "no" / "log").string()}).code, 7);
+}
+
+// ---- check ----
+
+TEST_F(CommandLine, CheckPrintsTheHealthOfASample) {
+  const Ended ended = hotblade({"check", kVault, "--config", kVaultJob});
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.err, IsEmpty());
+  EXPECT_THAT(ended.out, HasSubstr("900.000 x 500.000 x 140.000 mm"));
+  EXPECT_THAT(ended.out, MatchesRegex("(.|\n)*sliceable +yes\n"));
+}
+
+TEST_F(CommandLine, CheckScalesAndTurnsAsToldAndPrintsJson) {
+  const std::string file = write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+  const Ended ended = hotblade({"check", file, "--units", "in", "--up", "y", "--json"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  const auto json = nlohmann::json::parse(ended.out);
+  EXPECT_EQ(json["scale_to_mm"], 25.4);
+  EXPECT_EQ(json["bbox_mm"], nlohmann::json::parse("[[0,0,0],[25.4,0,50.8]]"));
+  EXPECT_EQ(json["sliceable"], true);
+  EXPECT_EQ(json["triangles"], 1);
+  EXPECT_EQ(ended.out,
+            hotblade({"check", file, "--json", "--set", "design.units=in", "--set", "design.up=y"}).out);
+}
+
+TEST_F(CommandLine, CheckNamesTheBlockersOfADesignThatCannotBeSliced) {
+  // Three triangles on one edge.
+  const Ended ended = check("fan.obj", kTriangle + "v 0 -100 0\nv 0 0 100\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
+  EXPECT_EQ(ended.code, 3);
+  EXPECT_THAT(ended.out, HasSubstr("blocker"));
+  EXPECT_THAT(ended.out, MatchesRegex("(.|\n)*sliceable +no\n"));
+}
+
+TEST_F(CommandLine, BadMeshTextIsNamedWithFileAndLine) {
+  const struct {
+    std::string name, bytes, place;
+  } cases[] = {
+      {"empty.obj", "", "empty.obj"},
+      {"nan.obj", kTriangle + "v 0 nan 0\nf 1 2 3\n", "nan.obj:4: "},
+      {"infinite.obj", kTriangle + "v 0 1e999 0\nf 1 2 3\n", "infinite.obj:4: "},
+      {"index0.obj", kTriangle + "f 0 1 2\n", "index0.obj:4: "},
+      {"index9.obj", kTriangle + "f 1 2 9\n", "index9.obj:4: "},
+      {"corner.obj", kTriangle + "f 1\n", "corner.obj:4: "},
+      {"word.obj", kTriangle + "f 1 2 x\n", "word.obj:4: "},
+      {"utf16.obj",
+       std::string("\xff\xfev\0 \0"
+                   "0\0",
+                   8),
+       "utf16.obj"},
+      {"binary.obj", std::string("\0\1\2\3", 4), "binary.obj"},
+  };
+  for (const auto& bad : cases) {
+    const Ended ended = check(bad.name, bad.bytes);
+    EXPECT_EQ(ended.code, 3) << bad.name;
+    EXPECT_THAT(ended.err, HasSubstr(bad.place)) << bad.name;
+    EXPECT_THAT(ended.err, Not(HasSubstr("internal error"))) << bad.name;
+    EXPECT_THAT(ended.out, IsEmpty()) << bad.name;
+  }
+}
+
+TEST_F(CommandLine, FilesThatCannotBeReadExitWithSeven) {
+  const Ended missing = hotblade({"check", (files_ / "missing.obj").string(), "--units", "mm"});
+  EXPECT_EQ(missing.code, 7);
+  EXPECT_THAT(missing.err, AllOf(HasSubstr("missing.obj: "), Not(HasSubstr("internal error"))));
+  EXPECT_EQ(hotblade({"check", files_.path().string(), "--units", "mm"}).code, 7);
+  EXPECT_EQ(hotblade({"check", kVault, "--config", (files_ / "missing.toml").string()}).code, 7);
+}
+
+// ---- config ----
+
+TEST_F(CommandLine, UnknownConfigKeysNameFileAndLine) {
+  const std::string file = write("job.toml", "[design]\nunits = \"mm\"\nkeeps = \"back\"\n");
+  for (const Words& args : {Words{"check", kVault, "--config", file},
+                            Words{"config", "show", "--config", file}, Words{"config", "validate", file}}) {
+    const Ended ended = hotblade(args);
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_EQ(ended.err, file + ":3: design.keeps: unknown key: did you mean design.keep?\n");
+  }
+}
+
+TEST_F(CommandLine, ConfigDefaultsAreASettingsFileThatChangesNothing) {
+  const Ended defaults = hotblade({"config", "defaults"});
+  EXPECT_EQ(defaults.code, 0);
+  const std::string file = write("defaults.toml", defaults.out);
+  EXPECT_EQ(hotblade({"config", "show", "--config", file}).out, defaults.out);
+  EXPECT_EQ(hotblade({"config", "validate", file}).code, 0);
+}
+
+TEST_F(CommandLine, ConfigShowAppliesFilesThenAssignments) {
+  const std::string first = write("a.toml", "[blade]\nkerf_mm = 2\nsafety = 2\n");
+  const std::string second = write("b.toml", "[blade]\nkerf_mm = 3\n");
+  const Ended ended =
+      hotblade({"config", "show", "--config", first, "--config", second, "--set", "blade.safety=4"});
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("\nkerf_mm = 3\n"), HasSubstr("\nsafety = 4\n")));
+}
+
+TEST_F(CommandLine, ConfigValidateLooksAtEveryFile) {
+  const std::string good = write("good.toml", "[blade]\nsafety = 2\n");
+  const std::string bad = write("bad.toml", "[blade]\nsafety = 0.5\n");
+  const Ended ended = hotblade({"config", "validate", bad, good});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(ended.out, good + ": ok\n");
+  EXPECT_EQ(ended.err, bad + ":2: blade.safety (0.5, must be 1 to 10)\n");
+}
+
+// ---- plan ----
+
+// The smallest job that plans: coarse ribs on the sample that plans fastest.
+Words plan_hypar(const std::filesystem::path& directory, const Words& more = {}) {
+  const std::string sample = hotblade::testing::source_dir() + "/samples/hypar";
+  Words args{
+      "plan",  sample + ".obj",        "--config", sample + ".toml",  "--set", "slice.direction=[1, 0, 0]",
+      "--set", "slice.spacing_mm=100", "-o",       directory.string()};
+  args.insert(args.end(), more.begin(), more.end());
+  return args;
+}
+
+TEST_F(CommandLine, PlanLeavesWhatIsThereWithoutForce) {
+  const auto directory = files_ / "cut";
+  std::filesystem::create_directory(directory);
+  write("cut/program.json", "precious");
+  const Ended refused = hotblade(plan_hypar(directory));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(directory.string()), HasSubstr("--force")));
+  EXPECT_EQ(testing::read_bytes(directory / "program.json"), "precious");
+  EXPECT_EQ(testing::files_in(directory), 1u);
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--force"})).code, 0);
+  EXPECT_THAT(testing::read_bytes(directory / "program.json"), StartsWith("{"));
+}
+
+TEST_F(CommandLine, PlanWritesRibsThatComeAndGoWithTheProgram) {
+  const auto directory = files_ / "cut", ribs = directory / "ribs";
+  ASSERT_EQ(hotblade(plan_hypar(directory)).code, 0);
+  const auto drawing = ribs / "S001.dxf";
+  const std::string drawn = testing::read_bytes(drawing), beziers = testing::read_bytes(ribs / "beziers.csv");
+  EXPECT_THAT(drawn, HasSubstr("S001R001"));
+  EXPECT_THAT(beziers, HasSubstr("\nS001R001,3,"));
+
+  // The ribs alone stand in the way of a plan too.
+  for (const auto& entry : std::filesystem::directory_iterator(directory)) {
+    if (entry.path() != ribs) std::filesystem::remove(entry.path());
+  }
+  const Ended refused = hotblade(plan_hypar(directory));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr(ribs.string()), HasSubstr("--force")));
+
+  // Those of an older plan go, what is not ours stays; the same plan gives the same bytes.
+  write("cut/ribs/S077.dxf", "old");
+  write("cut/ribs/S077 with my notes.dxf", "mine");
+  ASSERT_EQ(hotblade(plan_hypar(directory, {"--force"})).code, 0);
+  EXPECT_FALSE(std::filesystem::exists(ribs / "S077.dxf"));
+  EXPECT_EQ(testing::read_bytes(ribs / "S077 with my notes.dxf"), "mine");
+  EXPECT_EQ(testing::read_bytes(drawing), drawn);
+  EXPECT_EQ(testing::read_bytes(ribs / "beziers.csv"), beziers);
+
+  // A refused plan leaves no ribs to cut templates from.
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--set", "blade.min_margin=100", "--force"})).code, 4);
+  EXPECT_EQ(testing::files_in(ribs), 1u);
+}
+
+TEST_F(CommandLine, PlanSaysSoWhenAFileStandsWhereTheRibsGo) {
+  std::filesystem::create_directory(files_ / "cut");
+  write("cut/ribs", "a file");
+  const Ended refused = hotblade(plan_hypar(files_ / "cut", {"--force"}));
+  EXPECT_EQ(refused.code, 7);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("cut/ribs"), HasSubstr("not a directory")));
+  EXPECT_EQ(testing::read_bytes(files_ / "cut/ribs"), "a file");
+}
+
+TEST_F(CommandLine, ARefusedPlanWritesItsReportAndAProgramOnlyWhenOverridden) {
+  const auto directory = files_ / "cut";
+  const std::vector<std::string> too_stable{"--set", "blade.min_margin=100"};
+  const Ended refused = hotblade(plan_hypar(directory, too_stable));
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("stability margin"), HasSubstr("limit 100")));
+  EXPECT_TRUE(std::filesystem::exists(directory / "report.json"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "program.json"));
+
+  // Strips that no blade serves cannot be written at all: overridden is a limit of the motion.
+  const std::vector<std::string> too_slow{
+      "--set", "motion.min_feed_mm_s=6.99", "--set", "motion.feed_mm_s=7", "--force", "--override"};
+  const Ended overridden = hotblade(plan_hypar(directory, too_slow));
+  EXPECT_EQ(overridden.code, 4);
+  EXPECT_THAT(overridden.err, HasSubstr("feed of the slowest blade point"));
+  const std::string program = (directory / "program.json").string();
+  EXPECT_THAT(testing::read_bytes(program), HasSubstr("feed of the slowest blade point"));
+  const Ended verified =
+      hotblade({"verify", program, "--design", hotblade::testing::source_dir() + "/samples/hypar.obj"});
+  EXPECT_EQ(verified.code, 4) << "a good cut of a refused plan";
+  EXPECT_THAT(verified.err, HasSubstr("not to be run"));
+  EXPECT_EQ(hotblade({"dryrun", program}).code, 4);
+
+  // A later refusal takes the program away with it.
+  EXPECT_EQ(hotblade(plan_hypar(directory, {"--set", "blade.min_margin=100", "--force"})).code, 4);
+  EXPECT_FALSE(std::filesystem::exists(program));
+}
+
+TEST_F(CommandLine, StrictTurnsWarningsIntoARefusal) {
+  const auto directory = files_ / "cut";
+  // Smaller than anything that is cut: a sign of wrong units.
+  write("speck.obj", "v 0 0 0\nv 15 0 0\nv 15 15 0\nv 0 15 0\nf 1 2 3 4\n");
+  const std::vector<std::string> plan{
+      "plan", (files_ / "speck.obj").string(), "--units", "mm", "-o", directory.string()};
+  auto strict = plan;
+  strict.insert(strict.end(), {"--strict", "--force"});
+  const Ended lenient = hotblade(plan);
+  const Ended refused = hotblade(strict);
+  EXPECT_THAT(lenient.err, HasSubstr("warning"));
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("--strict"));
+  EXPECT_FALSE(std::filesystem::exists(directory / "program.json"));
+}
+
+TEST_F(CommandLine, AToleranceOutOfRangeNamesTheFlag) {
+  const Ended ended = hotblade(plan_hypar(files_ / "cut", {"--tolerance", "nan"}));
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("--tolerance"));
+}
+
+TEST_F(CommandLine, PlanCannotWriteUnderAFile) {
+  write("file", "");
+  const Ended ended = hotblade(plan_hypar(files_ / "file" / "cut"));
+  EXPECT_EQ(ended.code, 7);
+  EXPECT_THAT(ended.err, AllOf(HasSubstr("file"), Not(HasSubstr("internal error"))));
+}
+
+TEST_F(CommandLine, PlanProgressIsJsonThatNeverGoesBack) {
+  const Ended ended = hotblade(plan_hypar(files_ / "cut", {"--progress", "json"}));
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.out, Not(HasSubstr("progress")));
+  std::istringstream lines(ended.err);
+  double before = 0;
+  std::size_t count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("{")) continue;
+    const double now = nlohmann::json::parse(line).at("progress");
+    EXPECT_GE(now, before);
+    before = now;
+    ++count;
+  }
+  EXPECT_GE(count, 3u);
+  EXPECT_EQ(before, 1.0);
+}
+
+TEST_F(CommandLine, PlanThatIsInterruptedExitsWith130AndLeavesNoProgram) {
+  // Fine ribs: long enough to be caught at work.
+  testing::Program program(
+      plan_hypar(files_ / "cut", {"--set", "slice.spacing_mm=0.5", "--progress", "json"}));
+  constexpr int kPatienceMs = 60000;
+  for (int ms = 0; ms < kPatienceMs && !program.printed_to_stderr("progress"); ++ms) usleep(1000);
+  ::kill(program.pid(), SIGINT);
+  const Ended ended = program.wait();
+  EXPECT_EQ(ended.code, 130) << ended.err;
+  EXPECT_FALSE(std::filesystem::exists(files_ / "cut" / "program.json"));
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

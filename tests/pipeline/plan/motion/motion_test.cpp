@@ -1,0 +1,165 @@
+#include "pipeline/plan/motion/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <set>
+
+#include "pipeline/plan/strips/strips.hpp"
+#include "surface/slice/slice.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+struct Planned {
+  StripPlan strip;
+  BladeMotion motion;
+};
+
+const Planned& planned() {
+  static const Planned p = [] {
+    surface::SliceOptions options;
+    options.normal = Eigen::Vector3d::UnitX();
+    const Settings settings = along_x();
+    const StripLayout layout =
+        lay_out_strips(make_targets(slice(cylinder_design(), options), settings), settings);
+    if (layout.strips.size() != 1) throw std::runtime_error("the cylinder makes one strip");
+    return Planned{layout.strips.front(), move_blade(layout.strips.front(), settings)};
+  }();
+  return p;
+}
+
+Eigen::Vector3d axis(const Pose& pose, int i) {
+  return pose.q.toRotationMatrix().col(i);
+}
+
+TEST(MoveBlade, KeepsEveryLimitByIndependentDifferences) {
+  const MotionSettings limits;
+  const auto& poses = planned().motion.poses;
+  for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+    for (std::size_t i = 1; i + 1 < poses.size(); ++i) {
+      const Pose &p = poses[i - 1].*clamp, &q = poses[i].*clamp, &r = poses[i + 1].*clamp;
+      const double t0 = poses[i].t - poses[i - 1].t, t1 = poses[i + 1].t - poses[i].t;
+      ASSERT_GT(t0, 0.004);
+      ASSERT_LE(t0, 0.05 + 1e-6);
+      EXPECT_LE((q.p - p.p).norm() / t0, limits.travel_mm_s);
+      EXPECT_LE(((r.p - q.p) / t1 - (q.p - p.p) / t0).norm() / t1, limits.accel_mm_s2);
+      EXPECT_LE(p.q.angularDistance(q.q) / t0, limits.angular_rad_s);
+      EXPECT_LE(std::abs(q.q.angularDistance(r.q) / t1 - p.q.angularDistance(q.q) / t0) / t1,
+                limits.angular_accel_rad_s2);
+    }
+  }
+  EXPECT_TRUE(planned().motion.refusals.empty());
+}
+
+TEST(MoveBlade, ClampsSitOnTheBladesEndsWithItsTangents) {
+  for (const BladePose& pose : planned().motion.poses) {
+    const auto ends = elastica::sample(pose.blade, 2);
+    for (const auto& [clamp, point] : {std::pair{pose.a, ends[0]}, std::pair{pose.b, ends[1]}}) {
+      EXPECT_LT((clamp.p - pose.frame.point(point.x, point.y)).norm(), 1e-9);
+      const Eigen::Vector3d tangent =
+          std::cos(point.theta) * pose.frame.x + std::sin(point.theta) * pose.frame.y;
+      EXPECT_LT((axis(clamp, 0) - tangent).norm(), 1e-9);
+      EXPECT_LT((axis(clamp, 2) - pose.frame.normal()).norm(), 1e-9);
+    }
+    EXPECT_EQ(pose.blade.length, planned().strip.blade_length_mm);
+  }
+}
+
+TEST(MoveBlade, StartsAndEndsAtAFlatCircularArc) {
+  for (const BladePose* pose : {&planned().motion.poses.front(), &planned().motion.poses.back()}) {
+    const double l = pose->blade.length;
+    const double half_turn = 0.5 * pose->blade.kappa * l;
+    EXPECT_GE(std::abs(half_turn), 0.10);
+    EXPECT_LE(std::abs(half_turn), 0.17);
+    EXPECT_EQ(pose->blade.lambda1, 0);
+    EXPECT_EQ(pose->blade.lambda2, 0);
+    EXPECT_NEAR((pose->a.p - pose->b.p).norm(), l * std::sin(half_turn) / half_turn, 1e-6);
+    EXPECT_FALSE(pose->heat);
+  }
+}
+
+TEST(MoveBlade, RunsThroughThePhasesInOrderAndHeatsOnlyWhenNeeded) {
+  std::vector<std::string> phases;
+  for (const BladePose& pose : planned().motion.poses) {
+    if (phases.empty() || phases.back() != pose.phase) phases.push_back(pose.phase);
+    const std::set<std::string> hot{"preheat", "approach", "lead_in", "cut", "lead_out"};
+    EXPECT_EQ(pose.heat, hot.count(pose.phase) > 0) << pose.phase;
+    EXPECT_EQ(pose.foam.has_value(), pose.phase == "cut");
+  }
+  EXPECT_EQ(phases, (std::vector<std::string>{"form", "preheat", "approach", "lead_in", "cut", "lead_out",
+                                              "retract", "travel"}));
+}
+
+TEST(MoveBlade, StaysOnOneStableBranch) {
+  for (const BladePose& pose : planned().motion.poses) EXPECT_GT(pose.margin, 1);
+  EXPECT_GT(planned().motion.smallest_margin, 1);
+}
+
+TEST(MoveBlade, PassesThroughEveryRib) {
+  std::set<int> ribs;
+  for (const BladePose& pose : planned().motion.poses) {
+    if (!pose.rib) continue;
+    ribs.insert(*pose.rib);
+    const RibFit& rib = planned().strip.ribs[static_cast<std::size_t>(*pose.rib)];
+    const auto [s0, s1] = *pose.foam;
+    const auto on_blade = elastica::point_at(pose.blade, 0.5 * (s0 + s1));
+    EXPECT_LT(elastica::max_distance(std::vector{on_blade.position()}, rib.elastica), 0.05);
+  }
+  EXPECT_EQ(ribs.size(), planned().strip.ribs.size());
+}
+
+TEST(LayOutStrips, PutsTheBlockOnThePlinthAboveTheTableCentred) {
+  const StripPlan& strip = planned().strip;
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d size = strip.stock.size_mm;
+    const Eigen::Vector3d p = strip.stock.frame.point(
+        (corner & 1) ? size.x() : 0, (corner & 2) ? size.y() : 0, (corner & 4) ? size.z() : 0);
+    const Pose cell = transformed(strip.design_to_cell, {p, Eigen::Quaterniond::Identity()});
+    low = low.cwiseMin(cell.p);
+    high = high.cwiseMax(cell.p);
+  }
+  EXPECT_NEAR(low.z(), 150, 1e-9);
+  EXPECT_NEAR(low.x() + high.x(), 0, 1e-9);
+  EXPECT_NEAR(low.y() + high.y(), 0, 1e-9);
+  // The sweep runs downwards, so rib planes lie level.
+  EXPECT_NEAR((strip.design_to_cell.q * strip.sweep).z(), -1, 1e-12);
+}
+
+double lowest_clamp_mm(const StripPlan& strip, const BladeMotion& motion) {
+  double lowest = 1e9;
+  for (const BladePose& pose : motion.poses)
+    for (const Pose& clamp : {pose.a, pose.b})
+      lowest = std::min(lowest, transformed(strip.design_to_cell, clamp).p.z());
+  return lowest;
+}
+
+TEST(MoveBlade, RaisesTheBlockAsFarAsTheClampsNeedIt) {
+  StripPlan low = planned().strip;
+  low.design_to_cell.p.z() -= 130;
+  const BladeMotion raised = move_blade(low, along_x());
+  for (const Refusal& r : raised.refusals) ADD_FAILURE() << describe(r);
+  const double lowest = lowest_clamp_mm(low, raised);
+  ASSERT_LT(lowest, 40);
+  EXPECT_GE(lowest + raised.raise_mm, 40);
+  EXPECT_LT(lowest + raised.raise_mm, 50);
+  EXPECT_EQ(std::fmod(raised.raise_mm, 10), 0);
+  EXPECT_EQ(planned().motion.raise_mm, 0);
+}
+
+TEST(MoveBlade, RefusesClampsBelowTheTableOnAPlinthThatIsGiven) {
+  StripPlan low = planned().strip;
+  low.design_to_cell.p.z() -= 130;
+  Settings given = along_x();
+  given.machine.plinth_mm = 20;
+  const BladeMotion motion = move_blade(low, given);
+  EXPECT_EQ(motion.raise_mm, 0);
+  ASSERT_EQ(motion.refusals.size(), 1U);
+  EXPECT_EQ(motion.refusals.front().limit, "clamp height above the table");
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

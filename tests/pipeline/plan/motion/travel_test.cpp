@@ -1,0 +1,141 @@
+#include "pipeline/plan/motion/travel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <numbers>
+
+#include "pipeline/plan/motion/motion.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/program/read_design.hpp"
+#include "tests/paths.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+const std::filesystem::path kSamples = std::filesystem::path(hotblade::testing::source_dir()) / "samples";
+
+Program planned(const surface::DesignSurface& design, const Settings& settings) {
+  return plan(design, settings, {}).program;
+}
+
+Program planned_sample(const std::string& name) {
+  SettingsSources sources;
+  sources.files.emplace_back(kSamples / (name + ".toml"));
+  const Settings settings = resolve(sources);
+  return planned(read_design(kSamples / (name + ".obj"), settings.design), settings);
+}
+
+// Clamps between two waypoints as the controller moves them.
+Pose between(const Pose& p, const Pose& q, double u) {
+  return {(1 - u) * p.p + u * q.p, p.q.slerp(u, q.q)};
+}
+
+struct Travelled {
+  double seconds = 0, clearance_mm = 1e9, bent_mm = 0;
+};
+
+// The whole blade on its way, by points seen from clamp A: the blade keeps its shape. Distances to the stock
+// by Eigen's box.
+Travelled measure(const Strip& strip, double width_mm) {
+  Travelled found;
+  const Frame& f = strip.stock.frame;
+  Eigen::Matrix3d axes;
+  axes << f.x, f.y, f.normal();
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Zero(), strip.stock.size_mm);
+  std::vector<Eigen::Vector3d> seen;  // from clamp A
+  for (std::size_t i = 1; i < strip.poses.size(); ++i) {
+    const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
+    if (q.phase != "travel") continue;
+    found.seconds += q.t - p.t;
+    if (seen.empty()) {
+      for (const auto& point : elastica::sample(p.blade, 1000)) {
+        for (const double side : {-0.5, 0.5}) {
+          const Eigen::Vector3d at = p.frame.point(point.x, point.y) + side * width_mm * p.frame.normal();
+          seen.push_back(p.a.q.conjugate() * (at - p.a.p));
+        }
+      }
+    }
+    for (const double u : {0.25, 0.5, 0.75, 1.0}) {
+      const Pose a = between(p.a, q.a, u), b = between(p.b, q.b, u);
+      const Eigen::Vector3d end = 0.5 * (seen.end()[-1] + seen.end()[-2]);
+      found.bent_mm = std::max(found.bent_mm, (a.p + a.q * end - b.p).norm());
+      for (const Eigen::Vector3d& s : seen) {
+        const Eigen::Vector3d local = axes.transpose() * (a.p + a.q * s - f.origin);
+        found.clearance_mm = std::min(found.clearance_mm, box.exteriorDistance(local));
+      }
+    }
+  }
+  return found;
+}
+
+// `around_mm`: how far from the stock the way may keep; of a fan more, whose planes see it tilted.
+void expect_clear_way_home(const Program& program, double around_mm = 70) {
+  for (const Strip& strip : program.strips) {
+    const Travelled found = measure(strip, program.blade.width_mm);
+    EXPECT_GT(found.seconds, 1) << strip.id;
+    EXPECT_GE(found.clearance_mm, 40) << strip.id;
+    EXPECT_LT(found.clearance_mm, 40 + around_mm) << strip.id;  // around the stock, not around the table
+    EXPECT_LT(found.bent_mm, 0.01) << strip.id;                 // a rigid motion, but for chords of it
+    const BladePose &first = strip.poses.front(), &last = strip.poses.back();
+    EXPECT_EQ(last.phase, "travel");
+    const auto middle = [&](const BladePose& pose) {
+      const auto m = elastica::point_at(pose.blade, pose.blade.length / 2);
+      return std::pair{pose.frame.point(m.x, m.y),
+                       Eigen::Vector3d(std::cos(m.theta) * pose.frame.x + std::sin(m.theta) * pose.frame.y)};
+    };
+    EXPECT_LT((middle(first).first - middle(last).first).norm(), 1e-6) << strip.id;
+    EXPECT_LT((middle(first).second - middle(last).second).norm(), 1e-9) << strip.id;
+  }
+}
+
+TEST(Travel, KeepsTheWholeBladeClearOfTheStockOnACylinder) {
+  expect_clear_way_home(planned(cylinder_design(), along_x()));
+}
+
+TEST(Travel, KeepsTheWholeBladeClearOfTheStockOnAHypar) {
+  expect_clear_way_home(planned_sample("hypar"));
+}
+
+TEST(Travel, KeepsTheWholeBladeClearOfTheStockOnAnSWall) {
+  expect_clear_way_home(planned_sample("s_wall"));
+}
+
+TEST(Travel, KeepsTheWholeBladeClearOfTheStockInAFan) {
+  expect_clear_way_home(planned_sample("corner"), 150);
+}
+
+// A barrel of meridian arcs, all the way round: four blocks of a quarter each.
+TEST(Travel, KeepsTheWholeBladeClearOfTheStockInTheSectorsOfARing) {
+  surface::DesignSurface barrel = grid_design("barrel", 144, 24, [](double u, double v) {
+    const double a = 2 * std::numbers::pi * u, out = 250 + 20 * (1 - (2 * v - 1) * (2 * v - 1));
+    return Eigen::Vector3d(out * std::cos(a), out * std::sin(a), 200 * v);
+  });
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = "back";
+  settings.machine.plinth_mm = 400;
+  settings.slice.fan_axis = {{0, 0, 0, 0, 0, 1}};
+  const PlanResult ring = plan(barrel, settings, {});
+  EXPECT_EQ(ring.program.verification.status, "passed");
+  EXPECT_GE(ring.strips.size(), 2u);
+  EXPECT_LT(ring.verification.uncut_share(), 1e-3);
+  expect_clear_way_home(ring.program, 150);
+}
+
+TEST(BladeClearance, IsALowerBoundOfTheDistance) {
+  // A straight blade 100 mm above a block: what lies between the points is taken off.
+  Stock stock;
+  stock.frame = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  stock.size_mm = {500, 300, 200};
+  const Frame plane{{0, 150, 300}, {1, 0, 0}, {0, 0, 1}};
+  const double found = blade_clearance_mm({-100, 0, 0, 0, 0, 0, 700}, plane, stock, 8);
+  EXPECT_LE(found, 100);
+  EXPECT_GE(found, 98.9);
+  EXPECT_EQ(blade_clearance_mm({-100, -150, 0, 0, 0, 0, 700}, plane, stock, 8), 0);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

@@ -1,0 +1,241 @@
+#include "pipeline/plan/plan.hpp"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/report/emit.hpp"
+#include "pipeline/verify/budget.hpp"
+#include "tests/paths.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+struct Sample {
+  const char* name;
+  std::size_t most_strips;
+  double most_mm;
+};
+
+class PlanSample : public ::testing::TestWithParam<Sample> {};
+
+PlanResult plan_sample(const std::string& name) {
+  const std::string base = hotblade::testing::source_dir() + "/samples/" + name;
+  const Settings settings = resolve({{base + ".toml"}, {}, {}});
+  return plan(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings, {});
+}
+
+TEST_P(PlanSample, IsCutWithinItsTolerance) {
+  const PlanResult result = plan_sample(GetParam().name);
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_LE(result.verification.deviation.max, GetParam().most_mm);
+  EXPECT_LT(result.verification.uncut_share(), 0.001);
+  EXPECT_LE(result.strips.size(), GetParam().most_strips);
+  for (const StripFacts& f : result.strips) {
+    EXPECT_GE(f.smallest_radius_mm, 1 / result.program.blade.max_curvature_per_mm);
+    EXPECT_GT(f.smallest_margin, 1);
+    EXPECT_GE(f.clamp_clearance_mm, 40);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, PlanSample,
+    ::testing::Values(Sample{"barrel_vault", 2, 0.3}, Sample{"s_wall", 3, 0.5}, Sample{"hypar", 1, 0.3},
+                      Sample{"bump", 3, 0.5}, Sample{"saddle", 1, 0.5}, Sample{"vase", 6, 0.3},
+                      Sample{"window", 1, 0.6}, Sample{"branch", 1, 0.4}, Sample{"ragged", 1, 0.3},
+                      Sample{"wave_wall", 6, 0.6}, Sample{"corner", 6, 0.5}, Sample{"petal", 1, 0.2}),
+    [](const ::testing::TestParamInfo<Sample>& sample) { return std::string(sample.param.name); });
+
+TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
+  std::string texts[2];
+  for (const std::size_t threads : {1u, 2u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    texts[threads - 1] = to_json(plan(cylinder_design(), along_x(), {}).program);
+  }
+  EXPECT_EQ(texts[0], texts[1]);
+}
+
+TEST(Plan, SetsFewRibsWhereTheDesignChangesLittleAlongTheSweep) {
+  // Every section of the cylinder is the same circle: five ribs tell that, of sixteen sections.
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  ASSERT_EQ(result.strips.size(), 1u);
+  EXPECT_EQ(result.strips[0].ribs, 5u);
+}
+
+TEST(Plan, SetsMoreRibsForASmallerTolerance) {
+  std::size_t before = 0;
+  for (const double tolerance : {2.0, 0.5, 0.2}) {
+    Settings settings = along_x();
+    settings.design.tolerance_mm = tolerance;
+    // An arch whose rise waves along the sweep.
+    const auto wavy = grid_design("wavy", 120, 60, [](double u, double v) {
+      const double rise = 60 + 8 * std::sin(9 * u), across = 2 * v - 1;
+      return Eigen::Vector3d(600 * u, 300 * v, rise * (1 - across * across));
+    });
+    const PlanResult result = plan(wavy, settings, {});
+    EXPECT_EQ(result.program.verification.status, "passed") << tolerance;
+    EXPECT_LE(result.verification.deviation.max, tolerance);
+    ASSERT_FALSE(result.strips.empty());
+    EXPECT_GE(result.strips[0].ribs, before);
+    before = result.strips[0].ribs;
+  }
+  EXPECT_GT(before, 5u);
+}
+
+TEST(RankDirections, FindsTheSameDirectionInATurnedDesign) {
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = "back";
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.rotate(Eigen::AngleAxisd(0.8, Eigen::Vector3d(0.3, -1, 0.4).normalized()));
+  turn.translation() = Eigen::Vector3d(5000, -300, 70);
+  const auto arch = [](const Eigen::Isometry3d& placed) {
+    return grid_design("arch", 40, 30, [&](double u, double v) -> Eigen::Vector3d {
+      const double y = 500 * (v - 0.5);
+      return placed * Eigen::Vector3d(800 * u, y, (100 + 20 * u) * (1 - y * y / 90000));
+    });
+  };
+  const auto here = rank_directions(arch(Eigen::Isometry3d::Identity()), settings);
+  const auto there = rank_directions(arch(turn), settings);
+  ASSERT_EQ(here.size(), there.size());
+  EXPECT_GT((turn.linear() * here.front().normal).dot(there.front().normal), 1 - 1e-9);
+  EXPECT_EQ(here.front().strips, there.front().strips);
+  // Fits stop at 1e-6 of a rib's length; scores closer than 0.05 count as equal.
+  EXPECT_NEAR(here.front().score, there.front().score, 1e-5);
+  EXPECT_GT(std::abs(here.front().normal.x()), 0.999);  // across the arches
+}
+
+TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
+  const auto pipe = grid_design("pipe", 4, 60, [](double u, double v) {
+    const double phi = 2.0 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 50 * std::sin(phi), 50 * std::cos(phi));
+  });
+  const PlanResult result = plan(pipe, along_x(), {});
+  EXPECT_EQ(result.program.verification.status, "refused");
+  ASSERT_FALSE(result.refusals.empty());
+  const std::string message = describe(result.refusals.front());
+  EXPECT_NE(message.find("radius of a rib"), std::string::npos) << message;
+  EXPECT_NEAR(result.refusals.front().value, 50.5, 2);
+  EXPECT_NEAR(result.refusals.front().bound, 70.5, 0.1);
+}
+
+TEST(Plan, RefusesAnUncutShareOverTheLimitByName) {
+  // A floor that ends in a wall down, square to the sweep, which no rib plane meets.
+  const auto step = grid_design("step", 3, 12, [](double u, double v) {
+    const double x[] = {0, 200, 400, 400}, z[] = {0, 0, 0, -120};
+    const auto i = static_cast<std::size_t>(std::lround(3 * u));
+    return Eigen::Vector3d(x[i], 300 * v, z[i]);
+  });
+  const PlanResult result = plan(step, along_x(), {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("uncut share") != std::string::npos;
+  });
+  EXPECT_TRUE(named);
+}
+
+TEST(Plan, FindsTheSameCutInADesignTurnedUpsideDownAndKeptAbove) {
+  Settings settings = along_x();
+  const PlanResult below = plan(cylinder_design(), settings, {});
+  settings.design.keep = "above";
+  const auto turned = grid_design("turned", 4, 120, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 400 * std::sin(phi), -400 * std::cos(phi));
+  });
+  const PlanResult above = plan(turned, settings, {});
+  ASSERT_EQ(above.strips.size(), below.strips.size());
+  EXPECT_NEAR(above.verification.deviation.max, below.verification.deviation.max, 1e-6);
+  EXPECT_NEAR(above.strips[0].smallest_margin, below.strips[0].smallest_margin, 1e-3);
+  EXPECT_EQ(above.strips[0].blade_length_mm, below.strips[0].blade_length_mm);
+}
+
+TEST(Plan, WithoutPreheatStillGivesAReadableProgram) {
+  Settings settings = along_x();
+  settings.motion.preheat_s = 0;
+  settings.motion.approach_mm = settings.motion.lead_mm = 40;
+  const PlanResult result = plan(cylinder_design(), settings, {});
+  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_NO_THROW((void)parse_program(to_json(result.program), "program.json"));
+}
+
+// Bent by 137 degrees: the clamps hang below the block's sides, and pass below it when the blade withdraws.
+surface::DesignSurface half_tube() {
+  return grid_design("half_tube", 8, 160, [](double u, double v) {
+    const double phi = 2.4 * (v - 0.5);
+    return Eigen::Vector3d(200 * u, 150 * std::sin(phi), 150 * std::cos(phi));
+  });
+}
+
+TEST(Plan, TakesALeadThatKeepsTheClampsClearWhenTheBladeWithdraws) {
+  Settings settings = along_x();
+  const PlanResult result = plan(half_tube(), settings, {});
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+  for (const StripFacts& f : result.strips) EXPECT_GE(f.clamp_clearance_mm, settings.stock.clearance_mm);
+}
+
+TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {
+  Settings settings = along_x();
+  settings.motion.lead_mm = 20;
+  const PlanResult result = plan(half_tube(), settings, {});
+  const bool said = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return describe(r).find("raise motion.lead_mm to stock.clearance_mm") != std::string::npos;
+  });
+  EXPECT_TRUE(said);
+}
+
+TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
+  // The cylinder leans along the sweep, so that sag out of the rib plane moves the surface.
+  const auto leaning = grid_design("leaning", 60, 60, [](double u, double v) {
+    return Eigen::Vector3d(300 * u, 1300 * (v - 0.5), 60 * u - 120 * (v - 0.5) * (v - 0.5));
+  });
+  Settings settings = along_x();
+  settings.stock.max_size_mm = {{1500, 1500, 1500}};
+  settings.blade.free_lengths_mm = {2000};
+  settings.fit.max_splits = 0;
+  settings.design.tolerance_mm = 0.5;
+  settings.machine.plinth_mm = 500;
+  const PlanResult result = plan(leaning, settings, {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("sag of the blade") != std::string::npos;
+  });
+  EXPECT_TRUE(named);
+  EXPECT_EQ(result.program.verification.status, "refused");
+}
+
+TEST(Plan, RefusesASlowBladePointByName) {
+  // A fan about a line close to one border: the blade all but stands there.
+  const auto fan = grid_design("fan", 60, 60, [](double u, double v) {
+    const double turn = 0.5 * (u - 0.5), r = 60 + 500 * v;
+    return Eigen::Vector3d(r * std::sin(turn), r * std::cos(turn), 0);
+  });
+  Settings settings = along_x();
+  settings.motion.min_feed_mm_s = settings.motion.feed_mm_s;
+  const PlanResult result = plan(fan, settings, {});
+  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
+    return r.limit.find("feed of the slowest") != std::string::npos;
+  });
+  EXPECT_TRUE(named);
+}
+
+TEST(MeshChordMm, OfACylinderIsItsSagitta) {
+  const double step = 0.6 / 60;
+  EXPECT_NEAR(mesh_chord_mm(cylinder_design(60).mesh), 400 * (1 - std::cos(step / 2)),
+              0.2 * 400 * step * step / 8);
+}
+
+TEST(ReportJson, SaysTheVerdictTheBudgetAndWhatWasNotChecked) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const auto report = nlohmann::json::parse(report_json(result));
+  EXPECT_EQ(report["status"], "passed");
+  EXPECT_EQ(report["strips"].size(), result.strips.size());
+  EXPECT_GT(report["not_checked"].size(), 3u);
+  EXPECT_GT(report["budget_mm"].size(), 4u);
+  EXPECT_EQ(report["directions"].size(), 1u);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

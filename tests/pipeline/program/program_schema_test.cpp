@@ -1,0 +1,78 @@
+// The JSON Schema that ships with the project accepts what hotblade writes and refuses what it would not
+// read.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "pipeline/program/program.hpp"
+#include "tests/paths.hpp"
+#include "tests/pipeline/vault_program.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Json = nlohmann::json;
+using Adapter = valijson::adapters::NlohmannJsonAdapter;
+
+class ProgramSchema : public ::testing::Test {
+ protected:
+  ProgramSchema() {
+    std::ifstream file(hotblade::testing::source_dir() + "/docs/program.schema.json");
+    document_ = Json::parse(file);
+    valijson::SchemaParser parser(valijson::SchemaParser::kDraft7);
+    parser.populateSchema(Adapter(document_), schema_);
+  }
+
+  bool accepts(const Json& program) {
+    valijson::Validator validator;
+    return validator.validate(schema_, Adapter(program), nullptr);
+  }
+
+  Json document_;
+  valijson::Schema schema_;
+};
+
+Json vault() {
+  return Json::parse(to_json(testing::vault_program({.strips = 2})));
+}
+
+TEST_F(ProgramSchema, AcceptsAGeneratedProgram) {
+  EXPECT_TRUE(accepts(vault()));
+}
+
+TEST_F(ProgramSchema, RefusesABrokenProgram) {
+  const std::pair<const char*, std::function<void(Json&)>> breakages[] = {
+      {"format", [](Json& j) { j["format"] = "gcode"; }},
+      {"version", [](Json& j) { j["version"] = 2; }},
+      {"missing key", [](Json& j) { j.erase("overrides"); }},
+      {"unknown key", [](Json& j) { j["note"] = 1; }},
+      {"hash", [](Json& j) { j["design"]["sha256"] = "abc"; }},
+      {"path", [](Json& j) { j["design"]["file"] = "a/b.obj"; }},
+      {"keep", [](Json& j) { j["design"]["keep"] = "left"; }},
+      {"no strips", [](Json& j) { j["strips"] = Json::array(); }},
+      {"flat stock", [](Json& j) { j["strips"][0]["stock"]["size_mm"][0] = 0; }},
+      {"bezier of three", [](Json& j) { j["strips"][0]["ribs"][0]["bezier"].erase(3); }},
+      {"phase", [](Json& j) { j["strips"][0]["poses"][5]["phase"] = "dance"; }},
+      {"time", [](Json& j) { j["strips"][0]["poses"][5]["t"] = -1; }},
+      {"heat", [](Json& j) { j["strips"][0]["poses"][5]["heat"] = 1; }},
+      {"quaternion", [](Json& j) { j["strips"][0]["poses"][5]["a"]["q"].erase(3); }},
+      {"number as text", [](Json& j) { j["strips"][0]["poses"][5]["margin"] = "1"; }},
+      {"rib", [](Json& j) { j["strips"][0]["poses"][5]["rib"] = 1.5; }},
+      {"status", [](Json& j) { j["verification"]["status"] = "fine"; }},
+      {"budget", [](Json& j) { j["verification"]["budget_mm"]["mesh"] = -1; }},
+  };
+  for (const auto& [name, break_it] : breakages) {
+    Json json = vault();
+    break_it(json);
+    EXPECT_FALSE(accepts(json)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

@@ -1,0 +1,195 @@
+#include "pipeline/report/report_html.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <set>
+
+#include "pipeline/report/pictures.hpp"
+#include "pipeline/report/report_plots.hpp"
+#include "pipeline/report/strip_table.hpp"
+#include "pipeline/verify/foam_share.hpp"
+#include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/vault_program.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// Empty when every tag is closed in its order; else what is wrong.
+std::string unbalanced(const std::string& html) {
+  const std::set<std::string> empty_elements{"!doctype", "meta", "img", "br"};
+  std::vector<std::string> open;
+  for (std::size_t i = html.find('<'); i != std::string::npos; i = html.find('<', i + 1)) {
+    const std::size_t end = html.find('>', i);
+    if (end == std::string::npos) return "a tag without end";
+    const bool closing = html[i + 1] == '/';
+    const std::size_t start = i + (closing ? 2 : 1);
+    const std::string name = html.substr(start, html.find_first_of(" >/", start) - start);
+    if (empty_elements.count(name) > 0 || html[end - 1] == '/') continue;
+    if (!closing) {
+      open.push_back(name);
+    } else if (open.empty() || open.back() != name) {
+      return "</" + name + "> closes " + (open.empty() ? "nothing" : open.back());
+    } else {
+      open.pop_back();
+    }
+  }
+  return open.empty() ? "" : open.back() + " stays open";
+}
+
+Settings too_tight() {
+  Settings settings = along_x();
+  settings.blade.min_margin = 1000;
+  return settings;
+}
+
+TEST(ReportHtml, OfAPassedPlanSaysSoWithItsFigures) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const std::string html = report_html(result, {{"from above", "not really a picture"}}, "");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html, HasSubstr("Can be cut as planned"));
+  EXPECT_THAT(html, HasSubstr(fmt::format("{:.3f} mm", result.verification.deviation.max)));
+  EXPECT_THAT(html, HasSubstr("S001"));
+  EXPECT_THAT(html, HasSubstr(result.program.design.sha256));
+  EXPECT_THAT(html, HasSubstr("data:image/png;base64,bm90IHJlYWxseSBhIHBpY3R1cmU="));
+  for (const std::string& line : result.program.verification.not_checked) {
+    EXPECT_THAT(html, HasSubstr(escaped(line)));
+  }
+}
+
+TEST(ReportHtml, HasEveryColumnOfEveryStrip) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const std::string html = report_html(result, {}, "none");
+  ASSERT_FALSE(strip_columns().empty());
+  for (const StripColumn& c : strip_columns()) {
+    EXPECT_THAT(html, HasSubstr(fmt::format("<th>{}<small>{}</small></th>", c.name, c.unit)));
+    const StripRow row{result.strips.front(), result.program.strips.front(), result.program.blade, 0};
+    EXPECT_THAT(html, HasSubstr(">" + escaped(c.cell(row)) + "</td>")) << c.name;
+  }
+}
+
+TEST(FoamKeptShare, OfAVaultIsTheClosedFormOfItsSection) {
+  const Program program = testing::vault_program({.poses = 200});
+  const Strip& strip = program.strips.front();
+  // The block is 360 mm wide, from z = -60 mm up; the blade a circle about (0, -drop).
+  const double r = testing::kVaultRadius + 0.5, half = strip.stock.size_mm.x() / 2;
+  const double drop = testing::kVaultRadius * std::cos(testing::kVaultHalfAngle);
+  const double under = half * std::sqrt(r * r - half * half) + r * r * std::asin(half / r);
+  const double area = under + 2 * half * (60 - drop);
+  EXPECT_NEAR(foam_kept_share(strip), area / (2 * half * strip.stock.size_mm.z()), 1e-4);
+}
+
+TEST(FoamKeptShare, IsTheSameWhereThePlanesTurnAboutAnAxis) {
+  // Straight blades 100 mm above the bottom of a block 400 mm high, fanned about a vertical line beside it.
+  Strip strip = testing::vault_program({.poses = 60}).strips.front();
+  strip.stock.frame = {{-200, 0, -100}, {1, 0, 0}, {0, 0, 1}};
+  strip.stock.size_mm = {400, 400, 300};
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+    const double turn = 1.2 * (static_cast<double>(i) / 59 - 0.5);
+    BladePose& pose = strip.poses[i];
+    pose.phase = "cut";
+    pose.frame = {{-700, -150, 0}, {std::cos(turn), std::sin(turn), 0}, {0, 0, 1}};
+    pose.blade = {0, 0, 0, 0, 0, 0, 1200};
+  }
+  EXPECT_NEAR(foam_kept_share(strip), 0.25, 1e-9);
+}
+
+TEST(FoamKeptShare, IsNothingWhereNoPoseLiesInTheBlock) {
+  Strip strip = testing::vault_program().strips.front();
+  strip.stock.frame.origin.y() += 1e4;
+  EXPECT_EQ(foam_kept_share(strip), 0);
+}
+
+TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
+  const PlanResult result = plan(cylinder_design(), too_tight(), {});
+  ASSERT_FALSE(result.refusals.empty());
+  const std::string html = report_html(result, {}, "no EGL <here>");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html, HasSubstr("Not cuttable as asked"));
+  EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().limit)));
+  EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().hint)));
+  EXPECT_THAT(html, HasSubstr("no EGL &lt;here&gt;"));
+  EXPECT_THAT(html, HasSubstr("What would make it cuttable"));
+  EXPECT_THAT(html, HasSubstr("cannot be settled by a number"));
+}
+
+TEST(ReportHtml, SaysTheNumberThatWouldMakeARefusedJobCuttable) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  result.program.verification.status = "refused";
+  result.refusals = {{"S001", "", "deviation", 1.234, 1, "mm", "a larger tolerance"}};
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html,
+              HasSubstr("design.tolerance_mm</td><td class=\"n\">1 mm</td><td class=\"n\"><b>1.3 mm</b>"));
+}
+
+TEST(ReportHtml, WarnsWhenTheBudgetIsOverTheTolerance) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  EXPECT_THAT(report_html(result, {}, "none"), Not(HasSubstr("more than the tolerance")));
+  result.program.verification.budget_mm.emplace_back("clamp_error", 1.0);
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_THAT(html, HasSubstr("more than the tolerance"));
+  EXPECT_THAT(html,
+              HasSubstr(fmt::format("{:.4f} mm", budget_sum_mm(result.program.verification.budget_mm))));
+}
+
+TEST(ReportHtml, NeedsNothingButItself) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const std::string html = report_html(result, {}, "none");
+  for (const char* outside : {"http://", "https://", "<script", "<link", "url(", "@import"}) {
+    const std::string shown = outside;
+    // The SVG name space is a name, not an address that anything asks.
+    std::string text = html;
+    for (std::size_t at; (at = text.find("http://www.w3.org/2000/svg")) != std::string::npos;)
+      text.erase(at, 26);
+    EXPECT_THAT(text, Not(HasSubstr(shown)));
+  }
+}
+
+TEST(ReportHtml, EscapesNamesFromOutside) {
+  PlanResult result;
+  result.program.design.file = "<b>&\"name'.obj";
+  result.program.verification.status = "refused";
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html, HasSubstr("&lt;b&gt;&amp;&quot;name&#39;.obj"));
+}
+
+TEST(Pictures, AreTakenFromThreeSidesAlsoWhenNothingCanBeCut) {
+  const surface::DesignSurface design = cylinder_design();
+  for (const Settings& settings : {along_x(), too_tight()}) {
+    const ReportPictures taken = take_pictures(plan(design, settings, {}), design);
+    ASSERT_EQ(taken.pictures.size(), 3u) << taken.note;
+    std::set<std::string> different;
+    for (const ReportPicture& p : taken.pictures) {
+      EXPECT_EQ(p.png.substr(1, 3), "PNG");
+      different.insert(p.png);
+    }
+    EXPECT_EQ(taken.scene_gltf.substr(0, 1), "{");
+    EXPECT_EQ(different.size(), 3u);
+  }
+}
+
+TEST(DeviationHistogram, HoldsEverySampleAndAgreesWithThePercentiles) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  const VerifyReport& v = result.verification;
+  const std::size_t held =
+      std::accumulate(v.histogram.counts.begin(), v.histogram.counts.end(), v.histogram.beyond);
+  EXPECT_EQ(held, v.cut_samples + v.design_samples);
+  EXPECT_EQ(v.percentiles_mm.back().second, v.deviation.max);
+  for (const auto& [percent, mm] : v.percentiles_mm) {
+    std::size_t within = 0;
+    const auto bins = static_cast<std::size_t>(mm / v.histogram.bin_mm) + 1;
+    for (std::size_t i = 0; i < std::min(bins, v.histogram.counts.size()); ++i)
+      within += v.histogram.counts[i];
+    EXPECT_GE(100.0 * static_cast<double>(within), percent * static_cast<double>(held) - 1e-6) << percent;
+  }
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

@@ -1,0 +1,44 @@
+// The blades that ship with the program.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "pipeline/settings/settings.hpp"
+
+#include "tests/paths.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(BladeData, EveryShippedBladeIsAValidConfigurationThatNamesItsSources) {
+  std::size_t blades = 0;
+  for (const auto& entry : fs::directory_iterator(hotblade::testing::source_dir() + "/samples/blades")) {
+    const Settings settings = resolve({{entry.path()}, {}, {}});
+    EXPECT_GT(1 / max_curvature_per_mm(settings.blade), 30) << entry.path();
+    EXPECT_LT(1 / max_curvature_per_mm(settings.blade), 200) << entry.path();
+    std::ostringstream text;
+    text << std::ifstream(entry.path()).rdbuf();
+    EXPECT_NE(text.str().find("# Sources:"), std::string::npos) << entry.path();
+    ++blades;
+  }
+  EXPECT_GE(blades, 2u);
+}
+
+TEST(BladeData, TheDefaultsAreTheSpringSteelThatShips) {
+  const Settings shipped =
+      resolve({{hotblade::testing::source_dir() + "/samples/blades/spring_steel_1_4310.toml"}, {}, {}});
+  EXPECT_EQ(to_toml(shipped), to_toml(Settings{}));
+}
+
+TEST(BladeData, TheThinBladeBendsToTheRadiusItPromises) {
+  const Settings thin =
+      resolve({{hotblade::testing::source_dir() + "/samples/blades/carbon_steel_c67s.toml"}, {}, {}});
+  EXPECT_NEAR(1 / max_curvature_per_mm(thin.blade), 43.5, 0.5);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

@@ -1,0 +1,152 @@
+#include "pipeline/verify/as_cut.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/run/dryrun.hpp"
+#include "pipeline/settings/command_error.hpp"
+#include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+// A planned cylinder, executed by a simulator.
+struct Executed {
+  testing::TemporaryDirectory directory;
+  StripJobs work;
+  std::filesystem::path log;
+
+  explicit Executed(Program program) : log(directory / "execution.jsonl") {
+    const auto file = directory / "program.json";
+    std::ofstream(file) << to_json(program);
+    work = read_strip_jobs(file, true);
+    DryRunOptions options;
+    options.log_file = log;
+    options.limits = planned_limits(work.program);
+    options.blade = planned_blade(work.program);
+    const DryRunReport report = dry_run(work.jobs, options);
+    EXPECT_TRUE(report.holds()) << report.strips.back().stream.message;
+  }
+};
+
+const Program& cylinder_program() {
+  static const Program program = plan(cylinder_design(), along_x(), {}).program;
+  return program;
+}
+
+const Executed& cylinder() {
+  static const Executed executed(cylinder_program());
+  return executed;
+}
+
+AsCutReport measured(const Executed& run, const std::vector<ExecutedStrip>& strips) {
+  return as_cut(run.work.program, strips, cylinder_design(), {});
+}
+
+TEST(AsCut, IsThePlannedSurfaceToTheRegistersRounding) {
+  const auto strips = read_executed(cylinder().work, cylinder().log);
+  ASSERT_EQ(strips.size(), 1u);
+  EXPECT_NEAR(strips[0].executed_s, cylinder_program().strips[0].poses.back().t, 0.011);
+  const AsCutReport report = measured(cylinder(), strips);
+  EXPECT_TRUE(report.cut.within_tolerance);
+  EXPECT_NEAR(report.cut.deviation.max, cylinder_program().verification.deviation_mm.max, 0.02);
+  EXPECT_LT(report.shape_mismatch_mm, 1e-3 + 0.01)
+      << "rounding, five times as much at the belly of a shallow arc";
+  EXPECT_EQ(report.cut.gouge_mm, 0);
+  EXPECT_GT(report.touch_samples, 100u) << "lead-in, lead-out and the blade's ends lie in the block's border";
+  EXPECT_EQ(report.strip, "S001");
+}
+
+TEST(AsCut, TheBudgetIsNoLessThanTheWhole) {
+  const AsCutReport report = measured(cylinder(), read_executed(cylinder().work, cylinder().log));
+  EXPECT_GE(report.budget_sum_mm(), report.cut.deviation.max);
+  EXPECT_TRUE(report.not_in_budget.empty());
+  EXPECT_EQ(report.budget_mm.size(), 11u);
+  for (const auto& [name, mm] : report.budget_mm) EXPECT_TRUE(mm >= 0 && mm < 1) << name << " " << mm;
+}
+
+TEST(AsCut, AHotBladeBesideTheCutCountsOnTheKeptSideOnly) {
+  for (const double depth : {3.0, -3.0}) {
+    auto strips = read_executed(cylinder().work, cylinder().log);
+    ExecutedStrip& strip = strips[0];
+    std::size_t middle = strip.poses.size() / 2;
+    while (!strip.poses[middle].foam) ++middle;
+    BladePose stray = strip.poses[middle];
+    stray.foam.reset();
+    stray.frame.origin -= depth * stray.frame.y * (stray.frame.y.z() > 0 ? 1 : -1);
+    strip.poses.push_back(stray);
+    strip.after.push_back(strip.after.back());
+    strip.path_s.push_back(strip.path_s.back());
+    const AsCutReport report = measured(cylinder(), strips);
+    if (depth > 0) {
+      EXPECT_NEAR(report.cut.gouge_mm, depth, 0.3);
+      EXPECT_FALSE(report.cut.within_tolerance);
+    } else {
+      EXPECT_EQ(report.cut.gouge_mm, 0);
+      EXPECT_TRUE(report.cut.within_tolerance);
+    }
+  }
+}
+
+TEST(AsCut, AProgramMovedAwayIsOverTheTolerance) {
+  Program moved = cylinder_program();
+  for (BladePose& pose : moved.strips[0].poses) {
+    for (Eigen::Vector3d* p : {&pose.a.p, &pose.b.p, &pose.frame.origin}) *p += Eigen::Vector3d(0, 0, 1.5);
+  }
+  const Executed run(moved);
+  const AsCutReport report = measured(run, read_executed(run.work, run.log));
+  EXPECT_FALSE(report.cut.within_tolerance);
+  EXPECT_NEAR(report.cut.deviation.max, 1.5, 0.2);
+}
+
+void expect_refused(const StripJobs& work, const std::filesystem::path& log, Exit exit,
+                    const std::string& why) {
+  try {
+    (void)read_executed(work, log);
+    FAIL() << why;
+  } catch (const CommandError& error) {
+    EXPECT_EQ(error.code, exit);
+    EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+  }
+}
+
+TEST(ReadExecuted, RefusesALogThatProvesSomethingElse) {
+  const testing::TemporaryDirectory directory;
+  StripJobs other = cylinder().work;
+  other.jobs[0].id ^= 1;
+  expect_refused(other, cylinder().log, Exit::kBadInput, "another program");
+  other = cylinder().work;
+  other.jobs[0].raw[7][9] ^= 1;
+  expect_refused(other, cylinder().log, Exit::kBadInput, "bytes of a waypoint differ");
+  expect_refused(cylinder().work, directory / "none.jsonl", Exit::kFile, "cannot be read");
+  const std::string whole = testing::read_bytes(cylinder().log);
+  const auto cut = directory / "cut.jsonl";
+  std::ofstream(cut) << whole.substr(0, whole.size() / 2);
+  expect_refused(cylinder().work, cut, Exit::kBadInput, "incomplete");
+}
+
+TEST(ReadExecuted, RefusesALogWithoutShapes) {
+  const testing::TemporaryDirectory directory;
+  std::string text = testing::read_bytes(cylinder().log);
+  const auto at = text.find("\"blade\":{", text.size() / 3), end = text.find('}', at) + 1;
+  text.replace(at, end - at, "\"blade\":null");
+  const auto log = directory / "log.jsonl";
+  std::ofstream(log) << text;
+  expect_refused(cylinder().work, log, Exit::kBadInput, "no blade shape");
+}
+
+TEST(AsCut, JsonHasWhatTheTextSays) {
+  const AsCutReport report = measured(cylinder(), read_executed(cylinder().work, cylinder().log));
+  const auto json = nlohmann::json::parse(to_json(report, {}));
+  EXPECT_EQ(json["deviation_mm"]["max"].get<double>(), report.cut.deviation.max);
+  EXPECT_EQ(json["budget_mm"].size(), report.budget_mm.size());
+  EXPECT_EQ(json["budget_sum_mm"].get<double>(), report.budget_sum_mm());
+  EXPECT_NE(describe(report, {}).find("as cut: deviation max"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

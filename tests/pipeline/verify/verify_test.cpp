@@ -1,0 +1,170 @@
+#include "pipeline/verify/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/verify/swept_surface.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+const PlanResult& cylinder_plan() {
+  static const PlanResult result = plan(cylinder_design(), along_x(), {});
+  return result;
+}
+
+TEST(SweptSurface, OfACylinderPlanIsTheCylinder) {
+  const SweptSurface cut = swept_surface(cylinder_plan().program);
+  ASSERT_GT(cut.vertices.size(), 1000u);
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    const Eigen::Vector3d& p = cut.vertices[i];
+    // The mesh's chords lie 1e-3 mm under the cylinder.
+    EXPECT_NEAR(std::hypot(p.y(), p.z()), 400, 0.01);
+    EXPECT_NEAR(cut.normals[i].dot(Eigen::Vector3d(0, p.y(), p.z()) / 400), 1, 1e-3);
+  }
+}
+
+TEST(SweptSurface, FacesTheWaste) {
+  const SweptSurface cut = swept_surface(cylinder_plan().program);
+  for (const auto& t : cut.triangles) {
+    const auto at = [&](std::size_t i) { return cut.vertices[static_cast<std::size_t>(t[i])]; };
+    EXPECT_GT((at(1) - at(0)).cross(at(2) - at(0)).dot(cut.normals[static_cast<std::size_t>(t[0])]), 0);
+  }
+}
+
+TEST(SweptSurface, AMicrometreAtTheEndDoesNotTiltIt) {
+  Program program = cylinder_plan().program;
+  std::vector<BladePose>& poses = program.strips[0].poses;
+  const auto last = std::find_if(poses.rbegin(), poses.rend(), [](const BladePose& p) { return p.foam; });
+  ASSERT_NE(last, poses.rend());
+  // A hundredth of a millimetre on along the sweep, and one off: what registers and a log's rate make of an
+  // end.
+  BladePose pose = *last;
+  pose.frame.origin += 1e-2 * Eigen::Vector3d::UnitX() + 1e-3 * Eigen::Vector3d::UnitZ();
+  pose.t += 1e-3;
+  poses.insert(last.base(), pose);
+  double reach = 0;
+  const SweptSurface cut = swept_surface(program);
+  for (std::size_t i = 0; i < cut.vertices.size(); ++i) {
+    // A micrometre over half a sample of 2.5 mm, and the facets' own slope.
+    EXPECT_LT(std::abs(cut.normals[i].x()), 2e-3);
+    reach = std::max(reach, cut.vertices[i].x());
+  }
+  EXPECT_NEAR(reach, pose.frame.origin.x(), 1e-2);
+}
+
+TEST(Verify, MeasuresADesignMovedAway) {
+  for (const double by : {0.2, 0.7, 1.4}) {
+    surface::DesignSurface moved = cylinder_design();
+    for (Eigen::Vector3d& p : moved.mesh.vertices) p *= (400 + by) / 400;
+    const VerifyReport report = verify(cylinder_plan().program, moved, {});
+    EXPECT_NEAR(report.deviation.p99, by, 0.03);
+    // At the straight edges the scaled design also moves sideways, by 0.3 of the shift.
+    EXPECT_GT(report.deviation.max, by - 0.03);
+    EXPECT_LT(report.deviation.max, 1.25 * by + 0.1);
+    EXPECT_EQ(report.within_tolerance, by < 1);
+  }
+}
+
+TEST(Verify, MeasuresADentWhereItIs) {
+  surface::DesignSurface dented = cylinder_design();
+  auto& mesh = dented.mesh;
+  const Eigen::Vector3d place(150, 0, 400);
+  for (Eigen::Vector3d& p : mesh.vertices) {
+    if ((p - place).norm() < 8) p.z() -= 1.7;
+  }
+  const VerifyReport report = verify(cylinder_plan().program, dented, {});
+  EXPECT_NEAR(report.deviation.max, 1.7, 0.1);
+  EXPECT_LT(std::abs(report.deviation.at.x() - 150), 90);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+// Strips side by side, one after the other or all at once: the nearest of all of them counts, and the edge
+// that it lies on.
+TEST(Verify, DoesNotDependOnHowManyStripsAreSearchedAtOnce) {
+  Program program = cylinder_plan().program;
+  const Strip whole = program.strips.at(0);
+  program.strips.clear();
+  for (const double from : {0.0, 0.4, 0.7}) {
+    Strip part = whole;
+    part.id = "part" + std::to_string(program.strips.size());
+    for (BladePose& pose : part.poses) {
+      if (!pose.foam) continue;
+      const auto [s0, s1] = *pose.foam;
+      // The last one leaves a gap, which is uncut.
+      pose.foam = {{s0 + (from + (from > 0.5 ? 0.02 : 0)) * (s1 - s0), s0 + (from + 0.3) * (s1 - s0)}};
+    }
+    program.strips.push_back(part);
+  }
+  VerifyOptions options;
+  const VerifyReport at_once = verify(program, cylinder_design(), options);
+  options.cut_vertices_at_once = 1;
+  const VerifyReport one_by_one = verify(program, cylinder_design(), options);
+  EXPECT_GT(at_once.uncut_share(), 0.05);
+  EXPECT_NEAR(one_by_one.uncut_mm2, at_once.uncut_mm2, 1e-6 * at_once.uncut_mm2);
+  EXPECT_NEAR(one_by_one.deviation.max, at_once.deviation.max, 1e-9);
+  EXPECT_NEAR(one_by_one.deviation.p99, at_once.deviation.p99, 1e-9);
+  EXPECT_NEAR(one_by_one.deviation.rms, at_once.deviation.rms, 1e-9);
+  EXPECT_EQ(one_by_one.design_samples, at_once.design_samples);
+  EXPECT_EQ(one_by_one.histogram.counts, at_once.histogram.counts);
+}
+
+TEST(Verify, CountsWhatNoStripReachesAsUncutArea) {
+  // Half as long again: the last 150 mm are not cut, but for the reach of three tolerances.
+  const surface::DesignSurface longer = grid_design("longer", 45, 120, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(450 * u, 400 * std::sin(phi), 400 * std::cos(phi));
+  });
+  const VerifyReport report = verify(cylinder_plan().program, longer, {});
+  EXPECT_NEAR(report.uncut_share(), (450 - 300 - 3.0) / 450, 0.003);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+TEST(Verify, SeesClampsThatDoNotHoldThePlannedBlade) {
+  Program program = cylinder_plan().program;
+  EXPECT_LT(verify(program, cylinder_design(), {}).clamp_mismatch_mm, 1e-6);
+  program.strips[0].poses[300].b.p.x() += 0.5;
+  const VerifyReport report = verify(program, cylinder_design(), {});
+  EXPECT_NEAR(report.clamp_mismatch_mm, 0.5, 1e-6);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+TEST(Verify, SeesAFinBetweenTheRibsThatIsCutOff) {
+  // A fin 20 mm tall stands between two rib planes: the cut runs below it, well inside its own edges.
+  surface::DesignSurface fin = cylinder_design();
+  const Eigen::Vector3d a(149, -20, 399.5), b(149, 20, 399.5), up(0, 0, 20);
+  const int base = static_cast<int>(fin.mesh.vertices.size());
+  for (const Eigen::Vector3d& p : {a, b, Eigen::Vector3d(b + up), Eigen::Vector3d(a + up)}) {
+    fin.mesh.vertices.push_back(p);
+  }
+  fin.mesh.triangles.push_back({base, base + 1, base + 2});
+  fin.mesh.triangles.push_back({base, base + 2, base + 3});
+  const VerifyReport report = verify(cylinder_plan().program, fin, {});
+  EXPECT_GT(report.deviation.max, 15);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+TEST(Verify, SamplesNeedlesInProportionToTheirLength) {
+  // 300 mm long, 0.4 mm wide: an even subdivision of each would make 17 million.
+  const surface::DesignSurface needles = grid_design("needles", 1, 600, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 400 * std::sin(phi), 400 * std::cos(phi));
+  });
+  const VerifyReport report = verify(cylinder_plan().program, needles, {});
+  EXPECT_LT(report.design_samples, 300000u);
+  EXPECT_GT(report.design_samples, 10000u);
+  EXPECT_TRUE(report.within_tolerance);
+}
+
+TEST(Verify, OfAProgramWithoutStripsLeavesEverythingUncut) {
+  const VerifyReport report = verify(Program{}, cylinder_design(), {});
+  EXPECT_EQ(report.uncut_share(), 1);
+  EXPECT_FALSE(report.within_tolerance);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
