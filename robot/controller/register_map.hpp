@@ -7,7 +7,7 @@
 #include <span>
 
 #include "robot/controller/controller.hpp"
-#include "robot/wire/modbus_frame.hpp"
+#include "robot/controller/modbus_frame.hpp"
 
 namespace hotblade::robot {
 

@@ -1,5 +1,9 @@
-// One Modbus TCP connection of a client: what libmodbus offers, reduced to three outcomes, and function 23 in
-// as few calls of the system as it takes.
+// One Modbus TCP connection of a client: libmodbus reduced to three outcomes.
+//
+// libmodbus frames requests, keeps the time and compares an answer's transaction, function and length with
+// its request's. It does not look at the header's protocol, unit and length, nor at bytes after an answer,
+// which the transaction of the next one shows. The CRC of IDENT and STATUS covers what such an answer
+// carries.
 #pragma once
 
 #include <cstdint>
@@ -16,29 +20,25 @@ enum class LinkOutcome {
 
 class ModbusLink {
  public:
+  // Does not connect yet. An answer that is not whole after response_ms is lost, however it trickles.
   ModbusLink(const std::string& host, std::uint16_t port, std::uint32_t response_ms);
   ~ModbusLink();
   ModbusLink(const ModbusLink&) = delete;
   ModbusLink& operator=(const ModbusLink&) = delete;
 
-  // Closes and connects again; false when that failed.
+  // Closes the connection and makes a new one; returns false when that failed.
   bool connect();
+  // Function 03: reads out.size() registers, at most 125.
   LinkOutcome read(std::uint16_t address, std::span<std::uint16_t> out);
-  // Function 23: writes, then reads, in one transaction. The whole answer has response_ms to come; one of
-  // another transaction, shape or length, or with bytes after it, is kLost.
+  // Function 23: writes in.size() registers, at most 121, then reads out.size(), in one transaction.
   LinkOutcome write_read(std::uint16_t write_address, std::span<const std::uint16_t> in,
                          std::uint16_t read_address, std::span<std::uint16_t> out);
-  // Of the last failure.
+  // Returns why the last exchange or connect failed, in words.
   [[nodiscard]] const std::string& error() const { return error_; }
 
  private:
   LinkOutcome judge(int count, std::size_t wanted);
-  LinkOutcome receive(std::span<std::uint16_t> out);
-  LinkOutcome judge(std::span<const std::uint8_t> answer, std::span<std::uint16_t> out);
-  LinkOutcome lost(int code);
   void* context_;  // modbus_t
-  std::uint32_t response_ms_;
-  std::uint16_t transaction_ = 0;  // of the last request of function 23
   bool connected_ = false;
   std::string error_;
 };

@@ -1,4 +1,4 @@
-#include "robot/wire/modbus_frame.hpp"
+#include "robot/controller/modbus_frame.hpp"
 
 namespace hotblade::robot {
 
