@@ -250,6 +250,7 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
   auto* fitting = curve->add_subcommand("fit", "True elastica near a Bezier or points");
   fitting->add_option("--ends", *ends, "Clamped: end points and tangents are kept")
       ->check(CLI::IsMember({"free", "clamped"}))
+      ->type_name("free|clamped")
       ->capture_default_str();
   fitting->footer("Example: hotblade curve fit --ends clamped < beziers.jsonl");
   fitting->callback([&action, ends] {
@@ -266,14 +267,16 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
   projecting
       ->add_option("--method", arguments->method,
                    "The paper's feedback or zone, or the optimum over both end edges")
-      ->check(CLI::IsMember({"feedback", "optimal", "zone"}));
+      ->check(CLI::IsMember({"feedback", "optimal", "zone"}))
+      ->type_name("feedback|optimal|zone");
   projecting
       ->add_option(
           "--threshold", arguments->threshold,
           "Feedback stops at this lambda-residual; optimal moves no farther than to it (0: to the least)")
       ->check(CLI::Range(0.0, 1.0));
   projecting->add_option("--branch", arguments->branch, "Branch of the optimum")
-      ->check(CLI::IsMember({"inflectional", "plain", "best"}));
+      ->check(CLI::IsMember({"inflectional", "plain", "best"}))
+      ->type_name("inflectional|plain|best");
   projecting->footer("Example: hotblade curve project --method optimal < beziers.jsonl");
   projecting->callback([&action, arguments] {
     action = [arguments] {

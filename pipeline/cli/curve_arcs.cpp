@@ -122,7 +122,8 @@ void add_curve_arcs(CLI::App& curve, Action& action) {
       ->required()
       ->check(CLI::Range(1e-9, 1e9));
   fitting->add_option("--order", arguments->order, "Arcs a piece: two, or three that keep its end curvatures")
-      ->check(CLI::IsMember({"biarc", "triarc"}));
+      ->check(CLI::IsMember({"biarc", "triarc"}))
+      ->type_name("biarc|triarc");
   fitting->footer("Example: hotblade curve arcs --tolerance 0.01 < elastica.jsonl");
   fitting->callback([&action, arguments] {
     action = [arguments] {
