@@ -34,11 +34,12 @@ struct SpiralEnds {
 struct BiarcFamily {
   double x = 0, y = 0, direction = 0;  // chord's start and direction
   double c = 0, alpha = 0, beta = 0;
-  // Nothing when the ends coincide or an end tangent points more than pi away from the chord: no short biarc.
+  // The family between two directed points; absent when the ends coincide or an end tangent points more than
+  // pi away from the chord, where there is no short biarc.
   [[nodiscard]] static std::optional<BiarcFamily> between(const CurvePoint& a, const CurvePoint& b);
   [[nodiscard]] double omega() const { return 0.5 * (alpha + beta); }
   [[nodiscard]] double gamma() const { return 0.5 * (alpha - beta); }
-  // Curvature of the first arc; of the second; the length of both (equations 6 and 8).
+  // The curvatures of the two arcs, and the length of both together (equations 6 and 8).
   [[nodiscard]] double first_curvature(double p) const;
   [[nodiscard]] double second_curvature(double p) const;
   [[nodiscard]] double length(double p) const;
@@ -51,20 +52,22 @@ struct Bilens {
   double p1 = 0, p2 = 0;
   double width = 0;  // largest circle in it; for convex spirals (equation 10)
 };
-// Nothing when no short spiral has these ends: Q >= 0 (equation 2), up to rounding.
+// The bilens of these ends and end curvatures; absent when no short spiral has them: Q >= 0 (equation 2), up
+// to rounding.
 [[nodiscard]] std::optional<Bilens> bilens(const BiarcFamily& family, double kappa_a, double kappa_b);
 
 enum class ArcOrder { kBiarc, kTriarc };
 
 // The biarc, or the triarc that has the end curvatures too, with the ends, tangents and length of a convex
-// spiral. Two or three arcs, one for a circular arc. Nothing when no spiral has these ends and this length.
+// spiral. They are two or three arcs, one for a circular arc; the result is absent when no spiral has these
+// ends and this length.
 struct SpiralArcs {
   std::vector<Arc> arcs;
   double error_bound = 0;  // no point of the spiral is farther from the arcs, nor the other way
 };
 [[nodiscard]] std::optional<SpiralArcs> spiral_arcs(const SpiralEnds& ends, ArcOrder order);
 
-// The error bound alone; infinite where spiral_arcs has nothing.
+// The error bound of spiral_arcs alone; infinite where it has no arcs.
 [[nodiscard]] double spiral_bound(const SpiralEnds& ends);
 
 // A whole curve as arcs, each starting at the end of the one before with the same tangent.
@@ -81,8 +84,9 @@ struct ArcFit {
 [[nodiscard]] ArcFit fit_arcs(const Elastica& elastica, double tolerance, ArcOrder order);
 
 // Fits the cubic spline through sampled points of a curve of bounded curvature, parametrised by the chords.
-// At least 4 points, neighbours distinct, finite (std::logic_error). The bound is against the spline. Pieces
-// on which the spline is no spiral to rounding are halved until they are arcs within the tolerance.
+// There must be at least 4 points, finite and each distinct from its neighbours (std::logic_error). The
+// bound is against the spline. Pieces on which the spline is no spiral to rounding are halved until they are
+// arcs within the tolerance.
 [[nodiscard]] ArcFit fit_arcs(std::span<const Eigen::Vector2d> points, double tolerance, ArcOrder order);
 
 // Arc lengths 0 = s0 < s1 < ... = length between which the curvature of an elastica is monotone and of one

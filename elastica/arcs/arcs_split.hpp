@@ -9,9 +9,9 @@
 
 namespace hotblade::elastica {
 
-// The curve by arc length, theta continuous. `breaks` are increasing arc lengths, first and last the ends;
-// between them the curvature is monotone and of one sign, as far as rounding tells. Throws std::runtime_error
-// when pieces as short as rounding still are no arcs.
+// The arcs of `curve`, which gives its points by arc length with a continuous theta. `breaks` are increasing
+// arc lengths, the first and the last its ends; between them the curvature is monotone and of one sign, as
+// far as rounding tells. Throws std::runtime_error when pieces as short as rounding still are no arcs.
 [[nodiscard]] ArcFit fit_arcs_between(const std::function<CurvePoint(double)>& curve,
                                       const std::vector<double>& breaks, double tolerance, ArcOrder order);
 

@@ -8,16 +8,17 @@
 
 namespace hotblade::elastica {
 
-// lower <= the distance <= upper, up to rounding; unit of the input.
+// Bounds of a distance, which lies between them up to rounding; unit of the input.
 struct HausdorffBounds {
   double lower = 0, upper = 0;
 };
 
-// Both ways, refined until upper - lower <= tolerance (above 0; std::logic_error), or until 20,000 samples:
-// the bounds hold then as well, only wider apart.
+// Bounds of the Hausdorff distance, both ways. They are refined until upper - lower <= tolerance, which must
+// be above 0 (std::logic_error), or until 20,000 samples are used up: then they hold as well, only wider
+// apart.
 [[nodiscard]] HausdorffBounds hausdorff(const Bezier& bezier, const Elastica& elastica, double tolerance);
 
-// The elastica is traversed proportionally to the Bezier's arc length.
+// The distances of a Bezier to an elastica that is traversed proportionally to the Bezier's arc length.
 struct CurveDistance {
   double l2 = 0, h1 = 0;       // pure numbers, relative to the Bezier's length
   double hausdorff = 0;        // upper bound, unit of the input

@@ -2,8 +2,8 @@
 // elastica's is.
 //   e = sqrt( min over (lambda1, lambda2, alpha) of Int (kappa + lambda1 y - lambda2 x - alpha)^2 ds / Int
 //   kappa^2 ds )
-// (Brander, Bærentzen, Fisker, Gravesen, "Bezier curves that are close to elastica", section 2.) Invariant
-// under similarity. A design-time guide: acceptance is in mm against a true elastica.
+// (Brander, Bærentzen, Fisker, Gravesen, "Bezier curves that are close to elastica", section 2.) It is
+// invariant under similarity. It guides a design; what is accepted is decided in mm against a true elastica.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ enum class ResidualStatus : std::uint8_t {
   kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
-// The residual has a value (0 for a straight line).
+// Whether a residual of this status has a value (0 for a straight line).
 [[nodiscard]] constexpr bool has_value(ResidualStatus status) {
   return status == ResidualStatus::kOk || status == ResidualStatus::kStraight;
 }
@@ -31,12 +31,12 @@ struct LambdaResidual {
   ResidualStatus status = ResidualStatus::kOk;
 };
 
-// 24-point Gauss quadrature: error below 1e-9 where the speed |B'| stays above a tenth of its mean.
-// Many curves at once: elastica/bezier/residual_batch.hpp.
+// The residual by 24-point Gauss quadrature; its error is below 1e-9 where the speed |B'| stays above a
+// tenth of its mean. elastica/bezier/residual_batch.hpp does many curves at once.
 [[nodiscard]] LambdaResidual lambda_residual(const Bezier& bezier);
 
-// The elastica of the fitted (lambda1, lambda2, alpha), started at the Bezier's start with its tangent and
-// length: the paper's first guess for a fit.
+// The elastica of the fitted (lambda1, lambda2, alpha), which starts at the Bezier's start with its tangent
+// and has its length: the paper's first guess for a fit.
 [[nodiscard]] Elastica first_guess(const Bezier& bezier, const LambdaResidual& residual);
 
 }  // namespace hotblade::elastica

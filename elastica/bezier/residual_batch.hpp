@@ -1,9 +1,9 @@
 // Lambda-residuals of many cubic Beziers: structure of arrays, SIMD chosen at run time.
 //
-// e and status as lambda_residual's (elastica/bezier/lambda_residual.hpp), to 1e-9 where e is well
+// e and status are those of lambda_residual (elastica/bezier/lambda_residual.hpp), to 1e-9 where e is well
 // determined; each curve's result depends on its own numbers and the instruction set alone, so splitting a
-// batch changes no bit. Nothing allocates; several threads may run at once. All spans of one call have the
-// same size (std::logic_error).
+// batch changes no bit. The functions do not allocate, and several threads may run them at once. All spans
+// of one call have the same size (std::logic_error).
 #pragma once
 
 #include <cstdint>
@@ -31,10 +31,11 @@ struct ResidualBatch {
   std::span<ResidualStatus> status;
 };
 
+// Writes e and status of every curve.
 void lambda_residuals(const BezierBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
 void lambda_residuals(const EdgeBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
 
-// de/dl1 and de/dl2 as well (both 0 where e is 0), exact derivatives of the quadrature.
+// Writes de/dl1 and de/dl2 as well, the exact derivatives of the quadrature; both are 0 where e is 0.
 void lambda_residual_gradients(const EdgeBatch& curves, const ResidualBatch& out, std::span<double> by_l1,
                                std::span<double> by_l2, Simd simd = best_simd());
 

@@ -1,9 +1,9 @@
-// The batch loops of the lambda-residual over SIMD lanes. For the sources compiled once per instruction set
-// alone (elastica/kernels/simd_lanes.h).
+// The batch loops of the lambda-residual over SIMD lanes. Only the sources that are compiled once per
+// instruction set include it (elastica/kernels/simd_lanes.h).
 #pragma once
 
 #include "elastica/kernels/simd_lanes.h"
-// Lanes first.
+// The lanes come first: what follows is written in them.
 #include "elastica/bezier/residual_lanes.hpp"
 #include "elastica/kernels/edge_residual.h"
 #include "elastica/kernels/sincos.h"

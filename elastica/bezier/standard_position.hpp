@@ -16,26 +16,28 @@ struct StandardPosition {
   double a1 = 0, a2 = 0, l1 = 0, l2 = 0;
 };
 
-// Absent when the end points coincide or an end edge is zero.
+// The standard position of a Bezier; absent when the end points coincide or an end edge is zero.
 [[nodiscard]] std::optional<StandardPosition> standard_position(const Bezier& bezier);
 
+// The Bezier in standard position, with its ends at (0, 0) and (1, 0).
 [[nodiscard]] Bezier to_bezier(const StandardPosition& s);
 
-// The input's inner control points moved along its end tangents to the edge lengths of `s`.
+// The Bezier whose inner control points are moved along its end tangents to the edge lengths of `s`; `input`
+// is the position it stands at.
 [[nodiscard]] Bezier with_edges(const Bezier& bezier, const StandardPosition& input,
                                 const StandardPosition& s);
 
-// Inner polygon angles on different sides of pi.
+// Whether the polygon's inner angles lie on different sides of pi, so that the curve has an inflection.
 [[nodiscard]] bool inflectional(const StandardPosition& s);
 
-// Distances from the ends at which the lines of the first and third edge meet, in chords; absent when
-// parallel.
+// Distances from the ends at which the lines of the first and third edge meet, in chords; absent when they
+// are parallel.
 [[nodiscard]] std::optional<std::array<double, 2>> edge_meeting(const StandardPosition& s);
 
-// First and third edge of the polygon cross or touch.
+// Whether the first and the third edge of the polygon cross or touch.
 [[nodiscard]] bool edges_cross(const StandardPosition& s);
 
-// Where the first and third edge cross, both are shortened to just before the crossing.
+// The position with both end edges shortened to just before their crossing, where they cross; else the same.
 [[nodiscard]] StandardPosition uncrossed(StandardPosition s);
 
 // The paper's angle constraints: (1) beta1 = pi - a1 and beta2 = a2, taken in [0, 2 pi), lie more than
@@ -47,10 +49,10 @@ struct AngleConstraints {
 [[nodiscard]] bool angle_constraints_hold(const StandardPosition& s,
                                           const AngleConstraints& constraints = {});
 
-// lambda-residual, 1 for a cusp.
+// The lambda-residual of the curve; 1 for a cusp.
 [[nodiscard]] double score(const StandardPosition& s);
 
-// An angle in (-pi, pi].
+// The same angle in (-pi, pi].
 [[nodiscard]] double wrapped(double angle);
 
 }  // namespace hotblade::elastica

@@ -1,5 +1,5 @@
-// What is asked of every pose of a motion, for many blades at once: points, stability margins and droops,
-// SIMD lanes across blades.
+// Points, stability margins and droops of many blades at once, one blade in each SIMD lane: what a plan asks
+// of every pose of a motion.
 //
 // Each answer is that of the function named, to 1e-9 of its size, and depends on its own blade and the
 // instruction set alone: splitting a batch changes no bit. Blades that wind faster than kBatchRate over their
@@ -19,16 +19,16 @@ namespace hotblade::elastica {
 // length * taylor_rate(): a cell of stability.hpp is one Taylor step of order 10 up to here.
 inline constexpr double kBatchRate = 25.6;
 
-// point_at(blades[i], s[i]).
+// Writes point_at(blades[i], s[i]).
 void points_at(std::span<const Elastica> blades, std::span<const double> s, std::span<CurvePoint> out,
                Simd simd = best_simd());
 
-// Arc lengths of a part, also outside [0, length].
+// The arc lengths at which a part of a blade begins and ends; they may lie outside [0, length].
 struct Part {
   double first = 0, last = 0;
 };
 
-// Points of one blade beside one another, as arrays of their own.
+// The points of some blades; those of one blade stand beside one another.
 struct PartPoints {
   std::size_t points = 0;         // of each blade
   std::vector<double> x, y;       // of blade i: [i * points, (i + 1) * points)
@@ -40,14 +40,16 @@ struct PartPoints {
   }
 };
 
-// `points` >= 2 (std::logic_error) even ones on a part of every blade, both ends included.
+// Evenly spaced points on a part of every blade, both ends included; there must be at least 2
+// (std::logic_error).
 [[nodiscard]] PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts,
                                       std::size_t points, Simd simd = best_simd());
 
-// ElasticaCurve(blade).max_abs_curvature() by points of its whole length, of which blade `i` has its part.
+// The largest |kappa| of a blade, as ElasticaCurve(blade).max_abs_curvature() gives it, from the points of
+// its whole length in `whole`, where it is blade `i`.
 [[nodiscard]] double max_abs_curvature(const Elastica& blade, const PartPoints& whole, std::size_t i);
 
-// stability_margin(blades[i]).
+// Writes stability_margin(blades[i]).
 void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd = best_simd());
 
 // An even load along the plane's normal and the nodes of gravity.hpp between which the droop is wanted.
@@ -56,13 +58,13 @@ struct DroopLoad {
   std::size_t first = 0, last = kGravityCells;
 };
 
-// The largest shift and twist at these nodes.
+// The largest shift and twist between the nodes asked for.
 struct DroopReach {
   double shift = 0, twist = 0;
   bool stable = false;
 };
 
-// Of droop(blades[i], loads[i].load, ratios).
+// Writes the reach of droop(blades[i], loads[i].load, ratios).
 void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
             std::span<DroopReach> out, Simd simd = best_simd());
 

@@ -1,5 +1,5 @@
 // The droop of elastica/blade/gravity.hpp over SIMD lanes: the form of gravity.cpp, assembled and eliminated
-// cell by cell. For the sources compiled once per instruction set alone.
+// cell by cell. Only the sources that are compiled once per instruction set include it.
 #pragma once
 
 #include "elastica/blade/blade_kernels.hpp"

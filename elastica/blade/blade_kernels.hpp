@@ -1,9 +1,9 @@
-// The batch loops over blades, SIMD lanes across blades. For the sources compiled once per instruction set
-// alone (elastica/kernels/simd_lanes.h).
+// The batch loops over blades, SIMD lanes across blades. Only the sources that are compiled once per
+// instruction set include it (elastica/kernels/simd_lanes.h).
 #pragma once
 
 #include "elastica/kernels/simd_lanes.h"
-// Lanes first.
+// The lanes come first: what follows is written in them.
 #include "elastica/blade/blade_lanes.hpp"
 #include "elastica/kernels/elastica_step.h"
 

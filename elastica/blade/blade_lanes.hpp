@@ -10,7 +10,7 @@ struct UnitBlades {
   const double *kappa, *lambda1, *lambda2;
 };
 
-// `points` even ones on [first, last] of each blade, blade after blade.
+// `points` even points on [first, last] of each blade, blade after blade.
 struct PartLanes {
   UnitBlades blades;
   const double *first, *last;
@@ -33,7 +33,8 @@ struct DroopLanes {
   double* scratch;
 };
 
-// Doubles that the kernels write intermediate values to, for the widest lanes, aligned to kScratchAlignment.
+// The number of doubles that the kernels write intermediate values to, for the widest lanes; they are
+// aligned to kScratchAlignment.
 inline constexpr size_t kScratchDoubles = 11 * 256 * 8, kScratchAlignment = 64;
 // Cells of stability.hpp and gravity.hpp.
 inline constexpr int kMarginCells = 128, kDroopCells = 256;

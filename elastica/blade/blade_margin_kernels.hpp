@@ -1,5 +1,6 @@
-// The smallest eigenvalue of elastica/blade/stability.hpp over SIMD lanes: the same search lane by lane as in
-// stability.cpp, where its steps are explained. For the sources compiled once per instruction set alone.
+// The smallest eigenvalue of elastica/blade/stability.hpp over SIMD lanes: the same search lane by lane as
+// in stability.cpp, where its steps are explained. Only the sources that are compiled once per instruction
+// set include it.
 #pragma once
 
 #include "elastica/blade/blade_kernels.hpp"
@@ -19,7 +20,7 @@ struct MarginWork {
 };
 static_assert(sizeof(MarginWork) <= kScratchDoubles * sizeof(double));
 
-// Of the constraints' Schur complement, and the elimination's pivots below zero.
+// The constraints' Schur complement, and the number of the elimination's pivots below zero.
 struct MarginInertia {
   hb_lanes s00, s01, s11, negative;
 };
@@ -162,7 +163,7 @@ HOTBLADE_LANES_INLINE hb_lanes margin_slack(hb_lanes a, hb_lanes b) {
   return kRelative * (1.0 + HB_ABS(a) + HB_ABS(b));
 }
 
-// Where every lane's search stands.
+// The state of every lane's search.
 struct MarginSearch {
   hb_lanes low, high, sigma, last, scale, result;
   hb_lanes_mask third_power;  // sigma is a quotient itself

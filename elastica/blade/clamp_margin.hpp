@@ -18,8 +18,8 @@
 
 namespace hotblade::elastica {
 
-// Chord over length from which a blade is straight but for less than its thickness or so: the equations for
-// its force become singular, and errors along it move it to second order.
+// The chord over length from which a blade is straight but for less than its thickness or so: there the
+// equations for its force become singular, and errors along it move it to second order.
 inline constexpr double kTautChord = 1 - 1e-6;
 
 struct ClampMarginOptions {
@@ -40,26 +40,27 @@ struct ClampMargin {
   // The smaller of the two below; largest_mm when neither is nearer.
   double margin_mm = 0;
   double straight_mm = 0;  // to the straight blade between aligned clamps
-  double fold_mm =
-      0;  // to the nearest fold found; largest_mm when there is none nearer than the straight blade
+  // To the nearest fold found; largest_mm when there is none nearer than the straight blade.
+  double fold_mm = 0;
   // Local minima of the distance to folds, the nearest first; they lead to those of a neighbouring pose.
   std::vector<Fold> folds;
 };
 
-// From folds met along directions of error that spread over all, down the surface of folds by Newton's
-// method; the straight way to each is followed, so that the shape is known to hold up to it. The nearest of
-// the minima found is an upper bound of the distance; tests/elastica/blade/clamp_margin_test.cpp compares
-// with dense searches. All 0 for a shape that is not stable; no folds for one pulled taut. Throws
-// std::logic_error when largest_mm is not positive, mm_per_rad is negative or the shape is not finite.
+// The margin of a shape. The search starts from folds met along directions of error that spread over all,
+// and goes down the surface of folds by Newton's method; the straight way to each fold is followed, so that
+// the shape is known to hold up to it. The nearest of the minima found is an upper bound of the distance;
+// tests/elastica/blade/clamp_margin_test.cpp compares with dense searches. All distances are 0 for a shape
+// that is not stable, and one pulled taut has no folds. Throws std::logic_error when largest_mm is not
+// positive, mm_per_rad is negative or the shape is not finite.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, const ClampMarginOptions& options = {});
 
-// The same from the folds of a neighbouring pose of the same blade, with a tenth of the work; from all
-// directions when none of them leads to a fold of this pose.
+// The margin, searched from the folds of a neighbouring pose of the same blade with a tenth of the work;
+// from all directions when none of them leads to a fold of this pose.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, std::span<const Fold> near,
                                        const ClampMarginOptions& options = {});
 
-// The least errors of both clamps that lead from `a` to `b`, wherever in the plane either pair stands, by
-// Newton's method for the turn between them: never too small.
+// The size of the least errors of both clamps that lead from `a` to `b`, wherever in the plane either pair
+// stands. Newton's method finds the turn between them; the result is never too small.
 [[nodiscard]] double clamp_distance(const ClampPair& a, const ClampPair& b, double mm_per_rad);
 
 }  // namespace hotblade::elastica

@@ -34,18 +34,18 @@ struct ClampedShape {
   [[nodiscard]] bool stable() const { return index == 0; }
 };
 
-// Largest distance of the end point from its clamp over the length, and of the tangent in rad; a thousand
-// times less unless the blade is taut.
+// The largest distance of the end point from its clamp over the length, and of its tangent in rad, that a
+// solution has; it is a thousand times less unless the blade is taut.
 inline constexpr double kClampTolerance = 1e-9;
 
-// Largest tension times length^2 (-lambda along the chord) of a shape that is looked for. Along a blade
+// The largest tension times length^2 (-lambda along the chord) of a shape that is looked for. Along a blade
 // pulled taut errors of the start state grow by exp(sqrt(tension)), here by 6e4, and the basin of Newton's
 // method shrinks with the square of that.
 inline constexpr double kLargestTension = 120;
 
 // The equilibrium of `near`'s length between `clamps` that Newton's method reaches from the shape `near`;
-// absent when it does not converge. Quick, and right for small moves; it may land on another branch after a
-// large one: follow() does not.
+// absent when it does not converge. It is quick, and right for small moves; after a large one it may land on
+// another branch, which follow() does not.
 [[nodiscard]] std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair& clamps);
 
 enum class FollowStatus {
@@ -55,7 +55,8 @@ enum class FollowStatus {
 };
 
 struct FollowOptions {
-  // Step of the way at which a branch that cannot be followed counts as lost; places of snaps are that exact.
+  // The step of the way at which a branch that cannot be followed counts as lost; places of snaps are that
+  // exact.
   double smallest_step = 1e-7;
 };
 
@@ -72,7 +73,8 @@ struct FollowReport {
 [[nodiscard]] FollowReport follow(const Elastica& from, const ClampPair& to,
                                   const FollowOptions& options = {});
 
-// The same from a shape whose end is known, as that of a report: a third of the work of a small step less.
+// Follows the shape on from one whose end is known, as that of a report is: this saves a third of the work
+// of a small step.
 [[nodiscard]] FollowReport follow_on(const ClampedShape& from, const ClampPair& to,
                                      const FollowOptions& options = {});
 

@@ -1,4 +1,4 @@
-// Where a blade's far end is, and how it moves when the start curvature and the end force change.
+// The far end of a blade, and how it moves when the start curvature and the end force change.
 //
 // The three Jacobi fields of the start state (derivatives of the curve by kappa, lambda1, lambda2 with the
 // start clamp held) are carried along the curve by the same Taylor recurrence as the curve itself. At the end
@@ -15,22 +15,22 @@
 
 namespace hotblade::elastica {
 
-// Derivatives of (x, y, theta) (rows) at one point by (kappa, lambda1, lambda2) (columns).
+// The derivatives of (x, y, theta) (rows) at one point by (kappa, lambda1, lambda2) (columns).
 struct JacobiFields {
   double s = 0;  // arc length
   CurvePoint point;
   Eigen::Matrix3d fields = Eigen::Matrix3d::Zero();
   Eigen::RowVector3d rates = Eigen::RowVector3d::Zero();  // of the theta row, d/ds
-  // Negative eigenvalues of the second variation with clamps at the start and here.
+  // The number of negative eigenvalues of the second variation with clamps at the start and here.
   int index = 0;
 };
 
 // The fields at the end alone. Throws std::logic_error as ElasticaCurve does.
 [[nodiscard]] JacobiFields end_map(const Elastica& elastica, Simd simd = best_simd());
 
-// The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them
-// d theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. `at_least`
-// pieces.
+// The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them d
+// theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. There are
+// `at_least` pieces or more.
 [[nodiscard]] std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least = 1,
                                                       Simd simd = best_simd());
 

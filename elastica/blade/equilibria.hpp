@@ -25,31 +25,32 @@ struct Equilibrium {
 };
 
 struct EquilibriaOptions {
-  // Wanted shapes: both limits hold. Three inflections inside or more are never stable (Sachkov 2008), so the
-  // default finds every stable shape.
+  // Limits of the shapes that are looked for; both hold. Three inflections inside or more are never stable
+  // (Sachkov 2008), so the default finds every stable shape.
   int max_inflections = 2;
   double max_energy = std::numeric_limits<double>::infinity();
 };
 
 struct EquilibriaReport {
   std::vector<Equilibrium> equilibria;  // lowest energy first
-  // Cells that could neither be excluded nor be resolved; 0 unless the clamps are about to lose a shape.
+  // The number of cells that could neither be excluded nor be resolved; 0 unless the clamps are about to
+  // lose a shape.
   int unresolved = 0;
-  // Cells and shapes left out where the blade is pulled taut beyond what a start state can carry
-  // (continuation.hpp).
+  // The number of cells and shapes left out where the blade is pulled taut beyond what a start state can
+  // carry (continuation.hpp).
   int taut = 0;
   int cells = 0;
 };
 
-// Most inflections that can be asked for.
+// The most inflections that can be asked for.
 inline constexpr int kMaxInflections = 60;
 
-// Throws std::logic_error when a number is not finite, the length is not positive, or max_inflections is
-// outside [0, kMaxInflections].
+// The shapes of a blade of this length between the clamps. Throws std::logic_error when a number is not
+// finite, the length is not positive, or max_inflections is outside [0, kMaxInflections].
 [[nodiscard]] EquilibriaReport find_equilibria(const ClampPair& clamps, double length,
                                                const EquilibriaOptions& options = {});
 
-// Sign changes of the curvature strictly inside the curve.
+// The number of sign changes of the curvature strictly inside the curve.
 [[nodiscard]] int count_inflections(const Elastica& elastica);
 
 }  // namespace hotblade::elastica

@@ -29,7 +29,7 @@ struct Cell {
   std::uint64_t types = 0;  // bit n: n inflections not excluded yet; above: bit 0
 };
 
-// A start state: of the pendulum's swing from (psi0, w) to psi0 + turning with n turning points.
+// The start state of the pendulum's swing from (psi0, w) to psi0 + turning with n turning points.
 struct Swing {
   double kappa = 0, lambda1 = 0, lambda2 = 0;
 };
@@ -42,16 +42,17 @@ struct Swing {
 // satisfies both conditions within max_energy.
 [[nodiscard]] std::uint64_t possible_types(const Cell& cell, const Target& target, double max_energy);
 
-// Start states at the cell's middle and corners, moved into the domain where they lie outside.
+// The start state at a place of a cell, its middle or a corner, moved into the domain where it lies outside.
 [[nodiscard]] Swing swing_at(double psi0, double w, bool above, int n, const Target& target);
 
-// Upper bound of the inflections of a shape with this energy: each swing between two inflections has action
-// and time of at least those at c = -r.
+// An upper bound of the inflections of a shape with this energy: each swing between two inflections has
+// action and time of at least those at c = -r.
 [[nodiscard]] int inflection_bound(const Target& target, double max_energy);
 
-// Solutions nearer to the separatrix than the cells go, found by sign changes over a fine scan of psi0. There
-// the blade lies along its tension but for bends whose action no longer depends on c, and T is free: it
-// follows from the distance of the clamps, and the direction of the chord is the one condition left.
+// The number of solutions nearer to the separatrix than the cells go, found by sign changes over a fine scan
+// of psi0. There the blade lies along its tension but for bends whose action no longer depends on c, and T
+// is free: it follows from the distance of the clamps, and the direction of the chord is the one condition
+// left.
 [[nodiscard]] int taut_solutions(const Target& target, int max_inflections, double max_energy);
 
 }  // namespace hotblade::elastica::cells

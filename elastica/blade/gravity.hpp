@@ -1,10 +1,10 @@
 // What weight does to a clamped blade, to first order: the change of its shape in its plane, and the droop
 // and twist out of it.
 //
-// Both solve the second variation of the blade's energy for the load, with the clamps held. In the plane that
-// is H u = f of elastica/blade/stability.hpp. Out of the plane a curved blade bends and twists together: for
-// small rotations phi about the tangent and psi about the in-plane normal of an inextensible Kirchhoff rod
-// that is straight when unloaded (w' = -psi, w the shift along the plane's normal),
+// Both solve the second variation of the blade's energy for the load, with the clamps held. In the plane
+// that equation is H u = f of elastica/blade/stability.hpp. Out of the plane a curved blade bends and twists
+// together: for small rotations phi about the tangent and psi about the in-plane normal of an inextensible
+// Kirchhoff rod that is straight when unloaded (w' = -psi, w the shift along the plane's normal),
 //   Int C v^2 + A u^2 + kappa (psi v - phi u) + kappa' phi psi - (lambda1 cos theta + lambda2 sin theta)
 //   psi^2 ds, twist v = phi' - kappa psi,  bending out of the plane u = psi' + kappa phi,
 // in units of the stiffness B in the plane: C torsion / B, A upright bending / B. The terms without C and A
@@ -22,13 +22,13 @@ namespace hotblade::elastica {
 
 inline constexpr int kGravityCells = 256;
 
-// Stiffnesses of the section over its bending stiffness in the plane.
+// The stiffnesses of the section over its bending stiffness in the plane.
 struct StiffnessRatios {
   double upright = 0;  // bending out of the plane
   double torsion = 0;
 };
 
-// Shift in the plane at kGravityCells + 1 evenly spaced points; unit of the elastica.
+// The shift in the plane at kGravityCells + 1 evenly spaced points; unit of the elastica.
 struct PlaneShift {
   std::vector<Eigen::Vector2d> shift;
   double largest = 0;
@@ -38,7 +38,7 @@ struct PlaneShift {
 // elastica is not finite. The answer means nothing when the shape is not stable.
 [[nodiscard]] PlaneShift plane_shift(const Elastica& elastica, const Eigen::Vector2d& load);
 
-// Out of the plane, at kGravityCells + 1 evenly spaced points.
+// The shift and twist out of the plane at kGravityCells + 1 evenly spaced points.
 struct Droop {
   std::vector<double> shift;  // along the plane's normal, x cross y
   std::vector<double> twist;  // rotation about the tangent, rad
@@ -46,11 +46,12 @@ struct Droop {
   bool stable = false;  // false: the blade tips out of its plane by itself, and the shift means nothing
 };
 
-// The droop under an even load along the plane's normal. Throws as plane_shift, and when a ratio is not
+// The droop under an even load along the plane's normal. Throws as plane_shift does, and when a ratio is not
 // positive.
 [[nodiscard]] Droop droop(const Elastica& elastica, double load, const StiffnessRatios& ratios);
 
-// Smallest eigenvalue of the form above times length^2: how far the blade is from tipping out of its plane.
+// The smallest eigenvalue of the form above times length^2: how far the blade is from tipping out of its
+// plane.
 [[nodiscard]] double lateral_margin(const Elastica& elastica, const StiffnessRatios& ratios);
 
 }  // namespace hotblade::elastica

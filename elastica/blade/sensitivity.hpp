@@ -19,24 +19,24 @@ struct SensitivityOptions {
 };
 
 struct Sensitivity {
-  // Largest displacement of a point of the blade, mm, for the error of each coordinate, to first order: the
-  // displacement at equal arc length. Infinite where the shape is lost (its fields are singular).
+  // The largest displacement of a point of the blade, mm, for the error of each coordinate, to first order
+  // and at equal arc length. It is infinite where the shape is lost (its fields are singular).
   std::array<double, 6> displacement_mm{};
   // All six errors at once at their worst signs bring at most this.
   double total_mm = 0;
 };
 
-// The derivative of the shape by the clamps, from the Jacobi fields. Throws std::logic_error as end_map()
-// does.
+// The displacements that the errors bring, by the derivative of the shape by the clamps, from the Jacobi
+// fields. Throws std::logic_error as end_map() does.
 [[nodiscard]] Sensitivity sensitivity(const Elastica& elastica, const SensitivityOptions& options = {});
 
-// A blade between aligned clamps whose chord is shorter than it by `slack` bows by so much.
+// The height by which a blade bows between aligned clamps whose chord is shorter than it by `slack`.
 [[nodiscard]] double straight_bow(double length, double slack);
 
-// What the errors of both clamps at once move a nearly straight blade, where displacement grows with the
-// square root of an error along it and derivatives say nothing: pushed together or pulled apart by twice the
-// position error, turned at both ends, moved across. `keeps_side` false: it may also bow to the other side.
-// To leading order in slack over length.
+// How far, in mm, the errors of both clamps at once move a nearly straight blade, where displacement grows
+// with the square root of an error along it and derivatives say nothing: pushed together or pulled apart by
+// twice the position error, turned at both ends, moved across. With `keeps_side` false it may also bow to
+// the other side. The result is right to leading order in slack over length.
 [[nodiscard]] double straight_response_mm(double length, double slack, bool keeps_side,
                                           const SensitivityOptions& options = {});
 

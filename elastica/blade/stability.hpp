@@ -11,16 +11,17 @@
 
 namespace hotblade::elastica {
 
-// Smallest eigenvalue of H times length^2: dimensionless, pi^2..4 pi^2 for relaxed blades, 0 where the shape
-// is lost. Finite differences on 128 cells, error about 2e-4 relative plus 1e-6 at most of the search for it.
+// The smallest eigenvalue of H times length^2: dimensionless, pi^2..4 pi^2 for relaxed blades, 0 where the
+// shape is lost. It is found by finite differences on 128 cells, with an error of about 2e-4 of itself and
+// at most 1e-6 of the search for it.
 [[nodiscard]] double stability_margin(const Elastica& elastica);
-// The same from the margin of a neighbouring shape, which saves half the work or costs two looks more.
+// The margin, searched from that of a neighbouring shape, which saves half the work or costs two looks more.
 [[nodiscard]] double stability_margin(const Elastica& elastica, double nearby);
 [[nodiscard]] double stability_margin(const ElasticaCurve& curve);
 
-// Arc length of the first conjugate point: the longest start of the curve, extended along itself up to
-// `furthest`, that is stable between clamps ends there. Absent when there is none. Exact to 1e-9 of
-// `furthest`; from the Jacobi fields, which agree with the margin's sign.
+// The arc length of the first conjugate point: the longest start of the curve, extended along itself up to
+// `furthest`, that is stable between clamps ends there. It is absent when there is none, and exact to 1e-9
+// of `furthest`. It comes from the Jacobi fields, which agree with the margin's sign.
 [[nodiscard]] std::optional<double> first_conjugate_point(const Elastica& elastica, double furthest);
 
 }  // namespace hotblade::elastica

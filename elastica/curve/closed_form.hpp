@@ -19,13 +19,13 @@
 
 namespace hotblade::elastica {
 
-// Spans of one size. Any of the outputs may be empty: it is left out.
+// Where the values go: spans of one size, of which any may be empty and is then left out.
 struct JacobiBatch {
   std::span<double> sn, cn, dn, e;
 };
 
-// sn, cn, dn and E at many arguments of one modulus. Errors below 1e-13 of max(1, |u|), tested against 50
-// digits for |u| up to three periods.
+// Jacobi's functions sn, cn, dn and E at many arguments of one modulus. Errors stay below 1e-13 of max(1,
+// |u|), tested against 50 digits for |u| up to three periods.
 class Jacobi {
  public:
   // Throws std::logic_error unless 0 <= modulus < infinity.
@@ -34,7 +34,7 @@ class Jacobi {
   [[nodiscard]] double modulus() const { return modulus_; }
   // The least p > 0 with cn(u + p) = cn(u): 4K for k < 1, 2K(1/k)/k above, infinity at 1.
   [[nodiscard]] double period() const { return period_; }
-  // Levels of the ladder: what a sample costs.
+  // The number of levels of the ladder, which is what a sample costs.
   [[nodiscard]] int levels() const { return ladder_.levels; }
 
  private:
@@ -48,8 +48,8 @@ enum class Regime { kInflectional, kSeparatrix, kWinding };
 struct Shape {
   Regime regime = Regime::kInflectional;
   double modulus = 0;  // k; infinity for a circle
-  double complement_sq =
-      0;             // |1 - k^2| of the inflectional, |1 - 1/k^2| of the winding, without cancellation
+  // |1 - k^2| of the inflectional, |1 - 1/k^2| of the winding, without cancellation.
+  double complement_sq = 0;
   double rate = 0;   // argument per arc length: sqrt|lambda|, times k when winding; negative turning right
   double phase = 0;  // argument at s = 0, of modulus k, or 1/k when winding
   double axis = 0;   // direction of the axis, rad: atan2(lambda2, lambda1)
@@ -60,25 +60,27 @@ struct CurveBatch {
   std::span<double> x, y, tangent_x, tangent_y, kappa;  // any may be empty
 };
 
-// A curve in closed form. Absent where it is ill conditioned: the curve turns too little for its length to
-// show which shape it is (length * sqrt(kappa^2 + |lambda|) small, straight lines included); one Taylor piece
-// (ElasticaCurve) is exact there.
+// A curve in closed form. There is none where it is ill conditioned: the curve turns too little for its
+// length to show which shape it is (length * sqrt(kappa^2 + |lambda|) small, straight lines included); one
+// Taylor piece (ElasticaCurve) is exact there.
 class ClosedForm {
  public:
-  // Throws std::logic_error as ElasticaCurve does, but for any number of windings.
+  // The closed form of a curve, absent where it is ill conditioned. Throws std::logic_error as ElasticaCurve
+  // does, but takes any number of windings.
   [[nodiscard]] static std::optional<ClosedForm> of(const Elastica& elastica);
 
   [[nodiscard]] CurvePoint at(double s) const;  // any s, also outside [0, length]
   void sample(std::span<const double> s, const CurveBatch& out, Simd simd = best_simd()) const;
   [[nodiscard]] const Shape& shape() const { return shape_; }
-  // Arc length after which the curvature repeats; infinity on the separatrix and on a circle.
+  // The arc length after which the curvature repeats; infinity on the separatrix and on a circle.
   [[nodiscard]] double period() const;
-  // K of the ladder, finite on the separatrix too, where it lies beyond everything that moves.
+  // The quarter period K of the ladder; it is finite on the separatrix too, where it lies beyond everything
+  // that moves.
   [[nodiscard]] double quarter_argument() const;
   // The least v >= 0 at which the tangent is square to the axis: am(v) = pi/4 when winding, k sn(v) =
-  // sin(pi/4) otherwise, absent when the curve never turns so far.
+  // sin(pi/4) otherwise, it is absent when the curve never turns so far.
   [[nodiscard]] std::optional<double> argument_square_to_axis() const;
-  // The state form again, from the shape alone: start, axis, rate, modulus and phase.
+  // The state form, made again from the shape alone: start, axis, rate, modulus and phase.
   [[nodiscard]] Elastica state() const;
 
  private:
@@ -89,7 +91,8 @@ class ClosedForm {
   hb_closed_form form_{};
 };
 
-// Points of any curve: closed form, or Taylor where that is better conditioned.
+// Writes the points of any curve at these arc lengths, by the closed form, or by Taylor pieces where those
+// are better conditioned.
 void sample_points(const Elastica& elastica, std::span<const double> s, const CurveBatch& out);
 
 }  // namespace hotblade::elastica

@@ -40,7 +40,7 @@ class ElasticaCurve {
   // The point at arc length s; s is clamped to [0, length].
   [[nodiscard]] CurvePoint at(double s) const;
   [[nodiscard]] const Elastica& elastica() const { return elastica_; }
-  // Largest |kappa| on the segment, exact to 1e-6 relative.
+  // The largest |kappa| on the segment, exact to 1e-6 of itself.
   [[nodiscard]] double max_abs_curvature() const;
 
   static constexpr int kMaxPieces = 4096;
@@ -55,21 +55,21 @@ class ElasticaCurve {
   std::vector<Piece> pieces_;
 };
 
-// A bound of how far `length` of the curve turns, rad, and a measure of what its evaluation costs; NaN where
-// a parameter is not finite. ElasticaCurve refuses about a thousand turns.
+// A bound of how far `length` of the curve turns, rad, which also measures what its evaluation costs; NaN
+// where a parameter is not finite. ElasticaCurve refuses about a thousand turns.
 [[nodiscard]] double turns_at_most(const Elastica& elastica, double length);
 
-// n >= 2 points, evenly spaced by arc length, both ends included.
+// The points at n >= 2 even arc lengths, both ends included.
 [[nodiscard]] std::vector<CurvePoint> sample(const Elastica& elastica, int n);
 
-// The point at any arc length, also before 0 and beyond length: the curve extended along itself.
+// The point at any arc length; before 0 and beyond `length` the curve is extended along itself.
 [[nodiscard]] CurvePoint point_at(const Elastica& elastica, double s);
 
-// The same curve from arc length s0 to s1 >= s0; either may lie outside [0, length], which extends it along
-// itself.
+// The part of the curve from arc length s0 to s1 >= s0; where either lies outside [0, length], the curve is
+// extended along itself.
 [[nodiscard]] Elastica segment(const Elastica& elastica, double s0, double s1);
 
-// The same points run through from the end to the start.
+// The curve run through from its end to its start.
 [[nodiscard]] Elastica reversed(const Elastica& elastica);
 
 }  // namespace hotblade::elastica

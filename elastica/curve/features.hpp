@@ -5,8 +5,8 @@
 // (elastica/curve/closed_form.hpp), inflections lie at v = (2j + 1) K, vertices (kappa' = 0) at v = 2jK, or
 // at jK when winding. The curve is symmetric about every vertex, and points of equal curvature are equally
 // far along its normal, so it meets itself only in pairs (c - d, c + d) about a vertex c, at the roots d of
-// one function whose turning points are known. Extending both ways and reversing: segment() and reversed() in
-// elastica/curve/elastica.hpp.
+// one function whose turning points are known. segment() and reversed() of elastica/curve/elastica.hpp
+// extend and reverse it.
 #pragma once
 
 #include <optional>
@@ -17,16 +17,17 @@
 
 namespace hotblade::elastica {
 
-// Arc lengths in [0, length] of zero curvature, ascending; a feature within rounding of an end counts. A
-// straight line has none. All functions here throw std::logic_error for what is not a curve, and where more
-// than kMaxFeatures would have to be returned.
+// The arc lengths in [0, length] at which the curvature is zero, ascending; a feature within rounding of an
+// end counts. A straight line has none. All functions here throw std::logic_error for what is not a curve,
+// and where more than kMaxFeatures would have to be returned.
 [[nodiscard]] std::vector<double> inflections(const Elastica& elastica);
 
-// Arc lengths in [0, length] where the curvature has an extremum, ascending. Lines and circles have none.
+// The arc lengths in [0, length] at which the curvature has an extremum, ascending. Lines and circles have
+// none.
 [[nodiscard]] std::vector<double> vertices(const Elastica& elastica);
 
-// Arc length after which the curvature repeats; absent for lines, circles and the separatrix. Of a segment
-// too short to show its shape it is only as good as its state's digits.
+// The arc length after which the curvature repeats; absent for lines, circles and the separatrix. For a
+// segment too short to show its shape it is only as good as its state's digits.
 [[nodiscard]] std::optional<double> curvature_period(const Elastica& elastica);
 
 // Two arc lengths of one point where the curve crosses itself.
@@ -41,14 +42,17 @@ struct Crossing {
 // The pieces between the given arc lengths, which must ascend within (0, length) (std::logic_error).
 [[nodiscard]] std::vector<Elastica> split(const Elastica& elastica, std::span<const double> at);
 
-// p -> scale * R(rotation) * M p + (dx, dy), M mirroring y when asked: a similarity of the plane. scale > 0.
+// A similarity of the plane, p -> scale * R(rotation) * M p + (dx, dy), where M mirrors y when asked; scale
+// is above 0.
 struct Similarity {
   double scale = 1, rotation = 0;
   bool mirrored = false;
   double dx = 0, dy = 0;
 };
+// The image of the curve under the map, forces included.
 [[nodiscard]] Elastica transformed(const Elastica& elastica, const Similarity& map);
 
+// More features than these are not listed: a curve with so many winds too often to be worked with.
 inline constexpr std::size_t kMaxFeatures = 1'000'000;
 
 }  // namespace hotblade::elastica

@@ -35,6 +35,7 @@ inline double taylor_rate(double theta, double kappa, double lambda1, double lam
   return std::sqrt(kappa * kappa + 2 * (lambda - along) + lambda);
 }
 
+// The expansion about a point with this tangent direction and curvature.
 template <typename T>
 TaylorPiece<T> expand(const T& theta, const T& kappa, const T& lambda1, const T& lambda2) {
   using std::cos;
@@ -58,7 +59,7 @@ TaylorPiece<T> expand(const T& theta, const T& kappa, const T& lambda1, const T&
   return p;
 }
 
-// The point at distance h from the piece's centre, the centre being at (0, 0).
+// The point at arc length h from the piece's centre, which lies at (0, 0).
 template <typename T>
 TaylorPoint<T> evaluate(const TaylorPiece<T>& p, double h) {
   T x = T(0.0), y = T(0.0), theta = T(0.0), kappa = T(0.0);

@@ -1,5 +1,5 @@
-// A true elastica near a curve given by points. To a Bezier: fit_bezier.hpp; with its end points and tangents
-// kept: fit_clamped.hpp.
+// A true elastica near a curve given by points. fit_bezier.hpp fits one to a Bezier, fit_clamped.hpp one
+// that keeps end points and tangents.
 #pragma once
 
 #include <span>
@@ -13,26 +13,28 @@ namespace hotblade::elastica {
 // it is far better conditioned than the start state, whose errors grow along the whole curve.
 struct MidState {
   double x = 0, y = 0, theta = 0, kappa = 0;  // at arc length length/2
-  double tension1 = 0,
-         tension2 = 0;  // (lambda1, lambda2) turned by -theta: along and across the tangent, 1/unit^2
+  // (lambda1, lambda2) turned by -theta: the forces along and across the tangent, 1/unit^2.
+  double tension1 = 0, tension2 = 0;
   double length = 0;
 };
 
+// The state at the middle of a curve, and the curve of such a state.
 [[nodiscard]] MidState mid_state(const Elastica& elastica);
 [[nodiscard]] Elastica from_mid_state(const MidState& mid);
 // The later half: the curve from its middle to its end.
 [[nodiscard]] Elastica half_from_middle(const MidState& mid);
 
 struct FitOptions {
-  // Pull of the tensions (times length^2: pure numbers) towards zero, where the curve is a circular arc; in
-  // shares of the length per unit. 1e-6 moves a fit by less than 1e-5 of the length and decides only what the
-  // points leave open; larger weights trade closeness for a curve that goes on calmly beyond its ends; 0:
-  // none.
+  // The pull of the tensions (times length^2, so that they are pure numbers) towards zero, where the curve
+  // is a circular arc; in shares of the length per unit. 1e-6 moves a fit by less than 1e-5 of the length
+  // and decides only what the points leave open; larger weights trade closeness for a curve that goes on
+  // calmly beyond its ends; 0 pulls nothing.
   double tension_weight = 1e-6;
-  // Pull of curvature and tensions (times length and length^2) towards those of `prior`; nullptr: none.
+  // The pull of curvature and tensions (times length and length^2) towards those of `prior`; nullptr pulls
+  // nothing.
   const MidState* prior = nullptr;
   double prior_weight = 0;
-  // What each point counts, not negative, sum 1; empty: all the same.
+  // What each point counts; none is negative and their sum is 1. Left empty, all points count the same.
   std::span<const double> weights = {};
 };
 
@@ -44,14 +46,16 @@ struct ElasticaFit {
   bool converged = false;
 };
 
-// Least squares over all seven parameters, points at proportional arc length, from each start and from two of
-// its own (affine curvature of the points, mean circular arc); where the best is farther off than 1e-3 of the
-// length, from twelve more. `points` must be evenly spaced by arc length; at least 8, finite and not all the
-// same; weights one for each of them (std::logic_error).
+// The elastica nearest to the points by least squares over all seven parameters, points at proportional arc
+// length. The search starts from each of `starts` and from two of its own (affine curvature of the points,
+// mean circular arc); where the best is farther off than 1e-3 of the length, from twelve more. `points` must
+// be evenly spaced by arc length, at least 8, finite and not all the same; weights, where given, are one for
+// each (std::logic_error).
 [[nodiscard]] ElasticaFit fit_elastica(std::span<const Eigen::Vector2d> points,
                                        std::span<const Elastica> starts, const FitOptions& options);
 
-// Largest distance from the points to the elastica; each foot point by search over samples and Newton steps.
+// The largest distance from the points to the elastica; each foot point is found by search over samples and
+// Newton steps.
 [[nodiscard]] double max_distance(std::span<const Eigen::Vector2d> points, const Elastica& elastica);
 
 }  // namespace hotblade::elastica

@@ -32,10 +32,11 @@ struct BezierElasticaFit {
   FitStatus status = FitStatus::kOk;
 };
 
+// The nearest elastica, with its distances and how the search ended.
 [[nodiscard]] BezierElasticaFit fit_bezier_elastica(const Bezier& bezier,
                                                     const BezierFitOptions& options = {});
 
-// The same answers, bit for bit, curve by curve, several times faster.
+// The fits of many curves: bit for bit those of one at a time, several times faster.
 [[nodiscard]] std::vector<BezierElasticaFit> fit_bezier_elastica(std::span<const Bezier> beziers,
                                                                  const BezierFitOptions& options = {});
 

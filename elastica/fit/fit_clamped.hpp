@@ -18,7 +18,7 @@ struct EndState {
 
 struct ClampedEnds {
   EndState start;
-  // The true turning is end.theta - start.theta, not modulo 2 pi. Absent: the end is free.
+  // The curve turns by end.theta - start.theta in all, not modulo 2 pi. Left absent, the end is free.
   std::optional<EndState> end;
 };
 
@@ -38,18 +38,20 @@ struct ClampedFit {
   ClampedStatus status = ClampedStatus::kNoCurve;
 };
 
-// `points` run from start to end, evenly spaced by arc length, at least 8, finite, not all the same
-// (std::logic_error); weights one for each of them. Searched from `starts`; without any from the free fit.
-// Where that misses the end, or the free fit led farther off than 1e-3 of the length, from the free fit and
-// thirteen more.
+// The elastica nearest to the points that keeps the ends. `points` run from start to end, evenly spaced by
+// arc length, at least 8, finite and not all the same (std::logic_error); weights, where given, are one for
+// each. The search starts from `starts`, or from the free fit when there are none; where that misses the
+// end, or the free fit led farther off than 1e-3 of the length, it starts from the free fit and thirteen
+// more.
 [[nodiscard]] ClampedFit fit_clamped(std::span<const Eigen::Vector2d> points, const ClampedEnds& ends,
                                      std::span<const Elastica> starts, const FitOptions& options);
 
-// Both end points and tangents of the Bezier kept. kNoCurve also for a cusp or an end edge of length zero.
+// The elastica nearest to a Bezier that keeps its end points and tangents; kNoCurve also for a cusp or an
+// end edge of length zero.
 [[nodiscard]] ClampedFit fit_clamped(const Bezier& bezier);
 
-// Direction of travel along the points from start to end with its true turning, given the directions at both
-// ends modulo 2 pi: what ClampedEnds asks for.
+// The true turning, rad, from `start_theta` to `end_theta` along the points, for end directions that are
+// known modulo 2 pi: end.theta - start.theta as ClampedEnds asks for it.
 [[nodiscard]] double true_turning(std::span<const Eigen::Vector2d> points, double start_theta,
                                   double end_theta);
 

@@ -15,7 +15,7 @@ namespace hotblade::elastica::lanes {
 
 using Shape = std::array<double, 3>;  // K, T1, T2
 
-// Where the points lie along the curve, and how much each counts.
+// The places of the points along the curve, and how much each counts.
 struct FitGrid {
   int points = 0;               // evenly spaced by arc length
   int stride = 1;               // integration steps between two of them; (points - 1) * stride is even
@@ -24,7 +24,8 @@ struct FitGrid {
   [[nodiscard]] int steps() const { return (points - 1) * stride; }
 };
 
-// Points of one curve: weighted mean at the origin, curve length 1. Pulls as in FitOptions.
+// The points of one curve, moved so that their weighted mean is the origin and scaled to length 1. The pulls
+// are those of FitOptions.
 struct FitData {
   const double* x = nullptr;
   const double* y = nullptr;
@@ -42,19 +43,19 @@ struct FitTask {
   bool converged = false;
 };
 
-// Levenberg-Marquardt on every task. The result of a task depends on its own data alone, not on its company
-// or the instruction set, which must be a supported one.
+// Solves every task by Levenberg and Marquardt's method. The result of a task depends on its own data alone,
+// not on its company or the instruction set, which must be a supported one.
 void solve(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks,
            Simd simd = best_simd());
 
-// A shape laid onto its points: state of its middle and start in the data's frame.
+// A shape laid onto its points: the state of its middle and of its start in the data's frame.
 struct Placed {
   double x = 0, y = 0, theta = 0, length = 0;                         // of the middle
   double start_x = 0, start_y = 0, start_theta = 0, start_kappa = 0;  // kappa times length
   double cost = 0;    // weighted mean of squared distances, without pulls
   double angle2 = 0;  // weighted mean of squared angles between the tangents; 0 where the data has none
 };
-// One answer per task.
+// The shapes of the tasks laid onto their points, in the tasks' order.
 [[nodiscard]] std::vector<Placed> place(const FitGrid& grid, std::span<const FitData> data,
                                         std::span<const FitTask> tasks);
 
@@ -62,8 +63,8 @@ struct Placed {
 [[nodiscard]] Elastica unit_removed(const Placed& placed, const Shape& z, const Eigen::Vector2d& origin,
                                     double scale);
 
-// Starts for the doubtful: the arc of the mean curvature (times length), and a coarse grid over shapes with
-// and without inflections, bent either way.
+// More starts for a search whose answer is doubtful: the arc of the mean curvature (times length), and a
+// coarse grid over shapes with and without inflections, bent either way.
 [[nodiscard]] std::array<Shape, 13> other_starts(double mean_curvature);
 
 // Whether that many steps resolve the shape well enough to search from it, or to be its answer.

@@ -22,9 +22,9 @@ using Column = std::vector<Cell>;
 
 #define HOTBLADE_INLINE [[gnu::always_inline]] inline
 
-// Order of the Taylor step between two nodes. With omega times the step at most kMostOmegaStep the truncated
-// tail is below (omega h / 2.8)^11 of a step (taylor.hpp): 1e-6 at the limit, where a search may pass
-// through, and 2e-11 at kFineOmegaStep, which results keep to.
+// The order of the Taylor step between two nodes. When omega times the step is at most kMostOmegaStep, the
+// truncated tail is below (omega h / 2.8)^11 of a step (taylor.hpp): 1e-6 at the limit, where a search may
+// pass through, and 2e-11 at kFineOmegaStep, which results keep to.
 inline constexpr int kStepOrder = 10;
 inline constexpr double kMostOmegaStep = 0.8, kFineOmegaStep = 0.3;
 

@@ -19,7 +19,7 @@ struct Point {
   Eigen::Vector2d p, d1, d2;
 };
 
-// lower <= the distance <= upper.
+// Bounds between which the distance lies.
 struct HausdorffRange {
   double lower = 0, upper = 0;
 };
@@ -34,7 +34,7 @@ inline Pair paired(const Point& p, const Point& foot) {
   return {p, foot, (p.p - foot.p).norm()};
 }
 
-// Newton's method for the nearest point from a guess; never worse than the guess.
+// The foot that Newton's method finds from a guess; it is never farther than the guess.
 template <typename Side>
 Pair with_foot(const Side& other, const Point& p, double guess) {
   Pair best = paired(p, other.at(guess));
@@ -122,7 +122,7 @@ Interval bounded(const Side& side, const Other& other, const Pair& a, const Pair
   return {std::min({moving, at_a, at_b}) + sagitta(side, a.on, b.on), a, b};
 }
 
-// From every point of `side` to `other`.
+// Bounds of the largest distance from a point of `side` to `other`.
 template <typename Side, typename Other>
 HausdorffRange one_way(const Side& side, const Other& other, double tolerance) {
   int budget = 20000;
@@ -152,7 +152,7 @@ HausdorffRange one_way(const Side& side, const Other& other, double tolerance) {
   return {std::min(lower, open.top().upper), open.top().upper};
 }
 
-// The greater of both ways.
+// Bounds of the Hausdorff distance, which is the greater of both ways.
 template <typename Side, typename Other>
 HausdorffRange both_ways(const Side& side, const Other& other, double tolerance) {
   const HausdorffRange there = one_way(side, other, tolerance), back = one_way(other, side, tolerance);

@@ -6,10 +6,10 @@ namespace hotblade::elastica {
 
 enum class Simd { kBaseline, kAvx2, kAvx512 };
 
-// This machine and operating system run it. kAvx2 asks for FMA too, kAvx512 for F, DQ and VL.
+// Whether this machine and operating system run it; kAvx2 asks for FMA too, kAvx512 for F, DQ and VL.
 [[nodiscard]] bool supported(Simd simd);
 
-// The widest supported one.
+// The widest instruction set that is supported.
 [[nodiscard]] Simd best_simd();
 
 }  // namespace hotblade::elastica

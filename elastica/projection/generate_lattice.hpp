@@ -13,8 +13,9 @@ namespace hotblade::elastica {
 inline constexpr int kCellPlaces = 10;
 inline constexpr int kPlaces = kValleyNodes * kCellPlaces;
 
-// Direction number i of `count` even ones, off the chord by half a step.
+// The direction with number i of `count` even ones, off the chord by half a step, rad.
 [[nodiscard]] double lattice_angle(int i, int count);
+// The number in [0, count) that stands for the same direction as i.
 [[nodiscard]] int around(int i, int count);
 
 // A node of a lattice of `count` by `count` directions, and its images under the symmetries of the problem:
@@ -25,10 +26,11 @@ struct Node {
 };
 [[nodiscard]] Node mirrored(Node n, int count);
 [[nodiscard]] Node reversed(Node n, int count);
-// One node of every orbit of the symmetries.
+// Whether the node is the one that stands for its orbit under the symmetries.
 [[nodiscard]] bool leads(Node n, int count);
 
-// The best minimum known at a place; e above 1: none. Second derivatives of e2 as in Descent.
+// The best minimum known at a place; e above 1 says that there is none. The second derivatives are those of
+// e2, as in Descent.
 struct Floor {
   double u = 0, v = 0, e = 2, huu = 0, huv = 0, hvv = 0;
 };

@@ -27,9 +27,9 @@ struct Projection {
   ProjectStatus status = ProjectStatus::kReached;
 };
 
-// The paper's feedback projection down to `threshold` in [0, 1). Where the first and third edge cross, both
-// are shortened first, and no result has them crossing. A curve that is at the threshold then comes back as
-// it is; otherwise the best of the deformation's steps is returned, never worse than the start.
+// The paper's feedback projection down to `threshold` in [0, 1). Where the first and the third edge cross,
+// it shortens both first, and no result has them crossing. A curve that is at the threshold then comes back
+// as it is; otherwise the best of the deformation's steps is returned, never worse than the start.
 [[nodiscard]] Projection project_feedback(const Bezier& bezier, double threshold);
 
 // The report of a projection of `bezier`, standing at `input`, to the edges of `s`.
@@ -50,25 +50,25 @@ enum class WantedBranch { kInflectional, kPlain, kBest };
 // points and tangents.
 [[nodiscard]] Projection project_optimal(const Bezier& bezier, WantedBranch wanted);
 
-// Edge lengths of the optimum alone.
+// The edge lengths of an optimum alone.
 struct OptimalEdges {
   double l1 = 0, l2 = 0;  // chords
   double lambda_residual = 0;
   bool exists = false;  // the branch has a curve in the domain
 };
 
-// The same for many curves. Spans of one size (std::logic_error).
+// Writes the optimal projections of many curves; both spans have one size (std::logic_error).
 void project_optimal(std::span<const Bezier> beziers, WantedBranch wanted, std::span<Projection> out);
 
-// The optima of many pairs of end directions (rad, in (-pi, pi]), as project_optimal takes them. Spans of one
-// size (std::logic_error). Several threads may run at once; splitting a batch changes no bit.
+// Writes the optima of many pairs of end directions (rad, in (-pi, pi]), as project_optimal takes them; all
+// spans have one size (std::logic_error). Several threads may run at once; splitting a batch changes no bit.
 void optimal_edges(std::span<const double> a1, std::span<const double> a2, WantedBranch wanted,
                    std::span<OptimalEdges> out);
 
 // The smallest move of the inner control points along the end tangents, sqrt(dL1^2 + dL2^2) chords, that
 // brings the lambda-residual to `threshold`, in the domain of project_optimal and on the branch asked for. A
 // curve that is there already comes back as it is. kNotReached with the optimum where project_optimal ends
-// above the threshold; kUnsupported as there. Some milliseconds a curve (docs/elastica.md).
+// above the threshold; kUnsupported as there. It takes some milliseconds a curve (docs/elastica.md).
 [[nodiscard]] Projection project_smallest_move(const Bezier& bezier, WantedBranch wanted, double threshold);
 
 // project_optimal by search alone, whatever it costs: the oracle of project_optimal. A logarithmic grid of
@@ -81,6 +81,7 @@ struct SearchOptions {
 [[nodiscard]] Projection project_optimal_search(const Bezier& bezier, WantedBranch wanted,
                                                 const SearchOptions& options);
 
+// The domain of the optimal projections: end edges in chords.
 inline constexpr double kShortestEdge = 0.02, kLongestEdge = 4;
 
 }  // namespace hotblade::elastica

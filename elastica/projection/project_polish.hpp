@@ -18,7 +18,7 @@ struct EdgeBox {
   double u0 = 0, u1 = 0, v0 = 0, v1 = 0;
 };
 
-// Edge lengths between kShortestEdge and kLongestEdge.
+// The box of all edge lengths between kShortestEdge and kLongestEdge.
 [[nodiscard]] EdgeBox edge_domain();
 
 // The box of the branch (not kBest) that is nearest to (u, v); absent when the branch has none.
@@ -40,15 +40,15 @@ struct Descent {
   double e2 = 0;                     // square of the lambda-residual there; above 1 for a cusp
 };
 
-// Newton steps kept in box and trust region, Hessians from differences of exact gradients where none is
-// given, until the model promises to lower the residual by less than `share` of it or by less than `least`.
-// Results do not depend on which descents are made together.
+// Takes Newton steps within box and trust region, with Hessians from differences of exact gradients where
+// none is given, until the model promises to lower the residual by less than `share` of it or by less than
+// `least`. Results do not depend on which descents are made together.
 struct DescentEnd {
   double share, least;
 };
 void descend(std::span<Descent> descents, const DescentEnd& end);
 
-// e2 at many places at once: above 1 for a cusp or crossing edges.
+// The squares of the lambda-residual at many places; above 1 for a cusp or crossing edges.
 [[nodiscard]] std::vector<double> squared_residuals(double a1, double a2, std::span<const double> u,
                                                     std::span<const double> v);
 

@@ -29,8 +29,8 @@ struct ValleysNear {
   double x = 0, y = 0;  // from the cell's middle to the place asked for, rad
 };
 
-// The valleys one of which holds the least residual of the branch, a1 and a2 in (-pi, pi]. Empty where the
-// branch has no curve in the domain anywhere near.
+// The valleys one of which holds the least residual of the branch, a1 and a2 in (-pi, pi]. There are none
+// where the branch has no curve in the domain anywhere near.
 [[nodiscard]] ValleysNear valleys_near(double a1, double a2, WantedBranch wanted);
 
 // ln L of a valley's quadratic.

@@ -17,19 +17,22 @@ struct PolygonAngles {
 };
 [[nodiscard]] PolygonAngles polygon_angles(const StandardPosition& s);
 
-// Edge-length constraint 1: both end edges between `shortest` and `longest` chords.
+// The limits of edge-length constraint 1: both end edges lie between `shortest` and `longest` chords.
 struct EdgeLimits {
   double shortest = 0, longest = 0;
 };
 [[nodiscard]] EdgeLimits edge_limits(double a1, double a2);
 
-// Edge-length constraints 1 and, for inflectional curves, 2: neither edge over 1.3 times the other.
+// Whether edge-length constraint 1 holds and, for inflectional curves, 2: neither edge is over 1.3 times the
+// other.
 [[nodiscard]] bool edge_lengths_hold(const StandardPosition& s);
 
-// Inside the periodic cubic spline through the paper's 16 points (chord-length parameters).
+// Whether the angles lie inside the periodic cubic spline through the paper's 16 points (chord-length
+// parameters).
 [[nodiscard]] bool inside_zone_boundary(const PolygonAngles& angles);
 
-// All of it: angle constraints, edge lengths, edges that do not cross, angles inside the boundary.
+// Whether the curve lies in the zone: angle constraints and edge lengths hold, edges do not cross, angles
+// are inside the boundary.
 [[nodiscard]] bool in_projection_zone(const StandardPosition& s);
 
 // The boundary as a closed polyline in the (phi1, phi2) plane, 16 n + 1 points.

@@ -17,12 +17,12 @@ struct QuadraticChain {
   double bound = 0;
 };
 
-// Each piece touches the elastica at both ends. Its bound: with s a cubic in u that has the right speed at
-// both ends, D(u) = Q(u) - E(s(u)) is sampled, and between samples h apart it exceeds their largest by at
-// most h^2/8 max |D''|, where |D''| is sampled too and |D'''| bounded by |kappa| and |lambda|. The error
-// falls with the fourth power of a piece's length, with the third next to an inflection. Throws
-// std::logic_error for what is not a curve, or unless tolerance > 0; a tolerance below 1e-12 of the length is
-// raised to that.
+// The chain of an elastica within a tolerance. Each piece touches the elastica at both ends. Its bound: with
+// s a cubic in u that has the right speed at both ends, D(u) = Q(u) - E(s(u)) is sampled, and between
+// samples h apart it exceeds their largest by at most h^2/8 max |D''|, where |D''| is sampled too and |D'''|
+// bounded by |kappa| and |lambda|. The error falls with the fourth power of a piece's length, with the third
+// next to an inflection. Throws std::logic_error for what is not a curve, or unless tolerance > 0; a
+// tolerance below 1e-12 of the length is raised to that.
 [[nodiscard]] QuadraticChain quadratic_chain(const Elastica& elastica, double tolerance);
 
 }  // namespace hotblade::elastica

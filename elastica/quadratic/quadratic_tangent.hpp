@@ -27,14 +27,14 @@ struct TangentMinimum {
   double value = 0;      // length or energy
   TangencyBranch branch = TangencyBranch::kLine;
   // False where the curve has no tangent at the contact: a fold that touches with its tip, or an end edge of
-  // length zero. Lengths only; such a curve is the limit of tangent ones.
+  // length zero. This happens with lengths only; such a curve is the limit of tangent ones.
   bool regular = true;
 };
 
 enum class TangentStatus { kOk, kInfeasible };
 
-// Where the ends lie: 2 outside, one outside and one inside, one outside and one on, 2 inside, one on and one
-// inside, 2 on the circle (the paper's figure 6, a to f).
+// The places of the ends: 2 outside, one outside and one inside, one outside and one on, 2 inside, one on
+// and one inside, 2 on the circle (the paper's figure 6, a to f).
 enum class CircleCase { kOutsideOutside, kOutsideInside, kOutsideOn, kInsideInside, kOnInside, kOnOn };
 
 struct TangentCurves {
@@ -44,9 +44,10 @@ struct TangentCurves {
   CircleCase circle_case = CircleCase::kOutsideOutside;  // of tangent_to_circle
 };
 
-// The line runs through `on` and `on + direction`. Infeasible when the ends lie on different sides of it. The
-// ends may not coincide, the direction may not be zero, the radius must be positive, everything finite
-// (std::logic_error). An end nearer to the line or circle than 1e-13 of the problem's size counts as on it.
+// The curves that are tangent to a line, or to a circle. The line runs through `on` and `on + direction`;
+// the problem is infeasible when the ends lie on different sides of it. The ends may not coincide, the
+// direction may not be zero, the radius must be positive, everything finite (std::logic_error). An end
+// nearer to the line or circle than 1e-13 of the problem's size counts as on it.
 [[nodiscard]] TangentCurves tangent_to_line(const Eigen::Vector2d& b0, const Eigen::Vector2d& b2,
                                             const Eigen::Vector2d& on, const Eigen::Vector2d& direction,
                                             Objective objective);
