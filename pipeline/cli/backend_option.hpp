@@ -19,8 +19,8 @@ void add_backend_option(CLI::App& command, std::string& name);
 
 [[nodiscard]] gpu::Backend backend_named(const std::string& name);
 
-// "cpu", or the device's name with "opencl" before it; both when the two ways were computed by different
-// ones.
+// The backend that answered: "cpu", or the device's name with "opencl" before it; both when the two ways
+// were computed by different ones.
 [[nodiscard]] std::string backend_text(const VerifyReport& report);
 
 // Says what auto picked and why (a note), or why the backend asked for did not answer (a warning).

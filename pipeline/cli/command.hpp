@@ -21,15 +21,15 @@ struct Console {
   std::string progress = "auto";  // auto, bar, json or none
   std::string log_file;           // appended to; empty: none
 
-  // Progress: a bar on a terminal, NDJSON {"stage": "...", "progress": 0..1} with --progress json. `fraction`
-  // is of the whole command; a value below one already shown is raised to it, so what is shown never goes
-  // back.
+  // Shows progress: a bar on a terminal, NDJSON {"stage": "...", "progress": 0..1} with --progress json.
+  // `fraction` is that of the whole command; a value below one already shown is raised to it, so what is
+  // shown never goes back.
   void report_progress(const std::string& stage, double fraction) const;
-  // One line, only with -v.
+  // Writes one line, only with -v.
   void detail(const std::string& line) const;
-  // One line unless quiet.
+  // Writes one line, unless quiet.
   void note(const std::string& line) const;
-  // One line, always.
+  // Writes one line, always.
   void warn(const std::string& line) const;
   // Ends a half-drawn bar, so that what follows starts on a line of its own.
   void end_progress() const;
@@ -62,8 +62,8 @@ void add_export(CLI::App& app, const Console& console, Action& action);
 void add_completion(CLI::App& app, const Console& console, Action& action);
 void add_ribs(CLI::App& app, const Console& console, Action& action);
 
-// Set by SIGINT and SIGTERM; long work looks at it and ends with Exit::kInterrupted. A second signal ends the
-// program at once.
+// Whether SIGINT or SIGTERM has come; long work asks, and ends with Exit::kInterrupted. A second signal ends
+// the program at once.
 [[nodiscard]] bool interrupted();
 
 // Splits argv, runs one command, prints errors; returns the exit code.

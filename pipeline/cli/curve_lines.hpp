@@ -20,11 +20,11 @@ struct LineError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Larger numbers lose the digits that a curve's shape needs.
+// The largest number that is taken: larger ones lose the digits that a curve's shape needs.
 inline constexpr double kLargest = 1e9;
 inline constexpr std::size_t kMostPoints = 1'000'000;
 
-// Each throws LineError with the field's name.
+// The value of a field of a line, as what it has to be; each throws LineError with the field's name.
 [[nodiscard]] const Json& field(const Json& line, const char* name);
 [[nodiscard]] double number(const Json& value, const std::string& name);
 [[nodiscard]] Eigen::Vector2d point(const Json& value, const std::string& name);
@@ -36,11 +36,11 @@ inline constexpr std::size_t kMostPoints = 1'000'000;
 // Answers every line of stdin at its place; exit code 3 when any was bad.
 [[nodiscard]] Exit each_line(const std::function<Json(const Json&)>& answer);
 
-// A subcommand without options.
+// Adds a subcommand without options.
 void add_tool(CLI::App& curve, const char* name, const char* about, Action& action,
               std::function<Json(const Json&)> tool, const char* example);
 
-// The tools quadratic and arcs.
+// Adds the tools quadratic and arcs.
 void add_curve_arcs(CLI::App& curve, Action& action);
 
 }  // namespace hotblade::pipeline::curve_lines

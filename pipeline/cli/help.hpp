@@ -18,8 +18,8 @@ namespace hotblade::pipeline {
 // Has --help written with value_words(); commands added later inherit it.
 void set_help_format(CLI::App& app);
 
-// What is wrong with the command line, in one or two lines: the parser's words, the nearest command for a
-// word that is none, and whose --help says more.
+// The message that says what is wrong with the command line, in one or two lines: the parser's words, the
+// nearest command for a word that is none, and whose --help says more.
 [[nodiscard]] std::string usage_message(const CLI::App& app, const CLI::Error& error);
 
 }  // namespace hotblade::pipeline

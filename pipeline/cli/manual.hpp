@@ -10,7 +10,7 @@ class App;
 
 namespace hotblade::pipeline {
 
-// hotblade(1) as roff text, for man.
+// The manual page hotblade(1) as roff text, for man.
 [[nodiscard]] std::string manual_page(const CLI::App& app);
 
 // A bash script that completes commands, options, the values of options with a fixed choice, and file names.

@@ -11,7 +11,7 @@ class App;
 
 namespace hotblade::pipeline {
 
-// --config FILE and --set KEY=VALUE, both as often as wanted.
+// Adds --config FILE and --set KEY=VALUE, both as often as wanted.
 void add_settings_options(CLI::App& command, SettingsSources& sources);
 
 // A design as commands take it: the OBJ, --units, --up, --config and --set.

@@ -7,8 +7,8 @@
 
 namespace hotblade::pipeline {
 
-// Where a curve goes on, and how it gets there: the tangent of a quarter of the turning to the next vertex, 0
-// for a line (DXF reference, LWPOLYLINE group 42).
+// A vertex of a curve, and how the curve goes on from it: the tangent of a quarter of the turning to the
+// next vertex, 0 for a line (DXF reference, LWPOLYLINE group 42).
 struct DxfVertex {
   Eigen::Vector2d at;
   double bulge = 0;
@@ -21,7 +21,8 @@ struct DxfCurve {
   Eigen::Vector2d label{0, 0};  // lower left corner of the name
 };
 
-// Coordinates in mm, to a nanometre. Names are taken as they are: letters, digits and `_` are safe.
+// The text of a drawing, with coordinates in mm to a nanometre. Names are taken as they are: letters, digits
+// and `_` are safe.
 [[nodiscard]] std::string dxf_document(const std::vector<DxfCurve>& curves, double text_height_mm);
 
 }  // namespace hotblade::pipeline

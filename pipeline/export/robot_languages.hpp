@@ -5,22 +5,22 @@
 
 namespace hotblade::pipeline {
 
-// hb_arm_a.mod and hb_arm_b.mod, one MultiMove task each. A move's time is given with \T, so that both arms
-// take the same time whatever their distances; ConfL and ConfJ are off, because the clamps turn little and
-// the configuration is the cell's choice.
+// ABB RAPID: hb_arm_a.mod and hb_arm_b.mod, one MultiMove task each. A move's time is given with \T, so that
+// both arms take the same time whatever their distances; ConfL and ConfJ are off, because the clamps turn
+// little and the configuration is the cell's choice.
 class RapidPostProcessor : public PostProcessor {
  public:
   [[nodiscard]] std::vector<ExportedFile> files(const RobotJob& job) const override;
 };
 
-// hb_arm_a.src and hb_arm_b.src. Orientation as A, B, C: turns about Z, Y', X'' in degrees.
+// KUKA KRL: hb_arm_a.src and hb_arm_b.src. Orientations are A, B, C, turns about Z, Y', X'' in degrees.
 class KrlPostProcessor : public PostProcessor {
  public:
   [[nodiscard]] std::vector<ExportedFile> files(const RobotJob& job) const override;
 };
 
-// Turns about Z, then the new Y, then the new X, degrees; A and C in (-180, 180], B in [-90, 90]. At B = +-90
-// only A and C together count, and C is 0.
+// An orientation as turns about Z, then the new Y, then the new X, degrees; A and C in (-180, 180], B in
+// [-90, 90]. At B = +-90 only A and C together count, and C is 0.
 struct KukaAngles {
   double a = 0, b = 0, c = 0;
 };

@@ -6,10 +6,10 @@
 
 namespace hotblade::pipeline {
 
-// as_cut.obj: one group a strip. `sample_mm` as in swept_surface().
+// The file as_cut.obj with one group a strip. `sample_mm` as in swept_surface().
 [[nodiscard]] ExportedFile as_cut_obj(const Program& program, double sample_mm);
 
-// as_cut.ply, text form: x y z, normal, and the strip's index (from 0) a vertex.
+// The file as_cut.ply in text form: x y z, normal, and the strip's index (from 0) a vertex.
 [[nodiscard]] ExportedFile as_cut_ply(const Program& program, double sample_mm);
 
 }  // namespace hotblade::pipeline

@@ -12,10 +12,11 @@ namespace hotblade::pipeline::preview {
 
 enum class Align { kLeft, kCentre, kRight };
 
-// Sizes of overlays are pixels of a picture of 1280 x 720 and scale with the picture by this.
+// The factor by which overlays grow with the picture: their sizes are pixels of one of 1280 x 720.
 [[nodiscard]] double overlay_scale(PictureSize size);
 
-// Breaks a line between words so that no part has more letters than `longest`, where words allow.
+// The parts of a line, broken between words so that no part has more letters than `longest`, where words
+// allow.
 [[nodiscard]] std::vector<std::string> wrapped(const std::string& line, std::size_t longest);
 
 // Two layers over a renderer that is in a window already: shapes, and words over them.

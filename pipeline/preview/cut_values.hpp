@@ -1,4 +1,4 @@
-// What colours the cut: one value a vertex and the scale that turns values into colours.
+// The colours of the cut: one value a vertex, and the scale that turns values into colours.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct Coloring {
   std::optional<ColorScale> scale;  // absent: by strip
 };
 
-// Feed in mm/s between the rows of the surface, curvature in per cent of the curvature at yield, stability
-// margin of the pose, or signed deviation (mm), which the surface must have.
+// The colours of the cut by feed in mm/s between the rows of the surface, curvature in per cent of the
+// curvature at yield, stability margin of the pose, or signed deviation (mm), which the surface must have.
 [[nodiscard]] Coloring coloring_of(Color color, const Program& program, const CutSurface& surface);
 
 }  // namespace hotblade::pipeline::preview

@@ -14,14 +14,14 @@ struct PictureSize {
   int width = 1280, height = 720;
 };
 
-// From where a picture is taken: obliquely on the cut side, or along an axis of the design frame.
+// The side that a picture is taken from: obliquely on the cut side, or along an axis of the design frame.
 enum class View { kBest, kTop, kFront, kRight };
 
-// The view of a name on the command line (best, top, front, right); an unknown name gives nothing.
+// The view of a name on the command line (best, top, front, right); absent for an unknown name.
 [[nodiscard]] std::optional<View> view_named(const std::string& name);
 
-// The scene as the bytes of a PNG file. Needs EGL but no display. Throws CommandError with exit code 1 when
-// the machine has no EGL that can draw off screen.
+// The scene as the bytes of a PNG file. Drawing it needs EGL but no display. Throws CommandError with exit
+// code 1 when the machine has no EGL that can draw off screen.
 [[nodiscard]] std::string png_of(const Scene& scene, PictureSize size, View view = View::kBest);
 
 // A picture of several; the caption's lines can be left out to leave their room to the geometry.
@@ -30,7 +30,7 @@ struct Shot {
   bool caption = true;
 };
 
-// One scene from several sides, drawn in one window; throws as png_of.
+// The pictures of one scene from several sides, drawn in one window; throws as png_of does.
 [[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, PictureSize size,
                                                std::span<const Shot> shots);
 

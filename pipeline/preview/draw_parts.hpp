@@ -29,9 +29,9 @@ constexpr Rgb kStockColor{0.55, 0.57, 0.60};
 constexpr Rgb kPathColor{0.55, 0.30, 0.65};
 constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 
-// Colour of a value on a scale; values outside take the colour of its end.
+// The colour of a value on a scale; values outside take the colour of its end.
 [[nodiscard]] Rgb color_at(const ColorScale& scale, double value);
-// Colour of the strip with this index; repeats after eight.
+// The colour of the strip with this index; colours repeat after eight.
 [[nodiscard]] Rgb strip_color(int strip);
 
 // What stands for a scene in VTK, owned by the renderer; null where there is nothing to show.
@@ -41,7 +41,7 @@ struct SceneActors {
   double line_depth = 0;  // that puts lines before the surfaces they lie on, for line_actor
 };
 
-// `zoom` is how many pixels are drawn for one of the picture.
+// Adds the actors of a scene to the renderer; `zoom` is how many pixels are drawn for one of the picture.
 SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
 
 // Colours the cut's actor anew; without a scale by strip.
@@ -65,9 +65,9 @@ void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, Vie
 // no EGL that can draw off screen.
 class Painter {
  public:
-  // Pixels drawn for one of the picture each way. Averaged, they give smooth edges and letters without
-  // multisampling, which is eight times slower on the software rasterisers that machines without a display
-  // have.
+  // The number of pixels drawn for one of the picture, each way. Averaged, they give smooth edges and
+  // letters without multisampling, which is eight times slower on the software rasterisers that machines
+  // without a display have.
   static constexpr int kZoom = 2;
 
   explicit Painter(PictureSize size);
@@ -76,7 +76,7 @@ class Painter {
   Painter& operator=(const Painter&) = delete;
 
   [[nodiscard]] vtkRenderer& renderer();
-  // RGB rows from the bottom.
+  // Draws into the image: RGB, rows from the bottom.
   void paint(vtkImageData& image);
 
  private:
@@ -84,7 +84,7 @@ class Painter {
   std::unique_ptr<Window> window_;
 };
 
-// Bytes of a PNG file.
+// The image as the bytes of a PNG file.
 [[nodiscard]] std::string encoded(vtkImageData& image);
 
 }  // namespace hotblade::pipeline::preview

@@ -8,13 +8,13 @@
 
 namespace hotblade::pipeline::preview {
 
-// The text of a .gltf file with everything in it: metres, y up (x, z, -y of the design frame), colours of the
-// vertices as in the picture. Needs neither display nor EGL.
+// The text of a .gltf file with everything in it: metres, y up (x, z, -y of the design frame), the vertices
+// have the picture's colours. It needs neither display nor EGL.
 [[nodiscard]] std::string gltf_of(const Scene& scene);
 
-// FILE.vtm and the directory FILE beside it that holds its blocks: design, cut (point data deviation_mm or
-// what it is coloured by, and strip), ribs, blades, stock; mm, design frame. Throws CommandError (7) when
-// something is there without `force` or cannot be written.
+// Writes FILE.vtm and the directory FILE beside it that holds its blocks: design, cut (point data
+// deviation_mm or what it is coloured by, and strip), ribs, blades, stock; mm, design frame. Throws
+// CommandError (7) when something is there without `force` or cannot be written.
 void write_vtm(const Scene& scene, const std::filesystem::path& file, bool force);
 
 }  // namespace hotblade::pipeline::preview

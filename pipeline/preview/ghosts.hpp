@@ -1,11 +1,11 @@
-// Where the moving blade is drawn: its ends outside the foam, at even steps through the cut.
+// The ghosts of the moving blade: its ends outside the foam, at even steps through the cut.
 #pragma once
 
 #include "pipeline/preview/scene.hpp"
 
 namespace hotblade::pipeline::preview {
 
-// The curve as points in space.
+// The curve in a frame's plane as points in space.
 [[nodiscard]] Polyline line_of(const Frame& frame, const elastica::Elastica& curve);
 
 // Ends of the blade at even steps of its middle through the cut, with their clamps.
@@ -17,10 +17,10 @@ struct Ghosts {
   bool left_out = false;  // is an end not shown because it lies over another strip?
 };
 
-// Within the foam the cut surface shows where the blade was. An end that lies over another strip than its own
-// is left out: every strip has its own block on the table, so the neighbour is not there when the blade
-// passes. Without a step, eight a strip; a step that would give thousands is widened, and the note says to
-// what.
+// The ghosts of a program. Within the foam the cut surface shows where the blade was. An end that lies over
+// another strip than its own is left out: every strip has its own block on the table, so the neighbour is
+// not there when the blade passes. Without a step there are eight a strip; a step that would give thousands
+// is widened, and the note says to what.
 [[nodiscard]] Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<double> step_mm);
 
 }  // namespace hotblade::pipeline::preview

@@ -14,10 +14,9 @@ struct MovieOptions {
   int frames_per_s = 12;
 };
 
-// As many frames as asked for, over the model's whole time, of what the window shows in `state`: the camera
-// stands still, the cut grows with the blade. `report` is called before each frame with the share done.
-// Written to `file`, whole or not at all. Throws CommandError as png_of does, and (7) when the file cannot be
-// written.
+// Writes a film of what the window shows in `state`, over the model's whole time: the camera stands still,
+// the cut grows with the blade. `report` is called before each frame with the share done. `file` is written
+// whole or not at all. Throws CommandError as png_of does, and (7) when the file cannot be written.
 void write_movie(const ViewModel& model, ViewState state, const MovieOptions& options,
                  const std::filesystem::path& file, bool force, const std::function<void(double)>& report);
 

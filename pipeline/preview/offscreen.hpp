@@ -3,8 +3,8 @@
 
 namespace hotblade::pipeline::preview {
 
-// Current on the thread that made it, until destroyed. Throws CommandError with exit code 1 and what EGL
-// lacks.
+// A context that is current on the thread that made it, until it is destroyed. Its constructor throws
+// CommandError with exit code 1 and what EGL lacks.
 class OffscreenContext {
  public:
   OffscreenContext();

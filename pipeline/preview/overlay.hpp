@@ -6,7 +6,7 @@
 
 namespace hotblade::pipeline::preview {
 
-// A line of the key: the swatch is a line or an area.
+// A line of the key, whose swatch is a line or an area.
 struct KeyLine {
   Rgb color;
   std::string words;
@@ -25,25 +25,26 @@ struct Overlay {
 
 [[nodiscard]] Overlay overlay_of(const Scene& scene);
 
-// Adds to the canvas; returns the height below which the left column is free, in the canvas's pixels.
+// Draws the overlay on the canvas; returns the height below which the left column is free, in the canvas's
+// pixels.
 double draw_overlay(Canvas& canvas, const Overlay& overlay, PictureSize size);
 
-// A card in the left column, below `top`.
+// Draws a card in the left column, below `top`.
 void draw_card(Canvas& canvas, const Card& card, double top);
 
-// The time bar along the lower edge.
+// Draws the time bar along the lower edge.
 void draw_time_bar(Canvas& canvas, const ViewModel& model, const ViewState& state, PictureSize size);
 
-// The share of the time (0 to 1) a pixel of the picture stands for, from the lower left; none: it is not on
-// the bar.
+// The share of the time (0 to 1) that a pixel of the picture stands for, x and y from the lower left; absent
+// when it is not on the bar.
 [[nodiscard]] std::optional<double> time_share_at(PictureSize size, double x, double y);
 
-// The same for a pointer that dragged the bar and may be anywhere: clamped.
+// The share, from 0 to 1, for a pointer that drags the bar and may be anywhere.
 [[nodiscard]] double time_share_along(PictureSize size, double x);
 
 void draw_help(Canvas& canvas, PictureSize size);
 
-// Pixels of the picture kept free of geometry, for the overlay.
+// The pixels of the picture that are kept free of geometry, for the overlay.
 struct Margins {
   double left, right, top, bottom;
 };

@@ -14,7 +14,7 @@ namespace hotblade::pipeline::preview {
 
 enum class Color { kDeviation, kStrip, kCurvature, kMargin, kFeed };
 
-// The colour mode of a name on the command line; an unknown name gives nothing.
+// The colour mode of a name on the command line; absent for an unknown name.
 [[nodiscard]] std::optional<Color> color_named(const std::string& name);
 
 struct Polyline {
@@ -32,7 +32,7 @@ struct CutSurface {
   std::vector<double> values;
 };
 
-// How `values` become colours.
+// The scale by which `values` become colours.
 struct ColorScale {
   std::string title;  // with the unit
   double low = 0, high = 1;
@@ -74,16 +74,16 @@ struct SceneOptions {
                              const SceneOptions& options);
 
 // The program with the strips of `options` alone, their poses up to its time. Throws CommandError as
-// scene_of.
+// scene_of does.
 [[nodiscard]] Program shown_part(const Program& program, const SceneOptions& options);
 
 // The scene of a design alone.
 [[nodiscard]] Scene scene_of(const surface::DesignSurface& design);
 
-// Signed distance of each point from the design, mm: positive on the waste side (foam left standing),
+// The signed distance of each point from the design, mm: positive on the waste side (foam left standing),
 // negative where the cut is too deep. Waste lies above or below along z, or before or behind the face
-// normals, as `keep` says. Past the design's border it is the distance across the design's plane there, and
-// NaN farther past it than `near_mm`: there the cut is in waste, as verify counts it.
+// normals, as `keep` says. Beyond the design's border it is the distance across the design's plane there,
+// and NaN where a point is farther beyond it than `near_mm`: there the cut is in waste, as verify counts it.
 [[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design,
                                                       const std::string& keep,
                                                       const std::vector<Eigen::Vector3d>& points,

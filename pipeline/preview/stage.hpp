@@ -12,7 +12,8 @@ namespace hotblade::pipeline::preview {
 
 class Stage {
  public:
-  // Both have to outlive the stage. `zoom` is how many pixels are drawn for one of the picture.
+  // Model and renderer have to outlive the stage. `zoom` is how many pixels are drawn for one of the
+  // picture.
   Stage(const ViewModel& model, vtkRenderer& renderer, PictureSize size, double zoom);
   ~Stage();
   Stage(const Stage&) = delete;
@@ -21,11 +22,11 @@ class Stage {
   // Brings the renderer from the state shown before to this one; the first call aims the camera.
   void show(const ViewState& state);
 
-  // The picture has another size from the next show() on.
+  // Gives the picture another size from the next show() on.
   void resize(PictureSize size);
   [[nodiscard]] PictureSize size() const;
 
-  // How the camera sees now, and what lies under a pixel from the lower left.
+  // The part that the camera sees now under a pixel, x and y from the lower left.
   [[nodiscard]] Picked pick_at(const ViewState& state, double x, double y) const;
 
  private:
@@ -33,7 +34,8 @@ class Stage {
   std::unique_ptr<Parts> parts_;
 };
 
-// The window's picture of a state as the bytes of a PNG file, without a display; throws as png_of.
+// The window's picture of a state as the bytes of a PNG file, drawn without a display; throws as
+// png_of(scene) does.
 [[nodiscard]] std::string png_of(const ViewModel& model, const ViewState& state, PictureSize size);
 
 }  // namespace hotblade::pipeline::preview

@@ -18,12 +18,12 @@ struct ViewModel {
   ViewFacts facts;
 };
 
-// Throws CommandError as scene_of does.
+// The model of a program, or of a design alone. Throws CommandError as scene_of does.
 [[nodiscard]] ViewModel view_model(const Program& program, const surface::DesignSurface* design,
                                    const SceneOptions& options);
 [[nodiscard]] ViewModel view_model(const surface::DesignSurface& design);
 
-// What the window opens with: --at is the time, and shows the cut so far.
+// The state that the window opens with: --at is its time, and it shows the cut so far.
 [[nodiscard]] ViewState first_state(const ViewModel& model, const SceneOptions& options, View view);
 
 // A place in the program, by index.
@@ -34,7 +34,7 @@ struct Moment {
 // The last pose at or before a time of the timeline. Throws std::logic_error when there is no pose.
 [[nodiscard]] Moment moment_at(const ViewFacts& facts, double time_s);
 
-// When a pose is reached on the timeline.
+// The time at which a pose is reached on the timeline, s.
 [[nodiscard]] double time_of(const ViewModel& model, Moment moment);
 
 [[nodiscard]] const BladePose& pose_at(const ViewModel& model, Moment moment);
@@ -45,10 +45,11 @@ struct Card {
   std::vector<std::string> lines;
 };
 
-// Id, deviation, smallest radius, load and time of what is selected; empty title: nothing is.
+// The card with id, deviation, smallest radius, load and time of what is selected; its title is empty when
+// nothing is.
 [[nodiscard]] Card card_of(const ViewModel& model, const Selection& selection);
 
-// "S002  12.30 of 83.10 s  cut  x 8", for the line above the time bar.
+// The line above the time bar, as "S002  12.30 of 83.10 s  cut  x 8".
 [[nodiscard]] std::string time_text(const ViewModel& model, const ViewState& state);
 
 }  // namespace hotblade::pipeline::preview

@@ -1,4 +1,4 @@
-// What the window shows, as one plain value, and how keys, time and clicks change it. Nothing here draws, so
+// What the window shows, as one plain value, and how keys, time and clicks change it. None of it draws, so
 // all of it is tested without a display.
 #pragma once
 
@@ -27,7 +27,7 @@ struct Selection {
   bool operator==(const Selection&) const = default;
 };
 
-// What lies beyond the plane across an axis of the design frame is hidden.
+// A plane across an axis of the design frame, beyond which everything is hidden.
 struct ClipPlane {
   int axis = -1;       // 0 x, 1 y, 2 z; -1: nothing is clipped
   double share = 0.5;  // of the design's extent along the axis
@@ -53,7 +53,7 @@ struct ViewState {
   [[nodiscard]] bool shows(Layer layer) const { return !hidden.test(static_cast<std::size_t>(layer)); }
 };
 
-// What the changes need to know of the program; all empty for a design alone.
+// The facts of the program that changes of the state need; all empty for a design alone.
 struct ViewFacts {
   std::vector<double> strip_start_s;  // a strip, and the end of the last one
   std::vector<double> pose_s;         // of all strips, ascending
@@ -72,20 +72,21 @@ struct Picked {
   int pose = -1;
 };
 
-// `key` is named as X11 does ("space", "Left", "plus", "c"); unknown ones change nothing.
+// The state after a key, which is named as X11 does ("space", "Left", "plus", "c"); an unknown one changes
+// nothing.
 [[nodiscard]] ViewState after_key(ViewState state, const ViewFacts& facts, std::string_view key);
 
-// `elapsed_s` of the clock later; playing ends at the end.
+// The state `elapsed_s` of the clock later; playing stops at the end of the program.
 [[nodiscard]] ViewState after_clock(ViewState state, const ViewFacts& facts, double elapsed_s);
 
-// At a share (0 to 1, clamped) of the whole time.
+// The state at a share (0 to 1, clamped) of the whole time.
 [[nodiscard]] ViewState after_seek(ViewState state, const ViewFacts& facts, double share);
 
-// Selects; a second click on a selected strip selects the pose that cut there and goes to its time. A click
-// on nothing selects nothing.
+// The state after a click, which selects what lies there; a second click on a selected strip selects the
+// pose that cut there and goes to its time. A click on nothing selects nothing.
 [[nodiscard]] ViewState after_pick(ViewState state, const ViewFacts& facts, const Picked& picked);
 
-// Keys and what they do, for the help in the window; one line each.
+// The keys and what they do, for the help in the window; one line each.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> key_help();
 
 }  // namespace hotblade::pipeline::preview

@@ -5,8 +5,8 @@
 
 namespace hotblade::pipeline::preview {
 
-// Opens a window and returns when it is closed. Throws CommandError with exit code 2 when there is no
-// display, or one without GLX.
+// Opens a window on the model, and returns when it is closed. Throws CommandError with exit code 2 when
+// there is no display, or one without GLX.
 void show(const ViewModel& model, const ViewState& state, PictureSize size);
 
 }  // namespace hotblade::pipeline::preview

@@ -10,7 +10,7 @@
 
 namespace hotblade::pipeline {
 
-// What may differ between two runs of the same plan: goes to run.json only.
+// The facts that may differ between two runs of the same plan; they go to run.json only.
 struct RunFacts {
   std::filesystem::path design_path;
   std::string backend;
@@ -28,7 +28,7 @@ struct Emitted {
 };
 
 // Makes the directory and refuses (exit code 7) what could not be written later: an output that is there
-// without force, or a directory that cannot be written to. Called before the work starts.
+// without force, or a directory that cannot be written to. It is called before the work starts.
 void prepare_output(const std::filesystem::path& directory, bool force);
 
 // Writes the files; preview.png (the first picture) and scene.gltf are absent where there are none. A refused
@@ -42,7 +42,7 @@ using TakePictures = std::function<ReportPictures(const PlanResult&)>;
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,
              const EmitOptions& options, const TakePictures& take_pictures);
 
-// report.json's text: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
+// The text of report.json: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
 [[nodiscard]] std::string report_json(const PlanResult& result);
 
 }  // namespace hotblade::pipeline

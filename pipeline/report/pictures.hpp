@@ -16,8 +16,8 @@ struct ReportPictures {
   std::string scene_gltf;  // the same scene for viewers; empty: not asked for
 };
 
-// Drawn without a display. A machine that cannot draw gets none and a note, never an error: the figures do
-// not depend on pictures.
+// The pictures of a plan, drawn without a display. A machine that cannot draw gets none and a note, never an
+// error: the figures do not depend on pictures.
 [[nodiscard]] ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design);
 
 }  // namespace hotblade::pipeline

@@ -1,4 +1,4 @@
-// What would make a refused job cuttable, in numbers, where the plan's own figures tell them.
+// The settings that would make a refused job cuttable, with numbers, where the plan's own figures tell them.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ struct Remedy {
   std::size_t refusals = 0;  // settled by it
 };
 
-// One remedy a setting, the most demanding of the refusals it settles; in the order of the refusals. The
-// numbers are this plan's: planned anew, other ribs are chosen and other limits may show. Refusals that no
-// number settles (a snap, a crossing) have only their hint.
+// The remedies of a plan, in the order of its refusals: one a setting, the most demanding of the refusals it
+// settles. The numbers are this plan's: planned anew, other ribs are chosen and other limits may show.
+// Refusals that no number settles (a snap, a crossing) have only their hint.
 [[nodiscard]] std::vector<Remedy> remedies(const PlanResult& result);
 
 }  // namespace hotblade::pipeline

@@ -14,8 +14,8 @@ struct ReportPicture {
   std::string png;  // bytes of a PNG file
 };
 
-// `picture_note` says why there are no pictures, where there are none. The text depends on the arguments
-// alone.
+// The page's text, which depends on the arguments alone. `picture_note` says why there are no pictures,
+// where there are none.
 [[nodiscard]] std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
                                       const std::string& picture_note);
 

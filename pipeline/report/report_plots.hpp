@@ -9,17 +9,17 @@
 
 namespace hotblade::pipeline {
 
-// Text made safe for HTML and SVG.
+// The text made safe for HTML and SVG.
 [[nodiscard]] std::string escaped(const std::string& text);
 
-// Share of the samples by deviation, with the tolerance marked; what lies beyond the last bin stands in a bar
-// of its own.
+// A plot of the samples' share by deviation, with the tolerance marked; what lies beyond the last bin stands
+// in a bar of its own.
 [[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm);
 
-// All lines of an error budget together: the worst case, in which none takes off from another.
+// The sum of an error budget's lines, mm: the worst case, in which none takes off from another.
 [[nodiscard]] double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm);
 
-// One bar a line of the error budget and one for their sum, against the tolerance.
+// A plot with one bar a line of the error budget and one for their sum, against the tolerance.
 [[nodiscard]] std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm,
                                      double tolerance_mm);
 

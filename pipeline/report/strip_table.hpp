@@ -10,7 +10,7 @@
 
 namespace hotblade::pipeline {
 
-// What one row is made from.
+// The facts that one row is made from.
 struct StripRow {
   const StripFacts& facts;
   const Strip& strip;
@@ -18,7 +18,7 @@ struct StripRow {
   std::size_t refusals = 0;  // that name the strip
 };
 
-// Which table a column stands in: what is cut, or what the blade and the clamps bear.
+// The table that a column stands in: what is cut, or what the blade and the clamps bear.
 enum class StripTable { kCut, kBlade };
 
 struct StripColumn {
@@ -28,12 +28,13 @@ struct StripColumn {
   std::string (*cell)(const StripRow&);
 };
 
+// All columns of both tables, in the order they are read.
 [[nodiscard]] std::span<const StripColumn> strip_columns();
 
-// Both tables as HTML; a strip that is refused stands out. Empty when there are no strips.
+// Both tables as HTML; a strip that is refused stands out. The text is empty when there are no strips.
 [[nodiscard]] std::string strips_section(const PlanResult& result);
 
-// 95 s -> "1 min 35 s".
+// A duration in words: "1 min 35 s" for 95.
 [[nodiscard]] std::string duration(double seconds);
 
 }  // namespace hotblade::pipeline

@@ -18,7 +18,7 @@ enum class Exit : int {
   kInterrupted = 130,
 };
 
-// what() reads `file:line: what (value, limit): hint`.
+// The error that ends a command; its what() reads `file:line: what (value, limit): hint`.
 struct CommandError : std::runtime_error {
   CommandError(Exit exit_code, const std::string& message) : std::runtime_error(message), code(exit_code) {}
   Exit code;

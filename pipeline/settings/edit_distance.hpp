@@ -1,4 +1,4 @@
-// How far apart two words are, for "did you mean".
+// The distance of two words, for "did you mean".
 #pragma once
 
 #include <cstddef>
@@ -6,7 +6,8 @@
 
 namespace hotblade::pipeline {
 
-// Least number of letters to add, leave out or change (Levenshtein 1966).
+// The least number of letters to add, leave out or change that makes one word of the other (Levenshtein
+// 1966).
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
 }  // namespace hotblade::pipeline

@@ -19,7 +19,7 @@ struct DesignSettings {
   std::string up = "z";        // z or y
   std::string keep = "below";  // below, above, back, front: the foam that stays
   std::string group;           // OBJ group or object to cut; empty: the whole file
-  // Faces to cut: those that look in this direction of the design frame; absent: all.
+  // The faces that look in this direction of the design frame are cut; absent, all are.
   std::optional<std::array<double, 3>> facing;
   double facing_max_deg = 80;     // between a face's normal and `facing`
   double stitch_mm = 0;           // borders of the design this close to each other are joined
@@ -29,16 +29,15 @@ struct DesignSettings {
 
 struct SliceSettings {
   std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
-  // Rib planes turn about this line instead: a point of it (mm) and its direction, design frame.
+  // The line that rib planes turn about instead: a point of it (mm) and its direction, design frame.
   std::optional<std::array<double, 6>> fan_axis;
   double spacing_mm = 20;       // largest distance between the sections that ribs are chosen from
   std::string gaps = "bridge";  // or apart: may one blade cut both sides of a window?
 };
 
 struct FitSettings {
-  double lambda_threshold =
-      0.22;  // ribs whose Bezier is above are projected (best class of the paper, maths.md 2)
-  double deviation_share = 0.5;  // of the tolerance that one rib's elastica may deviate from its target
+  double lambda_threshold = 0.22;  // ribs whose Bezier is above are projected (the paper's best class)
+  double deviation_share = 0.5;    // of the tolerance that one rib's elastica may deviate from its target
   double between_share = 0.1;  // of the tolerance that the surface between ribs may be farther off than they
   int max_splits = 12;         // along a rib
 };
@@ -50,8 +49,8 @@ struct BladeSettings {
   double density_kg_m3 = 7900;
   double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
-  double min_margin_mm =
-      0;  // smallest accepted clamp error that snaps the blade; 0: from the machine's errors
+  // The smallest accepted clamp error that snaps the blade; 0 takes it from the machine's errors.
+  double min_margin_mm = 0;
 };
 
 struct StockSettings {
@@ -73,10 +72,10 @@ struct MotionSettings {
 
 struct MachineSettings {
   std::array<double, 3> envelope_mm{4000, 4000, 3000};  // centred on the table in x and y, z from 0
-  double plinth_mm =
-      0;  // the stock stands this far above the table; 0: as far as needed (pipeline/plan/motion/motion.hpp)
-  // Errors of each clamp, for the error budget. Repeatability of mid-size arms is 0.03 to 0.1 mm (ISO 9283
-  // data sheets); calibrated, their absolute error is a few tenths: put your cell's here.
+  // The stock stands this far above the table; 0 is as far as needed (pipeline/plan/motion/motion.hpp).
+  double plinth_mm = 0;
+  // The errors of each clamp, for the error budget. Repeatability of mid-size arms is 0.03 to 0.1 mm (ISO
+  // 9283 data sheets); calibrated, their absolute error is a few tenths: put your cell's here.
   double clamp_error_mm = 0.1, clamp_error_rad = 0.0002;
 };
 
@@ -97,7 +96,7 @@ struct SettingsFlag {
   std::string value;  // as for assignments
 };
 
-// Where settings come from, in the order they are applied.
+// The sources of settings, in the order in which they are applied.
 struct SettingsSources {
   std::vector<std::filesystem::path> files;
   std::vector<std::string>
@@ -113,22 +112,26 @@ struct SettingInfo {
   std::string range;          // "0.1 to 100", or the words allowed
   std::string description;
 };
+// All keys, in the order of docs/configuration.md.
 [[nodiscard]] std::vector<SettingInfo> describe_settings();
 
-// Throws CommandError: exit 7 for a file that cannot be read, 2 for syntax, unknown keys, wrong types and
-// values out of range, each with `file:line: key (value, limit): hint`. Units are not required here.
+// The settings that the sources amount to. Throws CommandError: exit 7 for a file that cannot be read, 2 for
+// syntax, unknown keys, wrong types and values out of range, each with `file:line: key (value, limit):
+// hint`. It does not ask for units.
 [[nodiscard]] Settings resolve(const SettingsSources& sources);
 
 // Checks ranges and that the parts fit together (kerf at least the thickness, lengths ascending, feed at most
 // travel); throws as resolve does.
 void validate(const Settings& settings);
 
+// All settings, as program.json keeps them.
 [[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);
 [[nodiscard]] std::string to_toml(const Settings& settings);  // commented, round-trips through resolve
 
 [[nodiscard]] robot::BladeSection blade_section(const BladeSettings& blade);
 
-// Bending strain limit: largest curvature the blade may take, 2 yield / (safety E thickness), 1/mm.
+// The largest curvature that the blade may take, 1/mm, by its bending strain: 2 yield / (safety E
+// thickness).
 [[nodiscard]] double max_curvature_per_mm(const BladeSettings& blade);
 
 }  // namespace hotblade::pipeline

@@ -19,6 +19,7 @@ using SettingPlace =
     std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
                  std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
 
+// The choices of a string that may be any text.
 inline constexpr std::string_view kAnyText = "*";
 
 struct SettingField {
@@ -30,21 +31,22 @@ struct SettingField {
   SettingPlace (*place)(Settings&);
 };
 
+// The table, in the order of docs/configuration.md.
 [[nodiscard]] std::span<const SettingField> setting_fields();
 
-// "section.key".
+// The name of a key as users write it: "section.key".
 [[nodiscard]] std::string full_key(const SettingField& field);
 
-// The words of field.choices.
+// The words of field.choices, one by one.
 [[nodiscard]] std::vector<std::string> choices(const SettingField& field);
 
-// Shortest text that reads back to the same number.
+// The shortest text that reads back to the same number.
 [[nodiscard]] std::string number_text(double value);
 
-// The value as TOML; nothing for an optional that is absent.
+// The value as TOML; absent for an optional that is absent.
 [[nodiscard]] std::optional<std::string> toml_text(const SettingPlace& place);
 
-// What is accepted, in words: "0.1 to 100", "3 numbers, each 10 to 10000", "z or y".
+// The values that are accepted, in words: "0.1 to 100", "3 numbers, each 10 to 10000", "z or y".
 [[nodiscard]] std::string range_text(const SettingField& field);
 
 }  // namespace hotblade::pipeline

@@ -9,11 +9,11 @@
 
 namespace hotblade::pipeline::study {
 
-// Distance of a point to an arc, to rounding for every curvature.
+// The distance of a point to an arc, to rounding for every curvature.
 [[nodiscard]] double distance_to(const elastica::Arc& arc, const Eigen::Vector2d& point);
 
-// Largest distance to the arcs of points of the curve, taken evenly by arc length from s = from on. Curve and
-// arcs run side by side: a point is compared with the arcs around its arc length only.
+// The largest distance to the arcs of points of the curve, taken evenly by arc length from s = from on.
+// Curve and arcs run side by side: a point is compared with the arcs around its arc length only.
 [[nodiscard]] double deviation(const elastica::ElasticaCurve& curve, double from,
                                std::span<const elastica::Arc> arcs, int points);
 

@@ -10,7 +10,7 @@ struct Distribution {
   double mean = 0, median = 0, p99 = 0, p9999 = 0, max = 0;
 };
 
-// Quantile q is the value of rank floor(q n). Zeros for an empty sample.
+// The figures of a sample; quantile q is the value of rank floor(q n). An empty sample has zeros.
 [[nodiscard]] Distribution distribution(std::span<const double> values);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const Distribution& distribution);

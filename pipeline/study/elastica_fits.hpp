@@ -20,7 +20,7 @@ using CurveOf = std::function<elastica::Bezier(std::size_t)>;
 [[nodiscard]] std::vector<FittedCurve> fit_curves(std::size_t count, const CurveOf& curve,
                                                   const std::function<void(double)>& progress);
 
-// The same for the first `count` curves, each from many starts around its own: best L2 found.
+// The best L2 found for each of the first `count` curves, from many starts around its own fit.
 [[nodiscard]] std::vector<double> check_fits(const std::vector<FittedCurve>& fits, std::size_t count,
                                              const CurveOf& curve,
                                              const std::function<void(double)>& progress);

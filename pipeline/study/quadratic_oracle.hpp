@@ -14,7 +14,7 @@ inline constexpr std::array kTriangleKinds{"uniform in a square", "edges log-uni
                                            "nearly collinear, down to 1e-12", "nearly uniform, down to 1e-12",
                                            "middle near an end, to 1e-12"};
 
-// Triangle `index` of a seed is of kind index modulo their number.
+// The random triangle `index` of a seed; its kind is index modulo their number.
 [[nodiscard]] elastica::Quadratic random_triangle(std::uint64_t seed, std::uint64_t index);
 
 // The integrals of the curve with exactly these control points, which may not be collinear, by 22-point Gauss
@@ -24,7 +24,7 @@ struct QuadraticIntegrals {
 };
 [[nodiscard]] QuadraticIntegrals quadrature(const elastica::Quadratic& curve);
 
-// Tangency to a line or a circle. Names: the line, and the paper's figure 6, a to f.
+// The kinds of tangency: to the line, and to a circle by the paper's figure 6, a to f.
 inline constexpr std::array kTangentKinds{"line",
                                           "circle, outside and outside",
                                           "circle, outside and inside",
@@ -43,21 +43,23 @@ struct TangentProblem {
   [[nodiscard]] double value(const Eigen::Vector2d& b1) const;
 };
 
-// Problem `index` of a seed is of kind index modulo 7; seven lengths and seven energies take turns.
+// The random problem `index` of a seed; its kind is index modulo 7, and seven lengths and seven energies
+// take turns.
 [[nodiscard]] TangentProblem random_problem(std::uint64_t seed, std::uint64_t index);
 
 // The middle control point for a contact at angle theta of the circle (equation 6); NaN where there is none.
 [[nodiscard]] Eigen::Vector2d locus(const TangentProblem& problem, double theta);
 
-// Local minima among `samples` points of every component of the locus; `step` is how far b1 moves over the
-// neighbouring samples.
+// The local minima among `samples` points of every component of the locus; `step` is how far b1 moves over
+// the neighbouring samples.
 struct SampledMinimum {
   Eigen::Vector2d b1;
   double value = 0, step = 0;
 };
 [[nodiscard]] std::vector<SampledMinimum> sampled_minima(const TangentProblem& problem, int samples);
 
-// How far a curve is from touching where it says it does: off the line or circle, or across it, of its size.
+// The error of a curve's tangency where it says that it touches: how far it is off the line or circle, or
+// across it, as a share of its size.
 [[nodiscard]] double tangency_error(const TangentProblem& problem, const elastica::TangentMinimum& minimum);
 
 }  // namespace hotblade::pipeline::study

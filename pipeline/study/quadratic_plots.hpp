@@ -5,7 +5,7 @@
 
 namespace hotblade::pipeline::study {
 
-// Level sets of length and energy in the middle control point (the paper's figures 1 and 2).
+// The level sets of length and energy in the middle control point (the paper's figures 1 and 2).
 [[nodiscard]] std::string level_set_figure();
 
 // Curves of least length and energy tangent to a line and a circle, with the locus of the middle control

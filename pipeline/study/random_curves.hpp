@@ -11,12 +11,12 @@
 
 namespace hotblade::pipeline::study {
 
-// Counter-based generator: SplitMix64 (Steele, Lea, Flood 2014) on a stream of its own for each (seed,
+// A counter-based generator: SplitMix64 (Steele, Lea, Flood 2014) on a stream of its own for each (seed,
 // index).
 class CurveRandom {
  public:
   CurveRandom(std::uint64_t seed, std::uint64_t index);
-  // Uniform in [0, 1), 53 bits.
+  // The next number, uniform in [0, 1) with 53 bits.
   double unit();
   double between(double low, double high) { return low + (high - low) * unit(); }
 
@@ -24,11 +24,11 @@ class CurveRandom {
   std::uint64_t state_;
 };
 
-// Four points uniform in the unit disc, drawn again until the constraints hold.
+// A curve with its four points uniform in the unit disc, drawn again until the constraints hold.
 [[nodiscard]] elastica::Bezier disc_curve(std::uint64_t seed, std::uint64_t index,
                                           const elastica::AngleConstraints& constraints);
 
-// The same without constraints.
+// A curve with its four points uniform in the unit disc, without constraints.
 [[nodiscard]] elastica::Bezier any_disc_curve(std::uint64_t seed, std::uint64_t index);
 
 // Runs body(first, end) over [0, count) in blocks on all threads; `progress` gets the share done from the

@@ -17,7 +17,8 @@ struct StudyOptions {
   std::size_t samples = 0;  // 0: the study's own number
   std::size_t checked = 0;  // how many of them a slower, independent method checks; 0: the study's own number
   std::uint64_t seed = 1;
-  // Share of the work that is done, 0 to 1, from the calling thread; throws to end the study early.
+  // Is called from the calling thread with the share of the work that is done, 0 to 1; throws to end the
+  // study early.
   std::function<void(double)> progress;
 
   void report(double share) const {
