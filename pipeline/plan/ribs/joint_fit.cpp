@@ -189,7 +189,8 @@ std::vector<MidState> solve(const std::vector<RibFit>& ribs, double weight, cons
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;
-  // To the end: what an early stop leaves open would differ with the rounding of the design's coordinates.
+  // The solver goes on until nothing moves but rounding, or for 200 iterations: what an early stop leaves
+  // open would differ with the rounding of the design's coordinates.
   solver.max_num_iterations = 200;
   solver.function_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-13;

@@ -22,8 +22,9 @@ using elastica::MidState;
 constexpr double kNeighbourWeight = 1e-5;
 constexpr int kSmoothingSweeps = 6;
 
-// What a point past the design's border counts, by its distance over an eighth of the rib: the blade is to go
-// on near it, but the design decides. Squares of distances are summed, so the least is a tenth of a distance.
+// A point past the design's border counts by its distance over kFade of the rib, and kLeastCount at the
+// least: the blade is to go on near it, but the design decides. Squares of distances are summed, so the least
+// counts a distance as a twentieth of itself.
 constexpr double kLeastCount = 0.003, kFade = 1.0 / 20;
 
 std::vector<double> weights_of(const DesignPart& own, int points) {
