@@ -15,7 +15,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Lengths are kept to this, relative; below it a spiral is a circular arc.
 constexpr double kLengthTolerance = 1e-12;
 
@@ -111,9 +110,10 @@ CurvePoint point_at(const Arc& arc, double s) {
 std::optional<BiarcFamily> BiarcFamily::between(const CurvePoint& a, const CurvePoint& b) {
   const double dx = b.x - a.x, dy = b.y - a.y, chord = std::hypot(dx, dy);
   if (!(chord > 0)) return {};
-  const double direction = std::atan2(dy, dx), alpha = std::remainder(a.theta - direction, 2 * kPi);
+  const double direction = std::atan2(dy, dx),
+               alpha = std::remainder(a.theta - direction, 2 * std::numbers::pi);
   const double beta = alpha + (b.theta - a.theta);
-  if (!(std::abs(beta) < kPi && std::abs(alpha) < kPi)) return {};
+  if (!(std::abs(beta) < std::numbers::pi && std::abs(alpha) < std::numbers::pi)) return {};
   return BiarcFamily{a.x, a.y, a.theta - alpha, 0.5 * chord, alpha, beta};  // turns as a.theta counts them
 }
 

@@ -12,8 +12,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = std::numbers::pi;
-
 // The end of arcs (curvature, length) joined smoothly from the origin.
 Vector2d end_of(std::initializer_list<std::pair<double, double>> arcs, double direction = 0) {
   CurvePoint at{0, 0, direction, 0};
@@ -22,8 +20,8 @@ Vector2d end_of(std::initializer_list<std::pair<double, double>> arcs, double di
 }
 
 void check_reach(double k1, double k2, double l, int n) {
-  if (!(l > 0) || !std::isfinite(l) || !(std::abs(k1) * l <= kPi) || !(std::abs(k2) * l <= kPi) ||
-      k1 * k2 < 0 || n < 2) {
+  if (!(l > 0) || !std::isfinite(l) || !(std::abs(k1) * l <= std::numbers::pi) ||
+      !(std::abs(k2) * l <= std::numbers::pi) || k1 * k2 < 0 || n < 2) {
     throw std::logic_error(
         "spiral_reach needs a positive length, curvatures of one sign, turnings up to pi, 2 points");
   }
@@ -44,7 +42,7 @@ struct Half {
 
 Half half_of(const Oval& o, int half, double mu) {
   if (half == 0) return {o.k[0], o.k[1], o.k[2], o.l[0], o.l[1], mu, false};
-  return {o.k[0], o.k[3], o.k[2], o.l[3], o.l[2], 2 * kPi - mu, true};
+  return {o.k[0], o.k[3], o.k[2], o.l[3], o.l[2], 2 * std::numbers::pi - mu, true};
 }
 
 Vector2d placed(const Half& h, const Vector2d& end) {
@@ -117,7 +115,7 @@ bool spiral_reaches(double k1, double k2, double l, const Vector2d& end) {
   const std::vector<Vector2d> polygon = spiral_reach(k1, k2, l, kSide);
   // Points run along the bounds at speeds up to l^2 |k2 - k1| and turn by up to 2 pi on them, so that an edge
   // misses its arc by less than this.
-  const double slack = l * (std::abs(k1 - k2) * l * kPi / (4 * kSide * kSide) + 1e-12);
+  const double slack = l * (std::abs(k1 - k2) * l * std::numbers::pi / (4 * kSide * kSide) + 1e-12);
   int winding = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d a = polygon[i], b = polygon[(i + 1) % polygon.size()];
@@ -134,14 +132,14 @@ std::optional<Vector2d> oval_bound_ab(const Oval& oval, int half, double mu, dou
   const double whole = h.before + h.after;
   const double q1 = (h.turning - 2 * u * h.after) / whole, q2 = (h.turning + 2 * u * h.before) / whole;
   if (!between(h.first, q1, h.top) || !between(h.last, q2, h.top)) return {};
-  return placed(h, end_of({{q1, h.before}, {q2, h.after}}, -0.5 * kPi));
+  return placed(h, end_of({{q1, h.before}, {q2, h.after}}, -0.5 * std::numbers::pi));
 }
 
 std::optional<Vector2d> oval_bound_cd(const Oval& oval, int half, double mu, double v) {
   const Half h = half_of(oval, half, mu);
   const auto [l1, l2, l3] = cd_lengths(h, v);
   if (!between(0, l1, h.before) || !between(0, l3, h.after)) return {};
-  return placed(h, end_of({{h.first, l1}, {h.top, l2}, {h.last, l3}}, -0.5 * kPi));
+  return placed(h, end_of({{h.first, l1}, {h.top, l2}, {h.last, l3}}, -0.5 * std::numbers::pi));
 }
 
 std::vector<OvalContact> oval_contacts(const Oval& oval) {
@@ -187,8 +185,9 @@ std::vector<OvalContact> oval_contacts(const Oval& oval) {
     for (int i = 1; i < 2 * kGrid; ++i) {
       for (int j = 0; j <= kGrid; ++j) {
         for (int k = 0; k <= kGrid; ++k) {
-          const double u = (2.0 * j / kGrid - 1) * 2 * kPi / whole, v = (2.0 * k / kGrid - 1) * whole / 4;
-          const auto x = newton(half, {kPi * i / kGrid, u, v});
+          const double u = (2.0 * j / kGrid - 1) * 2 * std::numbers::pi / whole,
+                       v = (2.0 * k / kGrid - 1) * whole / 4;
+          const auto x = newton(half, {std::numbers::pi * i / kGrid, u, v});
           if (!x) continue;
           const bool known = std::any_of(found.begin(), found.end(), [&](const OvalContact& c) {
             return c.ab_half == half && std::abs(c.mu - (*x)[0]) < 1e-6 &&

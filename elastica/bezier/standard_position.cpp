@@ -12,7 +12,6 @@ namespace hotblade::elastica {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr double kPi = std::numbers::pi;
 
 Complex complex(const Eigen::Vector2d& p) {
   return {p.x(), p.y()};
@@ -21,8 +20,8 @@ Complex complex(const Eigen::Vector2d& p) {
 }  // namespace
 
 double wrapped(double angle) {
-  const double a = std::remainder(angle, 2 * kPi);
-  return a <= -kPi ? kPi : a;
+  const double a = std::remainder(angle, 2 * std::numbers::pi);
+  return a <= -std::numbers::pi ? std::numbers::pi : a;
 }
 
 std::optional<StandardPosition> standard_position(const Bezier& b) {
@@ -76,10 +75,10 @@ StandardPosition uncrossed(StandardPosition s) {
 }
 
 bool angle_constraints_hold(const StandardPosition& s, const AngleConstraints& constraints) {
-  const auto positive = [](double a) { return a < 0 ? a + 2 * kPi : a; };
-  const double b1 = positive(wrapped(kPi - s.a1)), b2 = positive(s.a2);
+  const auto positive = [](double a) { return a < 0 ? a + 2 * std::numbers::pi : a; };
+  const double b1 = positive(wrapped(std::numbers::pi - s.a1)), b2 = positive(s.a2);
   const auto inside = [&constraints](double b) {
-    return b > constraints.from_chord && b < 2 * kPi - constraints.from_chord;
+    return b > constraints.from_chord && b < 2 * std::numbers::pi - constraints.from_chord;
   };
   return inside(b1) && inside(b2) && std::abs(b1 - b2) < constraints.difference;
 }

@@ -11,7 +11,6 @@ namespace hotblade::elastica::cells {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Rounding of the elliptic integrals and of the interval arithmetic, relative to values of order 1 to 100.
 constexpr double kSlack = 1e-11;
 // Nearest to the separatrix: quarter periods up to 15, beyond which a start state cannot tell the shape.
@@ -52,15 +51,17 @@ double middle(const Interval& a) {
 }
 
 Interval cosine(const Interval& a) {
-  if (width(a) >= 2 * kPi) return {-1, 1};
+  if (width(a) >= 2 * std::numbers::pi) return {-1, 1};
   const double u = std::cos(a.lo), v = std::cos(a.hi);
   Interval r{std::min(u, v), std::max(u, v)};
-  if (std::floor(a.hi / (2 * kPi)) > std::floor(a.lo / (2 * kPi))) r.hi = 1;
-  if (std::floor((a.hi + kPi) / (2 * kPi)) > std::floor((a.lo + kPi) / (2 * kPi))) r.lo = -1;
+  if (std::floor(a.hi / (2 * std::numbers::pi)) > std::floor(a.lo / (2 * std::numbers::pi))) r.hi = 1;
+  if (std::floor((a.hi + std::numbers::pi) / (2 * std::numbers::pi)) >
+      std::floor((a.lo + std::numbers::pi) / (2 * std::numbers::pi)))
+    r.lo = -1;
   return r;
 }
 Interval sine(const Interval& a) {
-  return cosine({a.lo - kPi / 2, a.hi - kPi / 2});
+  return cosine({a.lo - std::numbers::pi / 2, a.hi - std::numbers::pi / 2});
 }
 
 // Time and action from psi = 0.
@@ -77,7 +78,7 @@ Part quarter(double m) {
 // Below the separatrix, for 0 <= psi, at most pi; the turning point where psi lies beyond it.
 Part part_below(double psi, double m) {
   const double s = std::sin(0.5 * psi), cc = std::cos(0.5 * psi) * std::cos(0.5 * psi);
-  if (cc <= m || psi >= kPi) return quarter(m);
+  if (cc <= m || psi >= std::numbers::pi) return quarter(m);
   const double kk = 1 - m, k = std::sqrt(kk), d = std::max(0.0, (cc - m) / kk);
   const double f = s / k * rf(d, cc, 1);
   return {f, 2 * (kk * f - s * s * s / (3 * k) * rd(d, cc, 1))};
@@ -85,7 +86,7 @@ Part part_below(double psi, double m) {
 
 // Above the separatrix, any psi; m = (c - 1)/2.
 Part part_above(double psi, double m) {
-  const double turns = std::round(psi / (2 * kPi)), phi = 0.5 * psi - kPi * turns;
+  const double turns = std::round(psi / (2 * std::numbers::pi)), phi = 0.5 * psi - std::numbers::pi * turns;
   const double s = std::sin(phi), cc = std::cos(phi) * std::cos(phi), k = 1 + m;
   const auto integral = [k, m](double sine_, double cosine_squared) {
     const double x = k * cosine_squared, y = cosine_squared + m;
@@ -149,7 +150,7 @@ Interval speed(const Interval& cosine_psi, const Interval& signed_m) {
 // A curve whose tangents lie within `spread` of each other reaches at least as far as the cosine of half of
 // it.
 bool too_straight(double r, double spread) {
-  return spread < kPi && r < std::cos(0.5 * spread) - kSlack;
+  return spread < std::numbers::pi && r < std::cos(0.5 * spread) - kSlack;
 }
 
 // The two conditions and the energy, for one type.
@@ -213,8 +214,9 @@ bool possible_by_slope(const Cell& cell, const Target& target, int n, const End&
 
 std::uint64_t possible_below(const Cell& cell, const Target& target, double max_energy) {
   const Interval m{std::exp(-cell.w.hi), std::exp(-cell.w.lo)}, c{1 - 2 * m.hi, 1 - 2 * m.lo};
-  Interval psi0{std::max(cell.psi0.lo, -kPi), std::min(cell.psi0.hi, kPi)};
-  psi0 = {std::max(psi0.lo, -kPi - target.turning), std::min(psi0.hi, kPi - target.turning)};
+  Interval psi0{std::max(cell.psi0.lo, -std::numbers::pi), std::min(cell.psi0.hi, std::numbers::pi)};
+  psi0 = {std::max(psi0.lo, -std::numbers::pi - target.turning),
+          std::min(psi0.hi, std::numbers::pi - target.turning)};
   if (!(psi0.lo <= psi0.hi)) return 0;
   const Interval psi1{psi0.lo + target.turning, psi0.hi + target.turning};
   const Interval back{-m.hi, -m.lo}, v0 = speed(cosine(psi0), back), v1 = speed(cosine(psi1), back);
@@ -222,8 +224,8 @@ std::uint64_t possible_below(const Cell& cell, const Target& target, double max_
   const Interval beta{psi0.lo + target.chi, psi0.hi + target.chi};
   const Interval rsin = target.r * sine(beta), rcos = target.r * cosine(beta);
   const Range r0 = range_below(psi0, m), r1 = range_below(psi1, m);
-  const bool smooth =
-      v0.lo > 0 && v1.lo > 0 && psi0.lo > -kPi && psi0.hi < kPi && psi1.lo > -kPi && psi1.hi < kPi;
+  const bool smooth = v0.lo > 0 && v1.lo > 0 && psi0.lo > -std::numbers::pi && psi0.hi < std::numbers::pi &&
+                      psi1.lo > -std::numbers::pi && psi1.hi < std::numbers::pi;
   const Part least = quarter(m.hi), most = quarter(m.lo);
   std::uint64_t types = 0;
   for (int n = 0; n <= 60; ++n) {
@@ -319,7 +321,7 @@ bool possible_above(const Cell& cell, const Target& target, double max_energy) {
 // turn, its chord's direction lies between its end tangents, and the chord is at least cos(turning/2) long.
 bool convex_arc_possible(const Target& target) {
   if (!(target.turning > 0)) return false;
-  if (target.turning >= kPi) return true;
+  if (target.turning >= std::numbers::pi) return true;
   return !too_straight(target.r, target.turning) && target.chi >= -kSlack &&
          target.chi <= target.turning + kSlack;
 }
@@ -333,7 +335,8 @@ std::vector<Cell> initial_cells(const Target& target, int max_inflections) {
   const double least_w = -std::log(0.5 * (1 + target.r));
   constexpr int kAcross = 16;
   for (int i = 0; i < kAcross; ++i) {
-    const Interval psi0{-kPi + 2 * kPi * i / kAcross, -kPi + 2 * kPi * (i + 1) / kAcross};
+    const Interval psi0{-std::numbers::pi + 2 * std::numbers::pi * i / kAcross,
+                        -std::numbers::pi + 2 * std::numbers::pi * (i + 1) / kAcross};
     cells.push_back({psi0, {least_w, std::max(least_w, 1.0) + 1}, false, all});
     cells.push_back({psi0, {std::max(least_w, 1.0) + 1, kMostW}, false, all});
     if (!convex) continue;
@@ -363,9 +366,11 @@ namespace {
 std::optional<double> taut_mismatch(double psi0, int n, const Target& target, double max_energy) {
   const double m = std::exp(-kMostW), psi1 = psi0 + target.turning, sign = n % 2 == 0 ? 1 : -1;
   const bool above = n == 0;
-  if (above && std::floor((psi0 + kPi) / (2 * kPi)) == std::floor((psi1 + kPi) / (2 * kPi)))
+  if (above && std::floor((psi0 + std::numbers::pi) / (2 * std::numbers::pi)) ==
+                   std::floor((psi1 + std::numbers::pi) / (2 * std::numbers::pi)))
     return std::nullopt;
-  if (!above && (std::abs(psi0) >= kPi || std::abs(psi1) >= kPi)) return std::nullopt;
+  if (!above && (std::abs(psi0) >= std::numbers::pi || std::abs(psi1) >= std::numbers::pi))
+    return std::nullopt;
   const Part p0 = part_at(psi0, m, above), p1 = part_at(psi1, m, above), q = above ? Part{} : quarter(m);
   const double action = 2 * n * q.action - p0.action + sign * p1.action;
   const double least_time = 2 * n * q.time - p0.time + sign * p1.time;
@@ -389,7 +394,8 @@ int taut_solutions(const Target& target, int max_inflections, double max_energy)
   for (int n = convex_arc_possible(target) ? 0 : 1; n <= max_inflections; ++n) {
     std::optional<double> last;
     for (int i = 0; i <= kScan; ++i) {
-      const auto here = taut_mismatch(-kPi + 2 * kPi * i / kScan, n, target, max_energy);
+      const auto here =
+          taut_mismatch(-std::numbers::pi + 2 * std::numbers::pi * i / kScan, n, target, max_energy);
       if (last && here && (*last < 0) != (*here < 0)) ++count;
       last = here;
     }

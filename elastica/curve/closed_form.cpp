@@ -13,7 +13,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Levels below this modulus change nothing in double.
 constexpr double kLeastModulus = 1e-17;
@@ -57,7 +56,7 @@ double first_kind(double sine, double cosine, double complement) {
   while (std::abs(a - b) > std::numeric_limits<double>::epsilon() * a) {
     // The angle of slope (b/a) tan phi, in the same quarter turn as phi.
     const double steep = std::atan2(b * std::sin(phi), a * std::cos(phi));
-    phi += steep + 2 * kPi * std::round((phi - steep) / (2 * kPi));
+    phi += steep + 2 * std::numbers::pi * std::round((phi - steep) / (2 * std::numbers::pi));
     const double mean = (a + b) / 2;
     b = std::sqrt(a * b);
     a = mean;
@@ -100,7 +99,7 @@ Shape shape_of(const Elastica& e) {
   Shape shape;
   const double w = std::sqrt(std::hypot(e.lambda1, e.lambda2));
   shape.axis = std::atan2(e.lambda2, e.lambda1);
-  const double half = std::remainder(e.theta - shape.axis, 2 * kPi) / 2, bend = e.kappa / 2;
+  const double half = std::remainder(e.theta - shape.axis, 2 * std::numbers::pi) / 2, bend = e.kappa / 2;
   const double sine = std::sin(half), cosine = std::cos(half);
   const double energy = std::hypot(bend, w * sine);  // k w
   const double excess = (std::abs(bend) - w * cosine) * (std::abs(bend) + w * cosine);
@@ -128,7 +127,8 @@ Jacobi::Jacobi(double modulus) : modulus_(modulus), period_(kInfinity) {
   const double complement =
       above ? std::sqrt((modulus - 1) * (modulus + 1)) / modulus : std::sqrt((1 - m) * (1 + m));
   ladder_ = make_ladder(m, complement, above ? Integral::kCn : Integral::kDn);
-  if (modulus != 1) period_ = above ? kPi / (ladder_.bottom * modulus) : 2 * kPi / ladder_.bottom;
+  if (modulus != 1)
+    period_ = above ? std::numbers::pi / (ladder_.bottom * modulus) : 2 * std::numbers::pi / ladder_.bottom;
 }
 
 void Jacobi::sample(std::span<const double> u, const JacobiBatch& out, Simd simd) const {
@@ -152,7 +152,7 @@ std::optional<ClosedForm> ClosedForm::of(const Elastica& e) {
   const bool wide = s.regime == Regime::kWinding;
   c.ladder_ = make_ladder(wide ? 1 / s.modulus : s.modulus, std::sqrt(s.complement_sq),
                           wide ? Integral::kCn : Integral::kDn);
-  s.quarter_period = s.regime == Regime::kSeparatrix ? kInfinity : kPi / (2 * c.ladder_.bottom);
+  s.quarter_period = s.regime == Regime::kSeparatrix ? kInfinity : std::numbers::pi / (2 * c.ladder_.bottom);
   c.form_ = {s.rate,
              s.phase,
              1 / s.rate,
@@ -185,7 +185,8 @@ CurvePoint ClosedForm::at(double s) const {
     const hb_jacobi j = hb_jacobi_at(&ladder_, v);
     if (!form_.wide) return 2 * std::atan2(shape_.modulus * j.sn, j.dn);
     const double half = std::atan2(j.sn, j.cn);
-    return 2 * (half + 2 * kPi * std::round((ladder_.bottom * v - half) / (2 * kPi)));
+    return 2 *
+           (half + 2 * std::numbers::pi * std::round((ladder_.bottom * v - half) / (2 * std::numbers::pi)));
   };
   return {p.x, p.y, elastica_.theta + (direction(s) - direction(0)), p.kappa};
 }
@@ -200,7 +201,7 @@ double ClosedForm::period() const {
 }
 
 double ClosedForm::quarter_argument() const {
-  return kPi / (2 * ladder_.bottom);
+  return std::numbers::pi / (2 * ladder_.bottom);
 }
 
 std::optional<double> ClosedForm::argument_square_to_axis() const {

@@ -12,7 +12,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 // A root of f between a and b, where it changes sign, to rounding.

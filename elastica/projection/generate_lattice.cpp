@@ -11,7 +11,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Edges of the search grid differ by 7%, narrower than all but a few valleys.
 constexpr int kGrid = 81;
 constexpr std::size_t kFollowed = 24, kKept = 10;
@@ -235,7 +234,7 @@ class Lattice {
 }  // namespace
 
 double lattice_angle(int i, int count) {
-  return -kPi + (i + 0.5) * 2 * kPi / count;
+  return -std::numbers::pi + (i + 0.5) * 2 * std::numbers::pi / count;
 }
 
 int around(int i, int count) {

@@ -12,7 +12,6 @@ namespace hotblade::elastica {
 namespace {
 
 using Standard = StandardPosition;
-constexpr double kPi = std::numbers::pi;
 
 // Shortest end edge of an inflectional curve (the paper prints 2.7 for 0.27), and of a plain one.
 constexpr double kMinInflectional = 0.27;
@@ -29,7 +28,7 @@ double plain_edge(double a, double b) {
     b = -b;
   }
   b = wrapped(b);
-  if (b < 0) b += 2 * kPi;
+  if (b < 0) b += 2 * std::numbers::pi;
   const double f = 0.00001475 * std::exp(10.39 * a - 10.48 * b) +
                    0.4574 * a * std::exp(1.711 * a - 2.535 * b) +
                    2.772 * b * std::exp(-0.08504 * a - 0.9109 * b) - 0.2957 * a * b * std::exp(-0.6606 * a);
@@ -39,7 +38,7 @@ double plain_edge(double a, double b) {
 }
 
 std::array<double, 2> plain_target(double a1, double a2) {
-  return {plain_edge(a1, a2), plain_edge(kPi - a2, kPi - a1)};
+  return {plain_edge(a1, a2), plain_edge(std::numbers::pi - a2, std::numbers::pi - a1)};
 }
 
 struct Scored {

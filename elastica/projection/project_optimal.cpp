@@ -12,7 +12,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Curves handled together: enough to fill the batches, few enough to stay in the cache.
 constexpr std::size_t kChunk = 128;
 
@@ -51,15 +50,17 @@ void solve_chunk(std::span<const double> a1, std::span<const double> a2, WantedB
 }  // namespace
 
 ValleysNear valleys_near(double a1, double a2, WantedBranch wanted) {
-  constexpr double kStep = 2 * kPi / kValleyNodes;
+  constexpr double kStep = 2 * std::numbers::pi / kValleyNodes;
   const auto node = [](double a) {
-    return std::clamp(static_cast<int>(std::floor((a + kPi) / kStep)), 0, kValleyNodes - 1);
+    return std::clamp(static_cast<int>(std::floor((a + std::numbers::pi) / kStep)), 0, kValleyNodes - 1);
   };
   const int i = node(a1), j = node(a2);
   const std::size_t k =
       static_cast<std::size_t>((static_cast<int>(wanted) * kValleyNodes + i) * kValleyNodes + j);
   const std::uint32_t first = kFirstValley[k], end = kFirstValley[k + 1];
-  return {{kValleys + first, kValleys + end}, a1 + kPi - (i + 0.5) * kStep, a2 + kPi - (j + 0.5) * kStep};
+  return {{kValleys + first, kValleys + end},
+          a1 + std::numbers::pi - (i + 0.5) * kStep,
+          a2 + std::numbers::pi - (j + 0.5) * kStep};
 }
 
 void optimal_edges(std::span<const double> a1, std::span<const double> a2, WantedBranch wanted,

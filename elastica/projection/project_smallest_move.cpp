@@ -11,7 +11,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Rays from the input over the whole circle, and radii on each: a region that is narrower than 1/40 of the
 // move, and does not hold the optimum, may be missed.
 constexpr int kRays = 256, kRadii = 64;
@@ -128,13 +127,13 @@ Projection project_smallest_move(const Bezier& b, WantedBranch wanted, double th
   const double reach = std::hypot(optimum.moved[0], optimum.moved[1]),
                towards = std::atan2(optimum.moved[1], optimum.moved[0]);
   std::vector<Ray> rays;
-  for (int i = 0; i < kRays; ++i) rays.push_back({towards + 2 * kPi * i / kRays, reach});
+  for (int i = 0; i < kRays; ++i) rays.push_back({towards + 2 * std::numbers::pi * i / kRays, reach});
   moves.look(rays, kRadii);
   Ray best{towards, reach, reach};
   std::vector<Ray> starts = shortest(rays);
   starts.push_back(best);
   for (const Ray& start : starts) {
-    const Ray found = moves.refined(start, 4 * kPi / kRays);
+    const Ray found = moves.refined(start, 4 * std::numbers::pi / kRays);
     if (found.inside < best.inside) best = found;
   }
   return projection(b, input, moves.at(best.angle, best.inside), threshold);

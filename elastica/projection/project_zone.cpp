@@ -10,7 +10,6 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 // Edge-length constraint 2.
 constexpr double kMostUneven = 1.3;
 // Steps of a deformation; the first one inside the zone is then moved back to the boundary by halving.
@@ -23,9 +22,10 @@ class Boundary {
 
   Boundary() {
     // Once around: the paper's five points, mirrored in phi1 + phi2 = 2 pi, and both mirrored in phi1 = phi2.
-    const Eigen::Vector2d given[] = {{1.05, 1.05}, {1.9, 1.3}, {kPi, 1.35}, {4.3, 1.3}, {5.2, 2 * kPi - 5.2}};
+    const Eigen::Vector2d given[] = {
+        {1.05, 1.05}, {1.9, 1.3}, {std::numbers::pi, 1.35}, {4.3, 1.3}, {5.2, 2 * std::numbers::pi - 5.2}};
     const auto across = [](const Eigen::Vector2d& p) {
-      return Eigen::Vector2d(2 * kPi - p.y(), 2 * kPi - p.x());
+      return Eigen::Vector2d(2 * std::numbers::pi - p.y(), 2 * std::numbers::pi - p.x());
     };
     for (int i = 0; i < 5; ++i) at(i) = given[i];
     for (int i = 1; i < 5; ++i) at(4 + i) = across(given[4 - i]);
@@ -92,7 +92,7 @@ const Boundary& boundary() {
 }
 
 double positive(double angle) {
-  return angle < 0 ? angle + 2 * kPi : angle;
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
 StandardPosition moved(const StandardPosition& s, double l1, double l2) {
@@ -149,7 +149,7 @@ StandardPosition into_zone(const StandardPosition& input) {
   }
   const PolygonAngles a = polygon_angles(s);
   // The vertex with the larger angle, seen from the side the polygon bulges to, moves away from its end.
-  const bool second_larger = a.phi1 + a.phi2 <= 2 * kPi ? a.phi1 < a.phi2 : a.phi1 > a.phi2;
+  const bool second_larger = a.phi1 + a.phi2 <= 2 * std::numbers::pi ? a.phi1 < a.phi2 : a.phi1 > a.phi2;
   return second_larger ? walk(s, limits.shortest, limits.longest, false).s
                        : walk(s, limits.longest, limits.shortest, false).s;
 }
@@ -164,7 +164,7 @@ PolygonAngles polygon_angles(const StandardPosition& s) {
 }
 
 EdgeLimits edge_limits(double a1, double a2) {
-  const double d = (a2 < 0 ? -1.0 : 1.0) * (a1 - a2) / kPi;
+  const double d = (a2 < 0 ? -1.0 : 1.0) * (a1 - a2) / std::numbers::pi;
   return {std::max(0.4 * (1 + 6 * d), 0.27), std::max(1.2 * (1 + 5 * d), 0.58)};
 }
 
@@ -176,9 +176,9 @@ bool edge_lengths_hold(const StandardPosition& s) {
 
 bool inside_zone_boundary(const PolygonAngles& angles) {
   double x = std::max(angles.phi1, angles.phi2), y = std::min(angles.phi1, angles.phi2);
-  if (x + y > 2 * kPi) {
-    const double mirrored = 2 * kPi - y;
-    y = 2 * kPi - x;
+  if (x + y > 2 * std::numbers::pi) {
+    const double mirrored = 2 * std::numbers::pi - y;
+    y = 2 * std::numbers::pi - x;
     x = mirrored;
   }
   const Boundary& edge = boundary();

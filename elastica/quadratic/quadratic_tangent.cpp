@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What counts as touching, relative to the problem's size: a hundred roundings of the coordinates.
 constexpr double kOnTolerance = 1e-13;
@@ -323,7 +322,7 @@ std::vector<double> component_ends(const PolarEnd& end0, const PolarEnd& end2) {
   if (ends.empty()) return ends;
   const double start = ends.front();
   for (double& a : ends) {
-    a = start + std::fmod(a - start + 4 * kPi, 2 * kPi);
+    a = start + std::fmod(a - start + 4 * std::numbers::pi, 2 * std::numbers::pi);
   }
   std::sort(ends.begin(), ends.end());
   return ends;
@@ -348,8 +347,8 @@ void circle_component(const Problem& problem, const PolarEnd& end0, const PolarE
     // An end just inside, or just outside and behind: the locus runs fast where the contact passes it.
     if (end->on() || std::abs(end->gap) > 0.5) continue;
     double angle = end->angle;
-    while (angle < a) angle += 2 * kPi;
-    while (angle > b) angle -= 2 * kPi;
+    while (angle < a) angle += 2 * std::numbers::pi;
+    while (angle > b) angle -= 2 * std::numbers::pi;
     if (angle > a) add_grid(grid, angle, 0.05 * std::sqrt(std::abs(end->gap)) + 1e-9, a - margin, b + margin);
   }
   const auto locus = [&](double theta) { return circle_locus(end0, end2, theta); };
@@ -427,9 +426,9 @@ TangentCurves tangent_to_circle(const Vector2d& b0, const Vector2d& b2, const Ve
   std::vector<TangentMinimum> found;
   if (const auto contact = chord_contact(end0, end2)) found.push_back(straight(problem, *contact));
   const std::vector<double> ends = component_ends(end0, end2);
-  if (ends.empty()) circle_component(problem, end0, end2, 0, 2 * kPi, true, found);
+  if (ends.empty()) circle_component(problem, end0, end2, 0, 2 * std::numbers::pi, true, found);
   for (std::size_t i = 0; i < ends.size(); ++i) {
-    const double next = i + 1 < ends.size() ? ends[i + 1] : ends.front() + 2 * kPi;
+    const double next = i + 1 < ends.size() ? ends[i + 1] : ends.front() + 2 * std::numbers::pi;
     circle_component(problem, end0, end2, ends[i], next, false, found);
   }
   if (end0.on()) end_tangent(problem, true, end0.along, found);

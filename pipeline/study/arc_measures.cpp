@@ -13,7 +13,6 @@ using Eigen::Vector2d;
 using elastica::Arc;
 using elastica::CurvePoint;
 using elastica::ElasticaCurve;
-constexpr double kPi = std::numbers::pi;
 
 // A biarc may not turn farther; theorem 1 wants short arcs.
 constexpr double kMostTurning = 3;
@@ -40,7 +39,7 @@ double distance_to(const Arc& arc, const Vector2d& point) {
   const double c = std::cos(arc.theta), s = std::sin(arc.theta);
   const double x = c * at.x() + s * at.y(), y = c * at.y() - s * at.x();
   double along = arc.kappa == 0 ? x : std::atan2(arc.kappa * x, 1 - arc.kappa * y) / arc.kappa;
-  if (along < 0 && arc.kappa != 0) along += 2 * kPi / std::abs(arc.kappa);
+  if (along < 0 && arc.kappa != 0) along += 2 * std::numbers::pi / std::abs(arc.kappa);
   if (along >= 0 && along <= arc.length) {
     // | |point - centre| - radius | without the difference of two large numbers.
     const double power = arc.kappa * (x * x + y * y) - 2 * y;
@@ -69,11 +68,16 @@ double deviation(const ElasticaCurve& curve, double from, std::span<const Arc> a
 elastica::Elastica random_elastica(std::uint64_t seed, std::uint64_t index) {
   CurveRandom random(seed, index);
   const double length = random.between(200, 1400), kappa = random.between(-0.008, 0.008);
-  const double force = std::pow(10, random.between(-7, -3)), direction = random.between(-kPi, kPi);
+  const double force = std::pow(10, random.between(-7, -3)),
+               direction = random.between(-std::numbers::pi, std::numbers::pi);
   const double x = random.between(-100, 100), y = random.between(-100, 100);
-  return {
-      x,     y, random.between(-kPi, kPi), kappa, force * std::cos(direction), force * std::sin(direction),
-      length};
+  return {x,
+          y,
+          random.between(-std::numbers::pi, std::numbers::pi),
+          kappa,
+          force * std::cos(direction),
+          force * std::sin(direction),
+          length};
 }
 
 BisectedArcs bisected_arcs(const ElasticaCurve& curve, std::span<const double> breaks, double tolerance,

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector2d;
 using elastica::Objective;
 using elastica::Quadratic;
-constexpr double kPi = std::numbers::pi, kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 __extension__ typedef __float128 Quad;
 
@@ -35,7 +35,7 @@ struct Gauss {
   std::array<Quad, kCount> x, w;
   Gauss() {
     for (std::size_t i = 0; i < kCount; ++i) {
-      Quad z = std::cos(kPi * (static_cast<double>(i) + 0.75) / (kCount + 0.5)), slope = 1;
+      Quad z = std::cos(std::numbers::pi * (static_cast<double>(i) + 0.75) / (kCount + 0.5)), slope = 1;
       for (int step = 0; step < 6; ++step) {  // Newton's method on the Legendre polynomial
         Quad p = 1, before = 0;
         for (int j = 0; j < kCount; ++j) {
@@ -174,7 +174,7 @@ TangentProblem random_problem(std::uint64_t seed, std::uint64_t index) {
   constexpr Where kEnds[6][2] = {{kOutside, kOutside}, {kOutside, kInside}, {kOutside, kOn},
                                  {kInside, kInside},   {kOn, kInside},      {kOn, kOn}};
   const auto end = [&](Where where) {
-    const double angle = random.between(-kPi, kPi), q = random.unit();
+    const double angle = random.between(-std::numbers::pi, std::numbers::pi), q = random.unit();
     const double outside = 1 + 3 * q * q, inside = std::sqrt(q);
     const double r = p.radius * (where == kOutside ? outside : where == kInside ? inside : 1);
     return Vector2d{p.place + r * Vector2d(std::cos(angle), std::sin(angle))};
@@ -207,11 +207,11 @@ std::vector<SampledMinimum> sampled_minima(const TangentProblem& p, int samples)
   const double cut = 7.0 / samples;
   std::vector<Vector2d> b1;
   for (int i = 0; i < samples; ++i) {
-    const double theta = 2 * kPi * (i + 0.5) / samples;
+    const double theta = 2 * std::numbers::pi * (i + 0.5) / samples;
     b1.push_back(locus(p, theta));
     for (const Vector2d& end : {p.b0, p.b2}) {
       const double angle = std::atan2(end.y() - p.place.y(), end.x() - p.place.x());
-      if (on_circle(p, end) && std::abs(std::remainder(angle - theta, 2 * kPi)) < cut)
+      if (on_circle(p, end) && std::abs(std::remainder(angle - theta, 2 * std::numbers::pi)) < cut)
         b1.back() = {kNaN, kNaN};
     }
   }

@@ -17,7 +17,6 @@ using Eigen::Vector2d;
 using elastica::Objective;
 using elastica::Quadratic;
 using Points = std::vector<Vector2d>;
-constexpr double kPi = std::numbers::pi;
 constexpr int kSetPoints = 720;
 
 Points closed(Points points) {
@@ -75,7 +74,7 @@ void draw_locus(SvgPlot& plot, const TangentProblem& p, const char* colour, cons
     piece.clear();
   };
   for (int i = 0; i <= kSteps; ++i) {
-    const Vector2d b1 = locus(p, 2 * kPi * i / kSteps);
+    const Vector2d b1 = locus(p, 2 * std::numbers::pi * i / kSteps);
     if (b1.allFinite() && b1.norm() < kFar) {
       piece.push_back(b1);
     } else {
@@ -88,7 +87,7 @@ void draw_locus(SvgPlot& plot, const TangentProblem& p, const char* colour, cons
 void draw_target(SvgPlot& plot, const TangentProblem& p) {
   Points target;
   for (int i = 0; i <= 120; ++i) {
-    const double a = 2 * kPi * i / 120;
+    const double a = 2 * std::numbers::pi * i / 120;
     if (p.circle) target.emplace_back(p.place + p.radius * Vector2d(std::cos(a), std::sin(a)));
   }
   const Vector2d far = 20 * p.direction.normalized();

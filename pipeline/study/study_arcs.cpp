@@ -22,7 +22,6 @@ using elastica::ArcFit;
 using elastica::ArcOrder;
 using elastica::Elastica;
 using elastica::ElasticaCurve;
-constexpr double kPi = std::numbers::pi;
 
 constexpr std::size_t kSamples = 2000, kChecked = 20'000;
 constexpr std::array kTolerances{1.0, 1e-1, 1e-2, 1e-3, 1e-4};  // mm
@@ -201,7 +200,7 @@ struct Results {
 std::vector<double> contacts(double k1) {
   const elastica::Oval oval{{3.5, 3.2, 4.3, 4.0}, {k1, 0.80, 0.07, 0.85}};  // equation 20
   std::vector<double> list;
-  for (const elastica::OvalContact& c : oval_contacts(oval)) list.push_back(c.mu / kPi);
+  for (const elastica::OvalContact& c : oval_contacts(oval)) list.push_back(c.mu / std::numbers::pi);
   return list;
 }
 

@@ -20,7 +20,6 @@ namespace {
 using elastica::Bezier;
 using elastica::Projection;
 using elastica::WantedBranch;
-constexpr double kPi = std::numbers::pi;
 
 // One pair of angle constraints with what the paper prints for its feedback projection; 0: not printed.
 struct Case {
@@ -29,9 +28,9 @@ struct Case {
   Distribution paper;
 };
 constexpr Case kCases[] = {
-    {"pi/3, 0.4 pi", {kPi / 3, 0.4 * kPi}, {0.048, 0.042, 0.15, 0.22, 0.26}},
-    {"pi/4, 0.6 pi", {kPi / 4, 0.6 * kPi}, {0.06, 0.043, 0, 0, 0.42}},
-    {"pi/6, 0.75 pi", {kPi / 6, 0.75 * kPi}, {0.10, 0.06, 0, 0, 0.71}},
+    {"pi/3, 0.4 pi", {std::numbers::pi / 3, 0.4 * std::numbers::pi}, {0.048, 0.042, 0.15, 0.22, 0.26}},
+    {"pi/4, 0.6 pi", {std::numbers::pi / 4, 0.6 * std::numbers::pi}, {0.06, 0.043, 0, 0, 0.42}},
+    {"pi/6, 0.75 pi", {std::numbers::pi / 6, 0.75 * std::numbers::pi}, {0.10, 0.06, 0, 0, 0.71}},
 };
 // Large samples are checked on a subset that pins its 99% down; small ones are for a look.
 constexpr std::size_t kSeeds = 3, kSamples = 100'000, kLarge = 100'000, kCheckedOfLarge = 5000,

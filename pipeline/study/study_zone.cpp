@@ -20,7 +20,6 @@ namespace {
 
 using elastica::Bezier;
 using elastica::StandardPosition;
-constexpr double kPi = std::numbers::pi;
 
 constexpr std::size_t kSamples = 1'000'000, kLarge = 100'000, kCheckedOfLarge = 2000, kChecked = 400;
 // Of the zone's curves one in this many is fitted, as in the paper: about 40,000 of 10 million.
@@ -31,8 +30,9 @@ constexpr std::size_t kFittedShare = 250;
 StandardPosition zone_curve(std::uint64_t seed, std::uint64_t index) {
   CurveRandom random(seed, index);
   while (true) {
-    const double beta1 = random.between(kPi / 3, 5 * kPi / 3), beta2 = random.between(kPi / 3, 5 * kPi / 3);
-    StandardPosition s{elastica::wrapped(kPi - beta1), elastica::wrapped(beta2), 0, 0};
+    const double beta1 = random.between(std::numbers::pi / 3, 5 * std::numbers::pi / 3),
+                 beta2 = random.between(std::numbers::pi / 3, 5 * std::numbers::pi / 3);
+    StandardPosition s{elastica::wrapped(std::numbers::pi - beta1), elastica::wrapped(beta2), 0, 0};
     const elastica::EdgeLimits limits = elastica::edge_limits(s.a1, s.a2);
     s.l1 = random.between(limits.shortest, limits.longest);
     s.l2 = random.between(limits.shortest, limits.longest);
@@ -93,8 +93,8 @@ SvgPlot zone_plot(std::uint64_t seed, bool limited) {
     dots[k].emplace_back(a.phi1, a.phi2);
     if (inside_zone_boundary(a)) ++inside[k];
   }
-  SvgPlot plot({limited ? "With length constraints" : "No length constraints", "phi1", "phi2", 0, 2 * kPi, 0,
-                2 * kPi});
+  SvgPlot plot({limited ? "With length constraints" : "No length constraints", "phi1", "phi2", 0,
+                2 * std::numbers::pi, 0, 2 * std::numbers::pi});
   for (std::size_t k = kClassCount; k-- > 0;) {
     plot.points(dots[k], kClasses[k].colour, 2.6, fmt::format("{}: {} inside", kClasses[k].name, inside[k]));
   }

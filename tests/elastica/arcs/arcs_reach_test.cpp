@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = std::numbers::pi;
-
 // A spiral of random steps: curvatures sorted between k1 and k2, both ends included.
 std::vector<Arc> random_spiral(std::mt19937_64& random, double k1, double k2, double l) {
   std::uniform_real_distribution<double> u(0, 1);
@@ -148,8 +146,8 @@ TEST(OvalContacts, ReproduceThePapersExampleAndItsVariantWithoutContact) {
   Oval oval{{3.5, 3.2, 4.3, 4.0}, {0.25, 0.80, 0.07, 0.85}};  // equation 20
   const auto contacts = oval_contacts(oval);
   ASSERT_EQ(contacts.size(), 2u);
-  EXPECT_NEAR(contacts[0].mu, 0.79 * kPi, 0.005 * kPi);
-  EXPECT_NEAR(contacts[1].mu, 1.07 * kPi, 0.005 * kPi);
+  EXPECT_NEAR(contacts[0].mu, 0.79 * std::numbers::pi, 0.005 * std::numbers::pi);
+  EXPECT_NEAR(contacts[1].mu, 1.07 * std::numbers::pi, 0.005 * std::numbers::pi);
   oval.k[0] = 0.42;  // figure 10: the sets pass each other
   EXPECT_TRUE(oval_contacts(oval).empty());
 }
@@ -159,7 +157,7 @@ TEST(OvalContacts, ReproduceThePapersExampleAndItsVariantWithoutContact) {
 // other way.
 double phi(double x, double p, double q) {
   return q * (x - 2 * p) * std::sin(x / 2) +
-         x * (q - p) * std::sin(q * (2 * p + x - 2 * kPi) / (2 * (q - p)));
+         x * (q - p) * std::sin(q * (2 * p + x - 2 * std::numbers::pi) / (2 * (q - p)));
 }
 
 TEST(OvalContacts, OfEqualLengthsAreTheRootsOfTheSpecialEquation) {
@@ -168,11 +166,12 @@ TEST(OvalContacts, OfEqualLengthsAreTheRootsOfTheSpecialEquation) {
     for (const bool nu : {false, true}) {
       const auto contacts = oval_contacts(nu ? from_greatest : from_least);
       ASSERT_EQ(contacts.size(), 2u);
-      EXPECT_NEAR(contacts[0].mu + contacts[1].mu, 2 * kPi, 1e-6);
+      EXPECT_NEAR(contacts[0].mu + contacts[1].mu, 2 * std::numbers::pi, 1e-6);
       for (const OvalContact& c : contacts) {
         EXPECT_NEAR(c.u, 0, 1e-5);
         EXPECT_NEAR(c.v, 0, 1e-5);
-        const double x = c.ab_half == 0 ? c.mu : 2 * kPi - c.mu;  // the turning of the half that is one arc
+        const double x =
+            c.ab_half == 0 ? c.mu : 2 * std::numbers::pi - c.mu;  // the turning of the half that is one arc
         EXPECT_NEAR(nu ? phi(x, q, p) : phi(x, p, q), 0, 1e-6);
       }
     }

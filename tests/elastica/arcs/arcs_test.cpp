@@ -11,8 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kPi = std::numbers::pi;
-
 double distance_to_arc(const Arc& arc, const Vector2d& p) {
   double best =
       std::min((point_at(arc, 0).position() - p).norm(), (point_at(arc, arc.length).position() - p).norm());
@@ -24,7 +22,7 @@ double distance_to_arc(const Arc& arc, const Vector2d& p) {
   const Vector2d centre = start.position() + Vector2d(-start.tangent().y(), start.tangent().x()) / arc.kappa;
   const Vector2d from = start.position() - centre, to = p - centre;
   const double turn = std::atan2(from.x() * to.y() - from.y() * to.x(), from.dot(to)) / arc.kappa;
-  for (const double s : {turn, turn + 2 * kPi / std::abs(arc.kappa)}) {
+  for (const double s : {turn, turn + 2 * std::numbers::pi / std::abs(arc.kappa)}) {
     if (s >= 0 && s <= arc.length) best = std::min(best, std::abs(to.norm() - 1 / std::abs(arc.kappa)));
   }
   return best;
@@ -51,8 +49,9 @@ double deviation(const Elastica& e, const ArcFit& fit, int samples) {
 Elastica random_elastica(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-1, 1);
   const double length = 200 + 600 * (u(random) + 1), k = 0.008 * u(random);
-  const double l = 1e-5 * std::pow(10, 2 * u(random)), a = kPi * u(random);
-  return {100 * u(random), 100 * u(random), kPi * u(random), k, l * std::cos(a), l * std::sin(a), length};
+  const double l = 1e-5 * std::pow(10, 2 * u(random)), a = std::numbers::pi * u(random);
+  return {100 * u(random), 100 * u(random), std::numbers::pi * u(random), k, l * std::cos(a),
+          l * std::sin(a), length};
 }
 
 // Largest jump of position or tangent from arc to arc, and to the curve's ends.
@@ -61,7 +60,7 @@ double jump(const Elastica& e, const ArcFit& fit) {
   CurvePoint at = curve.at(0);
   double worst = 0;
   const auto compare = [&](const CurvePoint& p) {
-    const double turn = std::remainder(p.theta - at.theta, 2 * kPi);
+    const double turn = std::remainder(p.theta - at.theta, 2 * std::numbers::pi);
     worst = std::max({worst, (p.position() - at.position()).norm(), e.length * std::abs(turn)});
   };
   for (const Arc& arc : fit.arcs) {
@@ -105,7 +104,7 @@ TEST(FitArcs, OfLinesAndCirclesAreExact) {
     const ArcFit line = fit_arcs({1, 2, 0.3, 0, 0, 0, 500}, 1e-6, order);
     ASSERT_EQ(line.arcs.size(), 1u);
     EXPECT_EQ(line.arcs[0].kappa, 0);
-    const ArcFit circle = fit_arcs({1, 2, 0.3, 0.01, 0, 0, 100 * kPi}, 1e-6, order);
+    const ArcFit circle = fit_arcs({1, 2, 0.3, 0.01, 0, 0, 100 * std::numbers::pi}, 1e-6, order);
     EXPECT_LE(circle.arcs.size(), 2u);
     for (const Arc& arc : circle.arcs) EXPECT_NEAR(arc.kappa, 0.01, 1e-15);
   }

@@ -14,8 +14,6 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Results {
   std::vector<double> e;
   std::vector<ResidualStatus> status;
@@ -70,7 +68,7 @@ std::vector<Bezier> random_beziers(int count, unsigned seed) {
 
 std::vector<StandardPosition> random_edges(int count, unsigned seed) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> angle(-kPi, kPi), length(0.05, 2);
+  std::uniform_real_distribution<double> angle(-std::numbers::pi, std::numbers::pi), length(0.05, 2);
   std::vector<StandardPosition> edges;
   for (int i = 0; i < count; ++i)
     edges.push_back({angle(random), angle(random), length(random), length(random)});
@@ -104,7 +102,7 @@ TEST_P(EverySimd, OfNearlyStraightCurvesAgreesWithTheScalarResidual) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int i = 0; i < 300; ++i) {
-    const double flat = std::pow(10, -1 - 0.02 * i), turn = kPi * u(random);
+    const double flat = std::pow(10, -1 - 0.02 * i), turn = std::numbers::pi * u(random);
     const Eigen::Vector2d along(std::cos(turn), std::sin(turn)), across(-along.y(), along.x());
     const double a = flat * u(random), b = flat * u(random);
     beziers.push_back({Eigen::Vector2d(0, 0), along / 3 + a * across, along * 0.6 + b * across, along});

@@ -15,7 +15,6 @@ namespace {
 
 using testing::DiscreteRod;
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMostEnergy = 100;
 
 // Clamps of a blade of length 1: any, nearly straight, symmetric, and with ends turned by more than half a
@@ -32,7 +31,8 @@ ClampPair random_clamps(std::mt19937_64& random, int kind) {
       return {{0, 0, lean}, {far, 0, -lean}};
     default:
       return {{0, 0, 0},
-              {0.4 * u(random), 0.4 * u(random), (u(random) < 0 ? -1 : 1) * (kPi + 3 * std::abs(u(random)))}};
+              {0.4 * u(random), 0.4 * u(random),
+               (u(random) < 0 ? -1 : 1) * (std::numbers::pi + 3 * std::abs(u(random)))}};
   }
 }
 
@@ -77,7 +77,7 @@ TEST(FindEquilibria, FindsEveryShapeThatNewtonsMethodFindsFromTwoThousandStarts)
     found += int(all.equilibria.size());
     unresolved += all.unresolved;
     for (int i = 0; i < 2000; ++i) {
-      const double force = 400 * u(random) * u(random), angle = kPi * u(random);
+      const double force = 400 * u(random) * u(random), angle = std::numbers::pi * u(random);
       const auto shape = solve_clamped({clamps.a.x, clamps.a.y, clamps.a.theta, 20 * u(random),
                                         force * std::cos(angle), force * std::sin(angle), 1},
                                        clamps);
@@ -149,8 +149,8 @@ TEST(FindEquilibria, EveryMinimumThatADiscreteRodDescendsToIsAmongTheStableShape
       std::vector<double> angles(kSegments);
       for (std::size_t i = 0; i < kSegments; ++i) {
         const double t = (double(i) + 0.5) / double(kSegments);
-        angles[i] =
-            turning * t + a1 * std::sin(kPi * t) + a2 * std::sin(2 * kPi * t) + a3 * std::sin(3 * kPi * t);
+        angles[i] = turning * t + a1 * std::sin(std::numbers::pi * t) +
+                    a2 * std::sin(2 * std::numbers::pi * t) + a3 * std::sin(3 * std::numbers::pi * t);
       }
       DiscreteRod rod(c * dx + s * dy, c * dy - s * dx, turning, angles);
       if (!rod.to_minimum() || rod.energy() > 0.9 * kMostEnergy) continue;
@@ -210,20 +210,20 @@ TEST(FindEquilibria, TellsOfATautShapeThatAStartStateCannotCarry) {
 }
 
 TEST(FindEquilibria, ClosedLoopsIncludeTheCircle) {
-  const EquilibriaReport r = find_equilibria({{0, 0, 0}, {0, 0, 2 * kPi}}, 1);
+  const EquilibriaReport r = find_equilibria({{0, 0, 0}, {0, 0, 2 * std::numbers::pi}}, 1);
   ASSERT_FALSE(r.equilibria.empty());
-  EXPECT_NEAR(r.equilibria[0].energy, 2 * kPi * kPi, 1e-6);
+  EXPECT_NEAR(r.equilibria[0].energy, 2 * std::numbers::pi * std::numbers::pi, 1e-6);
   EXPECT_EQ(r.equilibria[0].inflections, 0);
 }
 
 TEST(FindEquilibria, TurningIsNotTakenModuloAFullTurn) {
   const auto once = find_equilibria({{0, 0, 0}, {0.5, 0.1, 0.3}}, 1),
-             twice = find_equilibria({{0, 0, 0}, {0.5, 0.1, 0.3 + 2 * kPi}}, 1);
+             twice = find_equilibria({{0, 0, 0}, {0.5, 0.1, 0.3 + 2 * std::numbers::pi}}, 1);
   ASSERT_FALSE(once.equilibria.empty());
   ASSERT_FALSE(twice.equilibria.empty());
   EXPECT_GT(std::abs(once.equilibria[0].energy - twice.equilibria[0].energy), 1);
   for (const Equilibrium& q : twice.equilibria) {
-    EXPECT_NEAR(clamps_of(q.elastica).b.theta, 0.3 + 2 * kPi, 1e-8);
+    EXPECT_NEAR(clamps_of(q.elastica).b.theta, 0.3 + 2 * std::numbers::pi, 1e-8);
   }
 }
 
@@ -233,9 +233,10 @@ TEST(FindEquilibria, MovedMirroredReversedAndScaledClampsHaveTheSameShapes) {
     const ClampPair c = random_clamps(random, pair);
     const auto plain = find_equilibria(c, 1);
     const ClampPair mirrored{{c.a.x, -c.a.y, -c.a.theta}, {c.b.x, -c.b.y, -c.b.theta}};
-    const ClampPair reversed{{c.b.x, c.b.y, c.b.theta + kPi}, {c.a.x, c.a.y, c.a.theta + kPi}};
+    const ClampPair reversed{{c.b.x, c.b.y, c.b.theta + std::numbers::pi},
+                             {c.a.x, c.a.y, c.a.theta + std::numbers::pi}};
     const auto moved = [](const ClampPose& p) {
-      return ClampPose{700 * -p.y + 20, 700 * p.x - 5, p.theta + kPi / 2};
+      return ClampPose{700 * -p.y + 20, 700 * p.x - 5, p.theta + std::numbers::pi / 2};
     };
     const std::pair<EquilibriaReport, double> others[] = {
         {find_equilibria(mirrored, 1), 1},

@@ -14,7 +14,6 @@ namespace {
 using testing::HeavyRod;
 using testing::RodStiffness;
 
-constexpr double kPi = std::numbers::pi;
 // A strip 16 times as wide as thick, of steel.
 constexpr StiffnessRatios kStrip{256, 1.54};
 
@@ -123,7 +122,7 @@ TEST(Droop, OfACurvedBladeIsRuledByItsTwist) {
 TEST(Droop, SaysWhenTheBladeTipsOutOfItsPlane) {
   // Stiff upright, phi follows psi: Int C (psi'' + kappa^2 psi)^2 / kappa^2 + psi'^2 - kappa^2 psi^2, which
   // one wave of psi makes negative on a coil of more than a turn when the twist is soft enough.
-  const Elastica coil{0, 0, 0, 3 * kPi, 0, 0, 1};
+  const Elastica coil{0, 0, 0, 3 * std::numbers::pi, 0, 0, 1};
   EXPECT_FALSE(droop(coil, 0, {256, 0.02}).stable);
   EXPECT_TRUE(droop(coil, 0, kStrip).stable);
   EXPECT_TRUE(droop({0, 0, 0, 1, 0, 0, 1}, 0, kStrip).stable);
@@ -140,8 +139,10 @@ TEST(LateralMargin, ChangesSignWhereTheDroopStopsBeingStable) {
 
 TEST(LateralMargin, OfAStraightBladeIsThatOfItsSofterMode) {
   // Twist alone: C pi^2. Bending upright with its ends held: A (2 pi)^2.
-  EXPECT_NEAR(lateral_margin({0, 0, 0, 0, 0, 0, 300}, {256, 1.54}), 1.54 * kPi * kPi, 0.01);
-  EXPECT_NEAR(lateral_margin({0, 0, 0, 0, 0, 0, 300}, {0.1, 1.54}), 0.1 * 4 * kPi * kPi, 0.01);
+  EXPECT_NEAR(lateral_margin({0, 0, 0, 0, 0, 0, 300}, {256, 1.54}),
+              1.54 * std::numbers::pi * std::numbers::pi, 0.01);
+  EXPECT_NEAR(lateral_margin({0, 0, 0, 0, 0, 0, 300}, {0.1, 1.54}),
+              0.1 * 4 * std::numbers::pi * std::numbers::pi, 0.01);
 }
 
 TEST(Gravity, RefusesNumbersThatAreNotFinite) {

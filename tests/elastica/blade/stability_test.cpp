@@ -11,8 +11,6 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // The same eigenvalue by a dense solver on the space of the constraints: other code, other grid.
 double dense_margin(const Elastica& e, int cells) {
   const int n = cells - 1;
@@ -42,13 +40,13 @@ TEST(StabilityMargin, AgreesWithADenseSolver) {
 
 TEST(StabilityMargin, OfAStraightUnloadedBladeIsFourPiSquared) {
   // One constraint, mean of the variation zero: the lowest admissible mode is sin(2 pi s).
-  EXPECT_NEAR(stability_margin({0, 0, 0.3, 0, 0, 0, 500}), 4 * kPi * kPi, 0.05);
+  EXPECT_NEAR(stability_margin({0, 0, 0.3, 0, 0, 0, 500}), 4 * std::numbers::pi * std::numbers::pi, 0.05);
 }
 
 TEST(StabilityMargin, OfACompressedStraightBladeVanishesAtEulersClampedLoad) {
   // lambda1 > 0 along the blade compresses it; the clamped column buckles at 4 pi^2 / l^2.
-  EXPECT_GT(stability_margin({0, 0, 0, 0, 4 * kPi * kPi * 0.99, 0, 1}), 0);
-  EXPECT_LT(stability_margin({0, 0, 0, 0, 4 * kPi * kPi * 1.01, 0, 1}), 0);
+  EXPECT_GT(stability_margin({0, 0, 0, 0, 4 * std::numbers::pi * std::numbers::pi * 0.99, 0, 1}), 0);
+  EXPECT_LT(stability_margin({0, 0, 0, 0, 4 * std::numbers::pi * std::numbers::pi * 1.01, 0, 1}), 0);
 }
 
 TEST(StabilityMargin, ArcsFromAnInflectionLoseStabilityAfterOnePeriod) {

@@ -14,7 +14,6 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Wide = boost::multiprecision::cpp_bin_float_50;
 
 struct Reference {
@@ -200,7 +199,7 @@ TEST(ClosedForm, AgreesWithTheTaylorPiecesNearEveryBorder) {
   }
   expect_same_curve({1, 2, 0, 2, 1, 0, 9}, 1e-9);
   expect_same_curve({1, 2, 0.7, -2, 0, 0, 6}, 1e-12);
-  expect_same_curve({0, 0, kPi, 0, 1, 0, 5}, 1e-12);
+  expect_same_curve({0, 0, std::numbers::pi, 0, 1, 0, 5}, 1e-12);
 }
 
 TEST(ClosedForm, IsAbsentWhereACurveHardlyTurns) {

@@ -12,8 +12,6 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // xi_k(s) = (2 E(s) - s, 2 k (1 - cn s)) is an elastica for k < 1 (maths, closed form): starts at the origin
 // along +x with curvature 0... its tangent angle has sin(theta/2) = k sn, so theta' = 2 k cn.
 CurvePoint closed_form(double k, double s) {
@@ -21,7 +19,9 @@ CurvePoint closed_form(double k, double s) {
   const double sn = boost::math::jacobi_elliptic(k, s, &cn, &dn);
   const double amplitude =
       std::atan2(sn, cn) +
-      2 * kPi * std::round((s / boost::math::ellint_1(k) * kPi / 2 - std::atan2(sn, cn)) / (2 * kPi));
+      2 * std::numbers::pi *
+          std::round((s / boost::math::ellint_1(k) * std::numbers::pi / 2 - std::atan2(sn, cn)) /
+                     (2 * std::numbers::pi));
   return {2 * boost::math::ellint_2(k, amplitude) - s, 2 * k * (1 - cn), 2 * std::asin(k * sn), 2 * k * cn};
 }
 

@@ -11,8 +11,6 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 Elastica random_elastica(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-1, 1);
   return {10 * u(random),

@@ -12,11 +12,9 @@
 namespace hotblade::elastica {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 std::vector<StandardPosition> constrained_curves(std::size_t count, unsigned seed) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> angle(-kPi, kPi), edge(0.05, 2);
+  std::uniform_real_distribution<double> angle(-std::numbers::pi, std::numbers::pi), edge(0.05, 2);
   std::vector<StandardPosition> list;
   while (list.size() < count) {
     const StandardPosition s{angle(random), angle(random), edge(random), edge(random)};
@@ -26,34 +24,38 @@ std::vector<StandardPosition> constrained_curves(std::size_t count, unsigned see
 }
 
 TEST(PolygonAngles, OfARectangleAreThreeQuartersOfATurn) {
-  const PolygonAngles a = polygon_angles({kPi / 2, kPi / 2, 1, 1});
-  EXPECT_NEAR(a.phi1, kPi / 2, 1e-15);
-  EXPECT_NEAR(a.phi2, kPi / 2, 1e-15);
-  const PolygonAngles below = polygon_angles({-kPi / 2, -kPi / 2, 1, 1});
-  EXPECT_NEAR(below.phi1, 3 * kPi / 2, 1e-15);
-  EXPECT_NEAR(below.phi2, 3 * kPi / 2, 1e-15);
+  const PolygonAngles a = polygon_angles({std::numbers::pi / 2, std::numbers::pi / 2, 1, 1});
+  EXPECT_NEAR(a.phi1, std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR(a.phi2, std::numbers::pi / 2, 1e-15);
+  const PolygonAngles below = polygon_angles({-std::numbers::pi / 2, -std::numbers::pi / 2, 1, 1});
+  EXPECT_NEAR(below.phi1, 3 * std::numbers::pi / 2, 1e-15);
+  EXPECT_NEAR(below.phi2, 3 * std::numbers::pi / 2, 1e-15);
 }
 
 TEST(PolygonAngles, LieOnDifferentSidesOfPiExactlyForInflectionalCurves) {
   for (const StandardPosition& s : constrained_curves(2000, 1)) {
     const PolygonAngles a = polygon_angles(s);
-    EXPECT_EQ(inflectional(s), (a.phi1 - kPi) * (a.phi2 - kPi) < 0);
+    EXPECT_EQ(inflectional(s), (a.phi1 - std::numbers::pi) * (a.phi2 - std::numbers::pi) < 0);
   }
 }
 
 TEST(PolygonAngles, KeepTheirSumWhenEdgesChangeLength) {
   for (const StandardPosition& s : constrained_curves(500, 2)) {
     const PolygonAngles a = polygon_angles(s), b = polygon_angles({s.a1, s.a2, 0.9 * s.l1, 1.05 * s.l2});
-    EXPECT_NEAR(std::remainder(a.phi1 + a.phi2 - b.phi1 - b.phi2, 2 * kPi), 0, 1e-12);
+    EXPECT_NEAR(std::remainder(a.phi1 + a.phi2 - b.phi1 - b.phi2, 2 * std::numbers::pi), 0, 1e-12);
   }
 }
 
 TEST(ZoneBoundary, GoesThroughThePapersPointsAndTheirMirrorImages) {
   const auto line = zone_boundary(8);
   ASSERT_EQ(line.size(), 129u);
-  for (const auto& [x, y] :
-       {std::pair{1.05, 1.05}, {1.9, 1.3}, {kPi, 1.35}, {4.3, 1.3}, {5.2, 2 * kPi - 5.2}}) {
-    for (const PolygonAngles& want : {PolygonAngles{x, y}, {y, x}, {2 * kPi - y, 2 * kPi - x}}) {
+  for (const auto& [x, y] : {std::pair{1.05, 1.05},
+                             {1.9, 1.3},
+                             {std::numbers::pi, 1.35},
+                             {4.3, 1.3},
+                             {5.2, 2 * std::numbers::pi - 5.2}}) {
+    for (const PolygonAngles& want :
+         {PolygonAngles{x, y}, {y, x}, {2 * std::numbers::pi - y, 2 * std::numbers::pi - x}}) {
       double nearest = 10;
       for (const PolygonAngles& p : line)
         nearest = std::min(nearest, std::hypot(p.phi1 - want.phi1, p.phi2 - want.phi2));
@@ -77,7 +79,7 @@ TEST(ZoneBoundary, AgreesWithTheWindingOfItsPolyline) {
     }
     // The polyline lies within 1e-4 of the spline; nearer points are not decided by it.
     if (nearest < 0.02) continue;
-    EXPECT_EQ(inside_zone_boundary(p), std::abs(winding) > kPi) << p.phi1 << " " << p.phi2;
+    EXPECT_EQ(inside_zone_boundary(p), std::abs(winding) > std::numbers::pi) << p.phi1 << " " << p.phi2;
   }
 }
 
@@ -113,7 +115,8 @@ TEST(ProjectZone, IsTheSameForTheMirroredAndTheReversedCurve) {
   for (const StandardPosition& s : constrained_curves(500, 6)) {
     const Projection p = project_zone(to_bezier(s));
     const Projection mirrored = project_zone(to_bezier({-s.a1, -s.a2, s.l1, s.l2}));
-    const Projection back = project_zone(to_bezier({wrapped(kPi - s.a2), wrapped(kPi - s.a1), s.l2, s.l1}));
+    const Projection back = project_zone(
+        to_bezier({wrapped(std::numbers::pi - s.a2), wrapped(std::numbers::pi - s.a1), s.l2, s.l1}));
     EXPECT_NEAR(p.moved[0], mirrored.moved[0], 1e-7);
     EXPECT_NEAR(p.moved[1], mirrored.moved[1], 1e-7);
     EXPECT_NEAR(p.moved[0], back.moved[1], 1e-7);

@@ -10,7 +10,6 @@ namespace {
 
 using elastica::Elastica;
 
-constexpr double kPi = std::numbers::pi;
 // 8 x 0.5 mm of spring steel.
 constexpr BladeSection kSpring{8, 0.5, 190000, 0.3, 1010, 1.5, 7900};
 
@@ -29,10 +28,11 @@ TEST(BladeSection, TorsionOfASquareBarIsSaintVenants) {
 
 TEST(BladeLoads, OfABuckledBladeAreEulersAndPushInwards) {
   // One shallow wave between clamps on one line: y = a (1 - cos(2 pi x / l)), held by 4 pi^2 B / l^2.
-  const double l = 600, amplitude = 2, wave = 2 * kPi / l;
+  const double l = 600, amplitude = 2, wave = 2 * std::numbers::pi / l;
   const Elastica blade{0, 0, 0, amplitude * wave * wave, wave * wave, 0, l};
   const BladeLoads loads = blade_loads(blade, kSpring);
-  EXPECT_NEAR(loads.force_n.x(), -4 * kPi * kPi * bending_stiffness_n_mm2(kSpring) / (l * l), 1e-9);
+  EXPECT_NEAR(loads.force_n.x(),
+              -4 * std::numbers::pi * std::numbers::pi * bending_stiffness_n_mm2(kSpring) / (l * l), 1e-9);
   EXPECT_EQ(loads.force_n.y(), 0);
   EXPECT_NEAR(loads.moment_a_n_mm, bending_stiffness_n_mm2(kSpring) * amplitude * wave * wave, 1e-9);
   EXPECT_NEAR(loads.moment_b_n_mm, loads.moment_a_n_mm, 1e-3 * loads.moment_a_n_mm);
