@@ -99,7 +99,7 @@ HB_INLINE HB_REAL hb_panel_speeds(const hb_pair* a, double t, double h, HB_REAL*
   return sum;
 }
 
-/* One node's share of both sums. */
+/* Adds one node's share to both sums. */
 HB_INLINE void hb_add_difference(const hb_pair* a, double t, HB_REAL speed, HB_REAL weight,
                                  const hb_elastica_point* g, HB_REAL* square, HB_REAL* angle) {
   const HB_REAL zero = HB_BROADCAST(0.0);

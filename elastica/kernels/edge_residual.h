@@ -17,7 +17,7 @@ typedef struct {
   HB_REAL e, status, by_l1, by_l2;
 } hb_edge_residual;
 
-/* Sums of dR and dK by one length; the direction it moves its control point in. */
+/* The sums of dR and dK by one length, and the direction in which it moves its control point. */
 typedef struct {
   HB_REAL cos, sin, q0, q1, q2, along_fit, misfit, total;
 } hb_edge_rate;
@@ -66,8 +66,8 @@ HB_INLINE hb_edge_rate hb_edge_rate_of(const hb_cubic* c, const hb_affine* f, HB
   return r;
 }
 
-/* One node's share: basis and slope are the moved point's Bernstein polynomial and its derivative there, (tx,
- * ty) the unit tangent, r the misfit, all else as in hb_nodes. */
+/* Adds one node's share: basis and slope are the moved point's Bernstein polynomial and its derivative there,
+ * (tx, ty) the unit tangent, r the misfit, all else as in hb_nodes. */
 HB_INLINE void hb_add_edge_rate(hb_edge_rate* a, HB_REAL u, HB_REAL weight, HB_REAL basis, HB_REAL slope,
                                 HB_REAL tx, HB_REAL ty, HB_REAL speed, HB_REAL inverse, HB_REAL kappa,
                                 HB_REAL r) {
@@ -86,7 +86,7 @@ HB_INLINE HB_REAL hb_edge_gradient(const hb_edge_rate* a, HB_REAL e, HB_REAL tot
   return HB_SELECT(e > HB_BROADCAST(0.0), gradient, HB_BROADCAST(0.0));
 }
 
-/* Both sums over one node's u of either sign. */
+/* Adds to both sums the shares of one node's u of either sign; returns the misfit's share. */
 HB_INLINE HB_REAL hb_gradient_node(const hb_cubic* c, const hb_nodes* n, const hb_affine* f, HB_REAL u,
                                    HB_REAL weight, int i, hb_edge_rate* first, hb_edge_rate* second) {
   const HB_REAL one_half = HB_BROADCAST(0.5), three = HB_BROADCAST(3.0), one = HB_BROADCAST(1.0);
@@ -102,7 +102,7 @@ HB_INLINE HB_REAL hb_gradient_node(const hb_cubic* c, const hb_nodes* n, const h
   return (r * n->ds[i]) * r;
 }
 
-/* e, status, de/dl1 and de/dl2. */
+/* e, status, de/dl1 and de/dl2 of a curve in standard position. */
 HB_INLINE hb_edge_residual hb_edge_residual_gradient(const hb_edges* a) {
   const hb_legs p = hb_legs_of_edges(a);
   const hb_cubic c = hb_cubic_of_legs(&p);

@@ -63,8 +63,8 @@ HB_INLINE void hb_elastica_step(const hb_elastica_field* f, HB_REAL h, hb_elasti
   (void)hb_elastica_turn(f, h, p);
 }
 
-/* Along the curve by h, forwards or back. A lane that has arrived stays where it is, bit for bit, while
- * others go on. */
+/* Moves p along the curve by h, forwards or back, and returns what the tangent turns by. A lane that has
+ * arrived stays where it is, bit for bit, while others go on. */
 HB_INLINE HB_REAL hb_elastica_move_turning(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
   HB_REAL left = h, turn = HB_BROADCAST(0.0);
   do {

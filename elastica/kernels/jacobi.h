@@ -22,7 +22,7 @@ typedef struct {
   HB_REAL v, sn, cn, dn, wave;
 } hb_jacobi;
 
-/* The bottom of the ladder. */
+/* The functions of an argument at the bottom of the ladder. */
 HB_INLINE hb_jacobi hb_jacobi_bottom(const hb_ladder* ladder, HB_REAL argument) {
   const HB_REAL reach = HB_BROADCAST(ladder->reach);
   hb_jacobi j;
@@ -43,7 +43,7 @@ HB_INLINE void hb_jacobi_step(HB_REAL k, HB_REAL z, hb_jacobi* j) {
   j->dn = (one - q) * share;
 }
 
-/* All levels of `count` arguments side by side: one's steps are a long chain of dependent operations. */
+/* Climbs all levels for `count` arguments side by side: one's steps are a chain of dependent operations. */
 HB_INLINE void hb_jacobi_climb(const hb_ladder* ladder, hb_jacobi* j, int count) {
   for (int n = ladder->levels - 1; n >= 0; --n) {
     const HB_REAL k = HB_BROADCAST(ladder->k[n]), z = HB_BROADCAST(ladder->z[n]);
@@ -57,7 +57,7 @@ HB_INLINE hb_jacobi hb_jacobi_at(const hb_ladder* ladder, HB_REAL argument) {
   return j;
 }
 
-/* Sine, cosine, delta and Int dn^2 of modulus k at u, from the ladder's own: above 1 it is the ladder of the
+/* sn, cn, dn and Int dn^2 of modulus k at u, from the ladder's own: above 1 it is the ladder of the
  * reciprocal modulus 1/k at v = k u, with the integral of cn^2 (elastica/curve/closed_form.hpp). */
 HB_INLINE hb_jacobi hb_jacobi_of_modulus(const hb_ladder* ladder, double k, const hb_jacobi* j) {
   const HB_REAL per = HB_BROADCAST(k > 1 ? 1 / k : 1.0);

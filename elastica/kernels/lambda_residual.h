@@ -65,13 +65,13 @@ typedef struct {
   HB_REAL x1, x2, x3, y1, y2, y3, q0, q1, q2;
 } hb_cubic;
 
-/* At one node: ds with the quadrature weight, 1/speed, curvature. */
+/* What is known at every node: ds with the quadrature weight, 1/speed, curvature. */
 typedef struct {
   HB_REAL ds[2 * HB_GAUSS_PAIRS], inverse[2 * HB_GAUSS_PAIRS], kappa[2 * HB_GAUSS_PAIRS];
 } hb_nodes;
 
-/* Sums over ds of u^j and kappa u^j, and of kappa^2. Those of x, y, x^2 .. follow by the powers of x and y.
- */
+/* The sums over ds of u^j and kappa u^j, and of kappa^2. Those of x, y, x^2 .. follow by the powers of
+ * x and y. */
 typedef struct {
   HB_REAL m0, m1, m2, m3, m4, m5, m6, k0, k1, k2, k3, kk;
 } hb_moments;
@@ -112,8 +112,8 @@ HB_INLINE HB_REAL hb_speed_squared(const hb_cubic* c, HB_REAL u) {
   return HB_FMA(dx, dx, dy * dy);
 }
 
-/* Straight, cusp or neither. The speed is three edges' lengths at the ends; at a cusp the numerator has a
- * double root. */
+/* The status: straight, cusp or neither. The speed at the ends is three edges' lengths; at a cusp the
+ * numerator has a double root. */
 HB_INLINE HB_REAL hb_residual_status(const hb_legs* p, const hb_cubic* c) {
   const HB_REAL one_half = HB_BROADCAST(0.5), flat = HB_BROADCAST(HB_FLAT_SHARE);
   const HB_REAL limit = HB_BROADCAST(HB_CUSP_SHARE * HB_CUSP_SHARE),
@@ -179,7 +179,7 @@ HB_INLINE HB_REAL hb_dot(HB_REAL a1, HB_REAL a2, HB_REAL a3, HB_REAL b1, HB_REAL
   return HB_FMA(a1, b1, HB_FMA(a2, b2, a3 * b3));
 }
 
-/* Least squares of kappa by 1, x and y. A y that 1 and x explain to rounding is left out. */
+/* The least-squares fit of kappa by 1, x and y. A y that 1 and x explain to rounding is left out. */
 HB_INLINE hb_affine hb_affine_of_moments(const hb_cubic* c, const hb_moments* m) {
   const HB_REAL per = HB_BROADCAST(1.0) / m->m0;
   const HB_REAL u1 = m->m1 * per, u2 = m->m2 * per, u3 = m->m3 * per, k0 = m->k0 * per;
@@ -231,8 +231,8 @@ HB_INLINE hb_residual hb_residual_or_zero(HB_REAL e, HB_REAL status) {
   return r;
 }
 
-/* Legs in a frame of unit size whose x axis points at the farthest control point; status HB_RESIDUAL_CUSP or
- * HB_RESIDUAL_NOT_FINITE where there is none, else HB_RESIDUAL_OK. */
+/* Puts the legs into a frame of unit size whose x axis points at the farthest control point. Returns
+ * HB_RESIDUAL_CUSP or HB_RESIDUAL_NOT_FINITE where there is none, else HB_RESIDUAL_OK. */
 HB_INLINE HB_REAL hb_unit_frame(hb_legs* p) {
   const HB_REAL x1 = p->x1, y1 = p->y1, x2 = p->x2, y2 = p->y2, x3 = p->x3, y3 = p->y3;
   const HB_REAL r1 = x1 * x1 + y1 * y1, r2 = x2 * x2 + y2 * y2, r3 = x3 * x3 + y3 * y3;

@@ -76,7 +76,7 @@ static inline hb_quadratic_edges hb_quadratic_edges_of(HB_REAL b0x, HB_REAL b0y,
   return q;
 }
 
-/* Sum of |e + v D| over a pair of Gauss nodes at +-v. */
+/* The sum of |e + v D| over a pair of Gauss nodes at +-v. */
 static inline HB_REAL hb_half_speed_pair(HB_REAL ex, HB_REAL ey, HB_REAL ddx, HB_REAL ddy, HB_REAL v) {
   const HB_REAL ax = ex + v * ddx, ay = ey + v * ddy, bx = ex - v * ddx, by = ey - v * ddy;
   return sqrt(ax * ax + ay * ay) + sqrt(bx * bx + by * by);

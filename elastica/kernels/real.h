@@ -38,7 +38,7 @@
 
 #define HB_SELECT(c, a, b) ((c) ? (a) : (b))
 #define HB_ABS(a) HB_SELECT((a) < HB_BROADCAST(0.0), -(a), (a))
-/* b where either is NaN. */
+/* The larger and the smaller of both; b where either is NaN. */
 #ifndef HB_MAX
 #define HB_MAX(a, b) HB_SELECT((a) > (b), (a), (b))
 #define HB_MIN(a, b) HB_SELECT((a) < (b), (a), (b))
