@@ -1,5 +1,6 @@
 // hotblade run: streams a program to a controller, strip by strip.
 #include <fmt/format.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -10,6 +11,7 @@
 #include <string>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/operator_answer.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/run/run_journal.hpp"
 #include "pipeline/verify/branch.hpp"
@@ -122,19 +124,27 @@ Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
   return plan;
 }
 
-// Asks the operator before a strip; false when there is no yes.
+// Asks the operator before a strip; true only for a typed `yes` or the strip's own id. What was typed before
+// the question is thrown away: it answered something else.
 bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Job& job,
-                     const Console& console) {
+                     const robot::ControllerSnapshot& controller, const Console& console) {
   if (arguments.yes) return true;
   console.end_progress();
   const auto& size = strip.stock.size_mm;
+  ::tcflush(STDIN_FILENO, TCIFLUSH);
   std::cerr << fmt::format(
-      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm standing {:.0f} mm above the table, {}\n"
-      "blade and block in place, cell clear? Enter to start, Ctrl-C to stop: ",
+      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm standing {:.0f} mm above the table, {}; "
+      "the "
+      "controller is {}\n"
+      "This blade and this block in place, cell clear? Type yes or {} to start, anything else stops: ",
       strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(),
-      height_above_table_mm(strip.stock, strip.design_to_cell), clock_text(duration_s(job)));
+      height_above_table_mm(strip.stock, strip.design_to_cell), clock_text(duration_s(job)),
+      robot::protocol::name(controller.status.state), strip.id);
   std::string line;
-  return static_cast<bool>(std::getline(std::cin, line)) && !interrupted();
+  if (std::getline(std::cin, line) && !interrupted() && agrees_to_start(line, strip.id)) return true;
+  console.warn(fmt::format("strip {} not started; to go on: hotblade run {} --connect {} --strip {}",
+                           strip.id, arguments.program, arguments.connect, strip.id));
+  return false;
 }
 
 std::string progress_text(const Job& job, const StreamProgress& p) {
@@ -207,7 +217,8 @@ Exit Runner::run(const StripJobs& work) {
   for (std::size_t i = plan.first; i < plan.end; ++i) total += work.jobs[i].size();
   if (total == 0) console_.note("nothing left to run");
   for (std::size_t i = plan.first; i < plan.end; ++i) {
-    if (!operator_agrees(arguments_, work.program.strips[i], work.jobs[i], console_))
+    const auto asked = i == plan.first ? now : robot::look(link_);
+    if (!operator_agrees(arguments_, work.program.strips[i], work.jobs[i], asked, console_))
       return Exit::kInterrupted;
     if (const Exit code = run_strip(work, i, plan, total, done); code != Exit::kOk) return code;
     done += work.jobs[i].size();

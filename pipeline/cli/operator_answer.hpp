@@ -1,0 +1,12 @@
+// What an operator's answer means before arms move.
+#pragma once
+
+#include <string_view>
+
+namespace hotblade::pipeline {
+
+// Whether an answer starts a strip: `yes`, or the strip's id, in any case and with blanks around it. An empty
+// line and everything else do not.
+[[nodiscard]] bool agrees_to_start(std::string_view answer, std::string_view strip_id);
+
+}  // namespace hotblade::pipeline
