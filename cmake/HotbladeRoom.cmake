@@ -64,11 +64,11 @@ function(hotblade_whole_room room)
   target_link_libraries(hotblade_${room} INTERFACE ${inner})
 endfunction()
 
-# hotblade_test(<room>[/<inner room>] SOURCES ... [LINK targets...] [ALONE ...]): one GoogleTest program
+# hotblade_test(<room>[/<inner room>] SOURCES ... [LINK targets...]): one GoogleTest program
 # hotblade_<room>[_<inner room>]_tests of tests/<room>, discovered by ctest. Sources of another folder come with their
 # path from tests/.
 function(hotblade_test room)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;ALONE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   string(REPLACE "/" "_" target "hotblade_${room}_tests")
   foreach(source IN LISTS ARG_SOURCES)
     if(source MATCHES "/")
@@ -78,8 +78,8 @@ function(hotblade_test room)
     endif()
   endforeach()
   add_executable(${target} ${sources})
-  list(TRANSFORM ARG_ALONE PREPEND "${PROJECT_SOURCE_DIR}/tests/${room}/")
-  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  # Tests of one room use the same short names each for themselves.
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
   target_link_libraries(${target} PRIVATE hotblade_options hotblade_test_paths ${ARG_LINK} GTest::gmock
     GTest::gtest_main)
   include(GoogleTest)
