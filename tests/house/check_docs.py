@@ -3,6 +3,8 @@
   path  a file or folder of a room, the tests or the documents that is named in `code` exists (not in CHANGELOG.md)
   test  a `Suite.Name` in README.md or docs/promises.md is a test; * stands for anything, a name may end in ...
   room  docs/house.md has the rooms of tests/house/check_house.sh in their order, each with its target
+  way   the stranger's path in docs/house.md takes at most three clicks, each on a link of README.md or of a page before,
+        and what an item names in `code` stands in the source it leads to
 Prints one line a breach, `file:line: rule: what`, and exits with 1 when there is any, with 2 when there is no document.
 """
 import fnmatch
@@ -17,6 +19,8 @@ TEST_NAME = re.compile(r"[A-Z]\w*\*?\.(?:\*|[A-Z]\w*(?:\.\.\.)?)")
 TEST = re.compile(r"\b(?:TYPED_)?TEST(?:_[FP])?\(\s*(\w+)\s*,\s*(\w+)")
 CTEST = re.compile(r"add_test\(\s*NAME\s+(\w+\.\w+)")
 ROOM_ROW = re.compile(r"\| `([\w/]+)` \| `(\w+)` \|")
+WAY = re.compile(r"^## A stranger's path\n(.*?)(?=^## |\Z)", re.S | re.M)
+MOST_CLICKS = 3
 DOWNHILL = re.compile(r"downhill='\n(.*?)\n'", re.S)
 
 
@@ -79,6 +83,33 @@ def room_breaches(root):
             yield f"docs/house.md:1: room: {target} is not the target of {room}"
 
 
+def links_of(file):
+    targets = (target.partition("#")[0] for target in LINK.findall(file.read_text()))
+    return {(file.parent / target).resolve() for target in targets}
+
+
+def way_breaches(root):
+    page = root / "docs/house.md"
+    path = WAY.search(page.read_text()) if page.is_file() else None
+    if not path:
+        return
+    items = re.split(r"^\d+\. ", path[1], flags=re.M)[1:]
+    if not 1 <= len(items) <= MOST_CLICKS:
+        yield f"docs/house.md:1: way: {len(items)} clicks, not 1 to {MOST_CLICKS}"
+    within_reach = links_of(root / "README.md")
+    for item in items:
+        target = LINK.search(item)[1]
+        file = (page.parent / target).resolve()
+        if file not in within_reach:
+            yield f"docs/house.md:1: way: {target} is not linked before"
+        if not file.is_file():
+            continue
+        within_reach |= links_of(file) if file.suffix == ".md" else set()
+        for code in CODE.findall(LINK.sub("", item)):
+            if code not in file.read_text():
+                yield f"docs/house.md:1: way: `{code}` is not in {target}"
+
+
 def breaches(root):
     tests = tests_of(root)
     for file in documents(root):
@@ -91,6 +122,7 @@ def breaches(root):
                 found += [test_breach(tests, code) for code in CODE.findall(line)]
             yield from (f"{name}:{number}: {what}" for what in found if what)
     yield from room_breaches(root)
+    yield from way_breaches(root)
 
 
 def main():
