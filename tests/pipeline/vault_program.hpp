@@ -116,7 +116,7 @@ inline Strip vault_strip(const VaultOptions& options, int index) {
 
 inline Program vault_program(const VaultOptions& options = {}) {
   Program program;
-  program.created_by = "hotblade 0.1.0";
+  program.created_by = "hotblade 0.2.0";
   program.design.file = "vault.obj";
   program.design.sha256 = std::string(64, 'a');
   program.design.source_units = "mm";
