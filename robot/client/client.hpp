@@ -16,6 +16,7 @@
 
 namespace hotblade::robot {
 
+// How far a job is, for whoever watches.
 struct StreamProgress {
   protocol::State state = protocol::State::kIdle;
   protocol::Fault fault = protocol::Fault::kNone;
@@ -24,6 +25,7 @@ struct StreamProgress {
   int reconnects = 0;
 };
 
+// Whom to stream to, and how patiently.
 struct StreamOptions {
   std::string host = "127.0.0.1";
   std::uint16_t port = 1502;
@@ -42,6 +44,7 @@ struct StreamOptions {
   std::function<bool()> interrupted;                    // true: HOLD and return
 };
 
+// How a stream ended.
 enum class StreamOutcome {
   kDone,         // every waypoint executed, proved by count and CRC, job closed
   kRefused,      // the controller said no
@@ -50,6 +53,7 @@ enum class StreamOutcome {
   kInterrupted,  // held as asked; `resume` goes on
 };
 
+// What became of a job.
 struct StreamReport {
   StreamOutcome outcome = StreamOutcome::kDone;
   std::string message;  // why it is not done: what (value, limit): hint
@@ -61,16 +65,18 @@ struct StreamReport {
   std::optional<std::uint32_t> at;  // the waypoint a refusal or a fault speaks of
 };
 
-// Never throws for what a controller or a link can do.
+// Streams a job to its end, or to where it is stopped. It throws nothing for what a controller or a link can
+// do.
 [[nodiscard]] StreamReport stream(const Job& job, const StreamOptions& options);
 
+// What a controller says of itself.
 struct ControllerSnapshot {
   bool reached = false;
   std::string message;  // why not
   protocol::Ident ident;
   protocol::Status status;
 };
-// One look at a controller, with a few attempts.
+// Takes one look at a controller, with a few attempts.
 [[nodiscard]] ControllerSnapshot look(const StreamOptions& options);
 
 // Takes a controller out of FAULT or ESTOP to IDLE, once the lease of the job's owner has run out. The job is

@@ -20,6 +20,7 @@
 
 namespace hotblade::robot {
 
+// Writes the log of one controller.
 class ExecutionLog final : public ExecutionSink {
  public:
   struct Options {
@@ -55,9 +56,8 @@ struct LoggedJob {
   double t_exec = 0;          // s, of the last executed waypoint
 };
 
-// Jobs of a log by job id; where a job was run more than once its last run counts, restarts of the controller
-// included. Throws LogError for a line
-// that is no line of a log, with its number.
+// Returns the jobs of a log by job id; where a job was run more than once its last run counts, restarts of
+// the controller included. Throws LogError, with its number, for a line that is no line of a log.
 [[nodiscard]] std::map<std::uint64_t, LoggedJob> read_execution_log(const std::filesystem::path& file);
 
 // The proof of a run: every waypoint of the job executed once, in order, bytes equal, chain equal.
@@ -67,6 +67,7 @@ struct ExecutionProof {
   bool bytes_equal = false, chain_equal = false;
   [[nodiscard]] bool holds() const { return in_order && bytes_equal && chain_equal; }
 };
+// Compares what was planned with what a log says was executed.
 [[nodiscard]] ExecutionProof prove(const Job& job, const LoggedJob& logged);
 
 }  // namespace hotblade::robot

@@ -12,6 +12,7 @@
 
 namespace hotblade::robot {
 
+// Clamps and blade at one moment of the log.
 struct LoggedPose {
   std::uint32_t sequence = 0;  // the last executed waypoint
   double t = 0;                // s of the motion clock
@@ -21,9 +22,9 @@ struct LoggedPose {
   std::optional<elastica::Elastica> blade;  // clamp A to clamp B, in clamp A's axes
 };
 
-// Poses by job id, in the order of the log; where a job was run more than once, of its last run. Lines of
-// other kinds are passed over. Throws LogError for a file that cannot be read and for a pose line that is
-// none, with its number.
+// Returns the poses by job id, in the order of the log; where a job was run more than once, those of its last
+// run. It passes over lines of other kinds. Throws LogError for a file that cannot be read and for a pose
+// line that is none, with its number.
 [[nodiscard]] std::map<std::uint64_t, std::vector<LoggedPose>> read_execution_poses(
     const std::filesystem::path& file);
 

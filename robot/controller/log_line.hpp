@@ -17,6 +17,8 @@ class Line {
  public:
   Line(std::string_view text, const std::string& place) : text_(text), place_(place) {}
 
+  // Return what stands behind a key: as text, without a string's quotes, as a number, as bytes in hex. All
+  // fail for a key that is not there and a value of another kind.
   [[nodiscard]] std::string_view raw_value(std::string_view key) const {
     std::string wanted(1, '"');
     wanted.append(key).append("\":");
@@ -50,6 +52,7 @@ class Line {
     if (text.size() != 2 * N) fail(key);
     for (std::size_t i = 0; i < N; ++i) out[i] = number<std::uint8_t>(key, text.substr(2 * i, 2), 16);
   }
+  // Throws LogError that names the line and the key.
   [[noreturn]] void fail(std::string_view key) const {
     throw LogError(place_ + ": no valid " + std::string(key) + ": not a line of an execution log");
   }

@@ -23,6 +23,7 @@ struct FrameHead {
   Kind kind = Kind::kIncomplete;
   std::size_t size = 0;
 };
+// Returns what stands at the head of these bytes.
 [[nodiscard]] FrameHead frame_head(std::span<const std::uint8_t> bytes);
 
 }  // namespace hotblade::robot

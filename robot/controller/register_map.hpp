@@ -11,13 +11,14 @@
 
 namespace hotblade::robot {
 
+// A whole answer: the first `size` bytes.
 struct Reply {
   std::array<std::uint8_t, kMaxAduSize> bytes{};
   std::size_t size = 0;
   [[nodiscard]] std::span<const std::uint8_t> span() const { return {bytes.data(), size}; }
 };
 
-// The register map: a controller, and 16 registers of scratch.
+// Maps requests to a controller and to 16 registers of scratch.
 class RegisterMap {
  public:
   explicit RegisterMap(Controller& controller) : controller_(controller) {}

@@ -16,11 +16,12 @@
 
 namespace hotblade::robot {
 
-// `address:port: what: hint`
+// A server that cannot be had, as `address:port: what: hint`.
 struct ServerError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Where a server listens, to whom, and how patient it is.
 struct ServerOptions {
   std::string address = "127.0.0.1";
   std::uint16_t port = 1502;         // 0: any free one
@@ -30,6 +31,7 @@ struct ServerOptions {
   std::uint32_t stalled_ms = 5000;   // with answers that are not fetched
 };
 
+// Serves one controller to many clients.
 class ControllerServer {
  public:
   // Binds and listens. Throws ServerError. The controller must outlive the server and is its alone while it
@@ -39,10 +41,11 @@ class ControllerServer {
   ControllerServer(const ControllerServer&) = delete;
   ControllerServer& operator=(const ControllerServer&) = delete;
 
+  // Returns the port that it listens on, the chosen one where 0 was asked for.
   [[nodiscard]] std::uint16_t port() const;
   // Serves until stop(), or until the controller is to start again (Controller::reboot_due).
   void run();
-  // From any thread.
+  // Makes run() return; may be called from any thread.
   void stop();
 
  private:

@@ -8,12 +8,12 @@
 
 namespace hotblade::robot {
 
-// `SPEC: what (value, range): hint`
+// A fault that cannot be told, as `SPEC: what (value, range): hint`.
 struct FaultSpecError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Each but the first happens once; drives that stand keep standing.
+// The faults to come. Each but the first happens once; drives that stand keep standing.
 struct SimulatedFaults {
   double slow = 1;                         // the drives reach this share of the speed asked for, (0, 1]
   std::optional<std::uint32_t> drive_at;   // a drive's fault, at this waypoint
@@ -21,8 +21,8 @@ struct SimulatedFaults {
   std::optional<std::uint32_t> reboot_at;  // the controller starts again from its journal
   std::optional<double> estop_at_s;        // somebody stops the machine, s of the motion clock
 
-  // "slow=0.5", "fault@120", "stall" (from the first waypoint), "stall@120", "reboot@120", "estop@3.5".
-  // Throws FaultSpecError.
+  // Adds a fault by its word: "slow=0.5", "fault@120", "stall" (from the first waypoint), "stall@120",
+  // "reboot@120", "estop@3.5". Throws FaultSpecError.
   void add(const std::string& spec);
 };
 

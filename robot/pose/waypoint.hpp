@@ -7,6 +7,7 @@
 
 namespace hotblade::robot {
 
+// Where both clamps are at a time, and whether the blade is heated from here on.
 struct Waypoint {
   std::uint32_t t_us = 0;  // from the strip's start
   bool heat = false;

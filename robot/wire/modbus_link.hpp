@@ -12,12 +12,14 @@
 
 namespace hotblade::robot {
 
+// What became of an exchange.
 enum class LinkOutcome {
   kOk,
   kException,  // the server refused the request; the connection is fine
   kLost,       // anything else: nothing is known about what the server did, the connection is closed
 };
 
+// Connects on request, and closes the connection on any loss.
 class ModbusLink {
  public:
   // Does not connect yet. An answer that is not whole after response_ms is lost, however it trickles.
