@@ -28,9 +28,9 @@ Exit validate_files(const std::vector<std::string>& files, const Console& consol
     try {
       (void)resolve({{file}, {}, {}});
       std::cout << file << ": ok\n";
-    } catch (const CommandError& error) {
+    } catch (const Error& error) {
       console.warn(error.what());
-      result = std::max(result, error.code);
+      result = std::max(result, exit_of(error.kind));
     }
   }
   return result;

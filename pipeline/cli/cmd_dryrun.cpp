@@ -27,13 +27,13 @@ class LogFile {
  public:
   explicit LogFile(const std::string& wanted) : path_(wanted), temporary_(wanted.empty()) {
     if (!temporary_ && std::filesystem::exists(path_)) {
-      throw CommandError(Exit::kFile, wanted + ": is already there: choose another --log");
+      throw Error(ErrorKind::kFile, wanted + ": is already there: choose another --log");
     }
     if (!temporary_) return;
     std::string name = (std::filesystem::temp_directory_path() / "hotblade-dryrun-XXXXXX").string();
     const int fd = ::mkstemp(name.data());
     if (fd < 0)
-      throw CommandError(Exit::kFile, name + ": no temporary file can be made: set TMPDIR or give --log");
+      throw Error(ErrorKind::kFile, name + ": no temporary file can be made: set TMPDIR or give --log");
     ::close(fd);
     path_ = name;
   }

@@ -28,9 +28,9 @@ std::vector<ExportedFile> exported(const Program& program, const ExportArguments
 void expect_runnable(const Program& program, const ExportArguments& arguments) {
   const bool moves = arguments.format != "obj" && arguments.format != "ply";
   if (!moves || arguments.override_refusal || program.verification.status == "passed") return;
-  throw CommandError(Exit::kNotCuttable,
-                     arguments.program + ": not to be run (status " + program.verification.status +
-                         ", passed): plan again, or --override to export it all the same");
+  throw Error(ErrorKind::kNotCuttable, arguments.program + ": not to be run (status " +
+                                           program.verification.status +
+                                           ", passed): plan again, or --override to export it all the same");
 }
 
 Exit run_export(const ExportArguments& arguments) {

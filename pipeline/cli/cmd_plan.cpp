@@ -97,7 +97,7 @@ void print_refusals(const PlanResult& result, const Console& console) {
 
 void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
   if (design.health.blockers.empty()) return;
-  throw CommandError(Exit::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
+  throw Error(ErrorKind::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
 }
 
 // With --strict a warning is as good as a limit.

@@ -50,9 +50,9 @@ preview::PictureSize picture_size(const std::string& text) {
   const bool fits =
       std::min(size.width, size.height) >= kSmallest && std::max(size.width, size.height) <= kLargest;
   if (!complete || !fits) {
-    throw CommandError(Exit::kUsage,
-                       fmt::format("--size: not a picture size ({}, {} to {} each way): write 1280x720", text,
-                                   kSmallest, kLargest));
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("--size: not a picture size ({}, {} to {} each way): write 1280x720", text,
+                            kSmallest, kLargest));
   }
   return size;
 }
@@ -69,10 +69,9 @@ std::optional<DesignSurface> design_of(const Program& program, const PreviewOpti
   const fs::path file = options.design.empty() ? beside : fs::path(options.design);
   DesignSurface design = read_design(file, program);
   if (design.sha256 != program.design.sha256) {
-    throw CommandError(
-        Exit::kBadInput,
-        fmt::format("{}: is not the design the program was made from (SHA-256 {}..., {}...)", file.string(),
-                    design.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{}: is not the design the program was made from (SHA-256 {}..., {}...)",
+                            file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
   }
   return design;
 }
@@ -88,11 +87,11 @@ const Strip& filmed_strip(const Program& program, const std::string& id) {
   for (const Strip& strip : program.strips) {
     if (strip.id == id || (id.empty() && program.strips.size() == 1)) return strip;
   }
-  throw CommandError(Exit::kUsage,
-                     id.empty() ? fmt::format("--movie: a film shows one strip ({} strips): give --strip",
-                                              program.strips.size())
-                                : fmt::format("--strip: no such strip ({}, {} to {})", id,
-                                              program.strips.front().id, program.strips.back().id));
+  throw Error(ErrorKind::kBadSettings,
+              id.empty() ? fmt::format("--movie: a film shows one strip ({} strips): give --strip",
+                                       program.strips.size())
+                         : fmt::format("--strip: no such strip ({}, {} to {})", id, program.strips.front().id,
+                                       program.strips.back().id));
 }
 
 // What the window shows of the program or design, and the state that the keys of --keys lead to.
@@ -119,7 +118,7 @@ void film(const Program& program, const PreviewOptions& options, preview::Pictur
   movie.size = size;
   movie.frames = options.frames;
   const auto report = [&](double share) {
-    if (interrupted()) throw CommandError(Exit::kInterrupted, "interrupted: no film was written");
+    if (interrupted()) throw Error(ErrorKind::kInterrupted, "interrupted: no film was written");
     console.report_progress("film", share);
   };
   preview::write_movie(model, with_keys(model, state, options.keys), movie, options.movie, options.force,
@@ -146,8 +145,8 @@ void check_outputs(const PreviewOptions& options) {
       if (fs::path(file).extension() == ending) return;
       known += std::string(known.empty() ? "" : " or ") + ending;
     }
-    throw CommandError(Exit::kUsage,
-                       fmt::format("{}: unknown kind of file ({}): write {}", option, file, known));
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("{}: unknown kind of file ({}): write {}", option, file, known));
   };
   if (!options.movie.empty()) expect_ending("--movie", options.movie, {".ogv"});
   if (!options.exported.empty()) expect_ending("--export", options.exported, {".gltf", ".vtm"});
@@ -159,7 +158,7 @@ void check_outputs(const PreviewOptions& options) {
 // The design where the file is one; options that go with a program are refused.
 DesignSurface design_alone(const PreviewOptions& options) {
   const auto refuse = [](const char* option) {
-    throw CommandError(Exit::kUsage, fmt::format("{}: goes with a program, not with a design", option));
+    throw Error(ErrorKind::kBadSettings, fmt::format("{}: goes with a program, not with a design", option));
   };
   if (!options.design.empty()) refuse("--design");
   if (!options.color.empty()) refuse("--color");

@@ -17,7 +17,7 @@ struct RibsArguments {
 Exit run_ribs(const RibsArguments& arguments) {
   const Program program = read_program(arguments.program);
   const std::vector<ExportedFile> files = rib_files(program, arguments.format, arguments.options);
-  if (files.empty()) throw CommandError(Exit::kBadInput, arguments.program + ": has no ribs: plan it again");
+  if (files.empty()) throw Error(ErrorKind::kBadInput, arguments.program + ": has no ribs: plan it again");
   write_exported(files, arguments.output, arguments.force);
   return Exit::kOk;
 }

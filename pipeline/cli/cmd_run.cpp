@@ -37,20 +37,20 @@ struct Plan {
   std::uint32_t run = 0;
 };
 
-Exit code_of(StreamOutcome outcome) {
-  if (outcome == StreamOutcome::kDone) return Exit::kOk;
-  return outcome == StreamOutcome::kInterrupted ? Exit::kInterrupted : Exit::kController;
+// Of an outcome that is not kDone.
+ErrorKind kind_of(StreamOutcome outcome) {
+  return outcome == StreamOutcome::kInterrupted ? ErrorKind::kInterrupted : ErrorKind::kController;
 }
 
 void require_attended(const RunArguments& arguments, const HostPort& where) {
   if (!where.loopback() && !arguments.allow_remote) {
-    throw CommandError(Exit::kUsage,
-                       "--connect: not this host (" + arguments.connect +
-                           "): a machine may start to move; add --allow-remote if that is meant");
+    throw Error(ErrorKind::kBadSettings,
+                "--connect: not this host (" + arguments.connect +
+                    "): a machine may start to move; add --allow-remote if that is meant");
   }
   if (!arguments.yes && ::isatty(STDIN_FILENO) == 0) {
-    throw CommandError(Exit::kUsage,
-                       "stdin: no terminal to ask before a strip starts: add --yes to start without asking");
+    throw Error(ErrorKind::kBadSettings,
+                "stdin: no terminal to ask before a strip starts: add --yes to start without asking");
   }
 }
 
@@ -60,7 +60,7 @@ std::size_t index_of(const std::vector<Job>& jobs, const std::string& strip) {
     if (jobs[i].strip == strip) return i;
     known += (i > 0 ? ", " : "") + jobs[i].strip;
   }
-  throw CommandError(Exit::kUsage, "--strip: unknown strip (" + strip + "): the program has " + known);
+  throw Error(ErrorKind::kBadSettings, "--strip: unknown strip (" + strip + "): the program has " + known);
 }
 
 // Whether the controller is still the one our own journal speaks of, and has the job as we left it.
@@ -69,8 +69,8 @@ void check_journal(const std::vector<Job>& jobs, const RunJournal& ours,
   const auto job = std::find_if(jobs.begin(), jobs.end(), [&](const Job& j) { return j.id == ours.job; });
   if (job == jobs.end()) return;  // of another version of the program
   if (status.job_id == ours.job && status.run == ours.run && status.token >= ours.token) return;
-  throw CommandError(
-      Exit::kController,
+  throw Error(
+      ErrorKind::kController,
       fmt::format("{}: strip {} was under way (run {}, token {}), but the controller knows run {} of job {} "
                   "with token {}: another controller, or one without its log; see to the block, then start "
                   "anew with --strip {}",
@@ -86,8 +86,8 @@ void find_resume_point(const std::vector<Job>& jobs, const robot::ControllerSnap
       std::find_if(jobs.begin(), jobs.end(), [&](const Job& job) { return job.id == status.job_id; });
   if (found == jobs.end()) {
     if (status.state == State::kIdle) return;  // nothing was begun
-    throw CommandError(Exit::kController, place + ": another job is open (" + robot::to_hex(status.job_id) +
-                                              "): this program has nothing to resume there");
+    throw Error(ErrorKind::kController, place + ": another job is open (" + robot::to_hex(status.job_id) +
+                                            "): this program has nothing to resume there");
   }
   const auto index = static_cast<std::size_t>(found - jobs.begin());
   const bool whole = status.executed == found->size();
@@ -95,11 +95,10 @@ void find_resume_point(const std::vector<Job>& jobs, const robot::ControllerSnap
   plan.resume_first = status.state != State::kIdle;
   plan.first = std::max(plan.first, plan.resume_first || !whole ? index : index + 1);
   if (status.state == State::kIdle && !whole && status.executed > 0) {
-    throw CommandError(
-        Exit::kController,
-        fmt::format("{}: strip {} was given up ({} of {} waypoints executed): see to the block, then "
-                    "start it anew with --strip {}",
-                    place, found->strip, status.executed, found->size(), found->strip));
+    throw Error(ErrorKind::kController,
+                fmt::format("{}: strip {} was given up ({} of {} waypoints executed): see to the block, then "
+                            "start it anew with --strip {}",
+                            place, found->strip, status.executed, found->size(), found->strip));
   }
 }
 
@@ -112,8 +111,8 @@ Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
   if (arguments.strip.empty()) return plan;
   const std::size_t wanted = index_of(jobs, arguments.strip);
   if (plan.resume_first && plan.first != wanted) {
-    throw CommandError(Exit::kController, arguments.connect + ": strip " + jobs[plan.first].strip +
-                                              " is open, not " + arguments.strip + ": resume that one first");
+    throw Error(ErrorKind::kController, arguments.connect + ": strip " + jobs[plan.first].strip +
+                                            " is open, not " + arguments.strip + ": resume that one first");
   }
   if (arguments.resume && plan.first > wanted) {
     plan.first = plan.end = wanted;  // it is done
@@ -191,12 +190,11 @@ class Runner {
 robot::ControllerSnapshot Runner::meet() {
   if (arguments_.reset) {
     const auto cleared = robot::reset(link_);
-    if (cleared.outcome != StreamOutcome::kDone)
-      throw CommandError(code_of(cleared.outcome), cleared.message);
+    if (cleared.outcome != StreamOutcome::kDone) throw Error(kind_of(cleared.outcome), cleared.message);
     journal_.remove();
   }
   auto now = robot::look(link_);
-  if (!now.reached) throw CommandError(Exit::kController, now.message);
+  if (!now.reached) throw Error(ErrorKind::kController, now.message);
   const auto capabilities = now.ident.capabilities;
   if ((capabilities & robot::protocol::kCapSimulator) != 0)
     console_.note("controller: a simulator, nothing moves");
@@ -239,7 +237,7 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
   options.opened = [&](std::uint32_t run, std::uint32_t token) { journal_.write({job.id, run, token}); };
   const robot::StreamReport report = robot::stream(job, options);
   console_.end_progress();
-  const Exit code = code_of(report.outcome);
+  const Exit code = report.outcome == StreamOutcome::kDone ? Exit::kOk : exit_of(kind_of(report.outcome));
   if (code == Exit::kOk) journal_.remove();
   if (code != Exit::kOk) console_.warn(report.message + place_of(work.program.strips[index], report.at));
   if (code == Exit::kInterrupted || report.outcome == StreamOutcome::kLinkLost) tell_how_to_go_on();

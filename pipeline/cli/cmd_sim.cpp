@@ -38,8 +38,8 @@ double parse_time_scale(const std::string& text) {
   // Above this a tick of 5 ms would be minutes of motion.
   constexpr double kLargest = 10000;
   if (used != text.size() || !(value > 0) || value > kLargest) {
-    throw CommandError(Exit::kUsage,
-                       "--time-scale: out of range (" + text + ", above 0 to 10000): use a number or max");
+    throw Error(ErrorKind::kBadSettings,
+                "--time-scale: out of range (" + text + ", above 0 to 10000): use a number or max");
   }
   return value;
 }
@@ -104,11 +104,12 @@ robot::SimulatedFaults simulated_faults(const SimArguments& arguments) {
     try {
       faults.add(spec);
     } catch (const robot::FaultSpecError& error) {
-      throw CommandError(Exit::kUsage, std::string("--fault: ") + error.what());
+      throw Error(ErrorKind::kBadSettings, std::string("--fault: ") + error.what());
     }
   }
   if (faults.reboot_at && arguments.log.empty())
-    throw CommandError(Exit::kUsage, "--fault: reboot@WAYPOINT: goes on from the journal: add --log FILE");
+    throw Error(ErrorKind::kBadSettings,
+                "--fault: reboot@WAYPOINT: goes on from the journal: add --log FILE");
   return faults;
 }
 
@@ -152,9 +153,9 @@ Exit sim(const SimArguments& arguments, const Console& console) {
       options.boot_id = std::random_device{}() | 1u;
     }
   } catch (const robot::LogError& error) {
-    throw CommandError(Exit::kFile, error.what());
+    throw Error(ErrorKind::kFile, error.what());
   } catch (const robot::ServerError& error) {
-    throw CommandError(Exit::kUsage, error.what());
+    throw Error(ErrorKind::kBadSettings, error.what());
   }
   return Exit::kOk;
 }

@@ -40,7 +40,7 @@ Exit run_study(const study::Study& study, const StudyArguments& arguments, const
   study::StudyOptions options = arguments.options;
   options.progress = [&console, &study](double share) {
     console.report_progress(study.name, share);
-    if (interrupted()) throw CommandError(Exit::kInterrupted, "interrupted");
+    if (interrupted()) throw Error(ErrorKind::kInterrupted, "interrupted");
   };
   const study::StudyReport report = study.run(options);
   console.end_progress();

@@ -32,10 +32,9 @@ struct VerifyArguments {
 fs::path find_design(const VerifyArguments& arguments, const Program& program) {
   if (!arguments.design.empty()) return arguments.design;
   if (const auto found = design_at_hand(arguments.program, program)) return *found;
-  throw CommandError(Exit::kFile,
-                     (fs::path(arguments.program).parent_path() / program.design.file).string() +
-                         ": the design is neither beside the program nor where run.json says: say "
-                         "--design FILE.obj");
+  throw Error(ErrorKind::kFile, (fs::path(arguments.program).parent_path() / program.design.file).string() +
+                                    ": the design is neither beside the program nor where run.json says: say "
+                                    "--design FILE.obj");
 }
 
 // A number of the plan's settings, by JSON pointer.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/cli/exit.hpp"
 
 namespace CLI {
 class App;

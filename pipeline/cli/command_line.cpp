@@ -50,7 +50,7 @@ void add_global_options(CLI::App& app, Console& console) {
 void check_log_file(const Console& console) {
   if (console.log_file.empty()) return;
   if (!std::ofstream(console.log_file, std::ios::app)) {
-    throw CommandError(Exit::kFile, console.log_file + ": cannot write the log: choose a writable place");
+    throw Error(ErrorKind::kFile, console.log_file + ": cannot write the log: choose a writable place");
   }
 }
 
@@ -60,11 +60,11 @@ Exit run_action(const Action& action, const Console& console) {
     const Exit code = action();
     console.end_progress();
     std::cout.flush();
-    if (!std::cout) throw CommandError(Exit::kFile, "stdout: cannot write the result: is the disk full?");
+    if (!std::cout) throw Error(ErrorKind::kFile, "stdout: cannot write the result: is the disk full?");
     return code;
-  } catch (const CommandError& error) {
+  } catch (const Error& error) {
     console.warn(error.what());
-    return error.code;
+    return exit_of(error.kind);
   } catch (const surface::MeshError& error) {
     console.warn(error.what());
     return Exit::kBadInput;

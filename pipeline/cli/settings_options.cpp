@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -36,10 +36,10 @@ Settings resolve_design(const DesignOptions& options) {
   if (!options.up.empty()) sources.flags.push_back({"--up", "design.up", options.up});
   Settings settings = resolve(sources);
   if (settings.design.units.empty()) {
-    throw CommandError(Exit::kUsage,
-                       options.file +
-                           ": no unit given: an OBJ carries none: say --units mm, cm, m, in or ft, or "
-                           "set design.units in a --config file");
+    throw Error(ErrorKind::kBadSettings,
+                options.file +
+                    ": no unit given: an OBJ carries none: say --units mm, cm, m, in or ft, or "
+                    "set design.units in a --config file");
   }
   return settings;
 }

@@ -22,7 +22,7 @@ struct DesignOptions {
 };
 void add_design_options(CLI::App& command, DesignOptions& options);
 
-// The settings those options amount to. Throws CommandError as resolve() does, and with exit code 2 when no
+// The settings those options amount to. Throws Error as resolve() does, and (kBadSettings) when no
 // unit is given: neither by --units nor as design.units.
 [[nodiscard]] Settings resolve_design(const DesignOptions& options);
 

@@ -13,7 +13,7 @@ struct ExportedFile {
 };
 
 // Writes the files below `directory`, each whole or not there, and prints their paths. A file in the way
-// without `force` is found before the first one is written. Throws CommandError (7).
+// without `force` is found before the first one is written. Throws Error (kFile).
 void write_exported(const std::vector<ExportedFile>& files, const std::filesystem::path& directory,
                     bool force);
 

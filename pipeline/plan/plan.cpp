@@ -17,7 +17,7 @@
 #include "elastica/bezier/lambda_residual.hpp"
 #include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/program/version.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/foam_share.hpp"
 #include "surface/slice/slice.hpp"
@@ -208,7 +208,7 @@ BladeData blade_data(const BladeSettings& b) {
 }
 
 void check_interrupt(const PlanHooks& hooks) {
-  if (hooks.stop()) throw CommandError(Exit::kInterrupted, "interrupted: nothing was written");
+  if (hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
 }
 
 struct PosedStrip {
@@ -459,7 +459,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   try {
     result.ranking = rank_directions(design, settings);
   } catch (const surface::FanError& error) {
-    throw CommandError(Exit::kNotCuttable, error.what());
+    throw Error(ErrorKind::kNotCuttable, error.what());
   }
   watch.lap("direction");
   hooks.progress("slice", 0.25);

@@ -65,16 +65,16 @@ struct PlanResult {
 };
 
 // `progress` is told the stage and the share of the whole done; `stop` is asked between stages and ends the
-// plan with CommandError (130).
+// plan with Error (kInterrupted).
 struct PlanHooks {
   std::function<void(const std::string&, double)> progress = [](const std::string&, double) {};
   std::function<bool()> stop = [] { return false; };
   gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
 };
 
-// Plans with the design's health already checked (no blockers). Throws CommandError (4) when slice.fan_axis
-// does not go with the design. Rib spacing is halved, at most three times, while the deviation between the
-// ribs is over the tolerance.
+// Plans with the design's health already checked (no blockers). Throws Error (kNotCuttable) when
+// slice.fan_axis does not go with the design. Rib spacing is halved, at most three times, while the deviation
+// between the ribs is over the tolerance.
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
                               const PlanHooks& hooks);
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "pipeline/preview/draw.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 // After all others: its macros take names that they use.
 #include <X11/Xlib.h>
@@ -14,19 +14,18 @@ namespace hotblade::pipeline::preview {
 // VTK ends the program on a display that it cannot reach or that has no GLX, so both are tried first.
 void expect_display() {
   const char* name = std::getenv("DISPLAY");
-  if (!name || !*name) throw CommandError(Exit::kUsage, "no display: use --shot FILE.png");
+  if (!name || !*name) throw Error(ErrorKind::kBadSettings, "no display: use --shot FILE.png");
   Display* display = XOpenDisplay(nullptr);
   if (!display) {
-    throw CommandError(Exit::kUsage,
-                       fmt::format("no display (DISPLAY {} cannot be reached): use --shot FILE.png", name));
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("no display (DISPLAY {} cannot be reached): use --shot FILE.png", name));
   }
   int opcode = 0, event = 0, error = 0;
   const bool draws = XQueryExtension(display, "GLX", &opcode, &event, &error);
   XCloseDisplay(display);
   if (!draws) {
-    throw CommandError(
-        Exit::kUsage,
-        fmt::format("no OpenGL on the display (DISPLAY {} lacks GLX): use --shot FILE.png", name));
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("no OpenGL on the display (DISPLAY {} lacks GLX): use --shot FILE.png", name));
   }
 }
 

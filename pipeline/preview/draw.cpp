@@ -13,7 +13,7 @@
 
 #include "pipeline/preview/offscreen.hpp"
 #include "pipeline/preview/overlay.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -76,7 +76,7 @@ class OffscreenWindow {
     window_->GetPixelData(0, 0, size_.width * kZoom - 1, size_.height * kZoom - 1, 0, pixels, 0);
     const vtkIdType expected = vtkIdType{3} * size_.width * kZoom * size_.height * kZoom;
     if (pixels->GetNumberOfValues() != expected) {
-      throw CommandError(Exit::kInternal, "picture: nothing was drawn: " + errors_);
+      throw Error(ErrorKind::kDrawing, "picture: nothing was drawn: " + errors_);
     }
     return pixels;
   }

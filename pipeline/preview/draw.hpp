@@ -20,8 +20,8 @@ enum class View { kBest, kTop, kFront, kRight };
 // The view of a name on the command line (best, top, front, right); absent for an unknown name.
 [[nodiscard]] std::optional<View> view_named(const std::string& name);
 
-// The scene as the bytes of a PNG file. Drawing it needs EGL but no display. Throws CommandError with exit
-// code 1 when the machine has no EGL that can draw off screen.
+// The scene as the bytes of a PNG file. Drawing it needs EGL but no display. Throws Error
+//  () when the machine has no EGL that can draw off screen.
 [[nodiscard]] std::string png_of(const Scene& scene, PictureSize size, View view = View::kBest);
 
 // A picture of several; the caption's lines can be left out to leave their room to the geometry.
@@ -34,7 +34,7 @@ struct Shot {
 [[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, PictureSize size,
                                                std::span<const Shot> shots);
 
-// Throws CommandError with exit code 2 when there is no display for a window.
+// Throws Error (kBadSettings) when there is no display for a window.
 void expect_display();
 
 }  // namespace hotblade::pipeline::preview

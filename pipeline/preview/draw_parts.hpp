@@ -61,7 +61,7 @@ void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double s
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar);
 
-// Draws what is in its renderer without a display. Throws CommandError with exit code 1 when the machine has
+// Draws what is in its renderer without a display. Throws Error (kDrawing) when the machine has
 // no EGL that can draw off screen.
 class Painter {
  public:

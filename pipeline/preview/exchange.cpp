@@ -21,7 +21,7 @@
 #include "pipeline/preview/draw_parts.hpp"
 #include "pipeline/preview/geometry.hpp"
 #include "pipeline/program/atomic_file.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -113,7 +113,7 @@ std::string gltf_of(const Scene& scene) {
   exporter->SetRenderWindow(window);
   exporter->InlineDataOn();
   const std::string text = exporter->WriteToString();
-  if (text.empty()) throw CommandError(Exit::kInternal, "glTF: nothing was written");
+  if (text.empty()) throw Error(ErrorKind::kDrawing, "glTF: nothing was written");
   return text;
 }
 
@@ -122,7 +122,7 @@ void write_vtm(const Scene& scene, const fs::path& file, bool force) {
   const fs::path blocks = fs::path(file).replace_extension();
   std::error_code error;
   if (fs::exists(fs::symlink_status(blocks, error)) && !force) {
-    throw CommandError(Exit::kFile, blocks.string() + ": already exists: use --force to overwrite");
+    throw Error(ErrorKind::kFile, blocks.string() + ": already exists: use --force to overwrite");
   }
   // VTK names the directory of the blocks after the file, so all of it is written below a draft of its own.
   const Draft draft{file.parent_path() / ("." + file.filename().string() + ".draft")};
@@ -131,11 +131,11 @@ void write_vtm(const Scene& scene, const fs::path& file, bool force) {
   vtkNew<vtkXMLMultiBlockDataWriter> writer;
   writer->SetInputData(blocks_of(scene));
   writer->SetFileName((draft.path / file.filename()).c_str());
-  if (writer->Write() != 1) throw CommandError(Exit::kFile, file.string() + ": cannot be written");
+  if (writer->Write() != 1) throw Error(ErrorKind::kFile, file.string() + ": cannot be written");
   fs::remove_all(blocks, error);
   fs::rename(draft.path / blocks.filename(), blocks, error);
   if (!error) fs::rename(draft.path / file.filename(), file, error);
-  if (error) throw CommandError(Exit::kFile, file.string() + ": cannot be written (" + error.message() + ")");
+  if (error) throw Error(ErrorKind::kFile, file.string() + ": cannot be written (" + error.message() + ")");
 }
 
 }  // namespace hotblade::pipeline::preview

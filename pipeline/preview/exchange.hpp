@@ -14,7 +14,7 @@ namespace hotblade::pipeline::preview {
 
 // Writes FILE.vtm and the directory FILE beside it that holds its blocks: design, cut (point data
 // deviation_mm or what it is coloured by, and strip), ribs, blades, stock; mm, design frame. Throws
-// CommandError (7) when something is there without `force` or cannot be written.
+// Error (kFile) when something is there without `force` or cannot be written.
 void write_vtm(const Scene& scene, const std::filesystem::path& file, bool force);
 
 }  // namespace hotblade::pipeline::preview

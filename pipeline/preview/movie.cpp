@@ -6,7 +6,7 @@
 
 #include "pipeline/preview/stage.hpp"
 #include "pipeline/program/atomic_file.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -30,7 +30,7 @@ class Draft {
     std::error_code error;
     fs::rename(path_, target_, error);
     if (error)
-      throw CommandError(Exit::kFile, target_.string() + ": cannot be written (" + error.message() + ")");
+      throw Error(ErrorKind::kFile, target_.string() + ": cannot be written (" + error.message() + ")");
   }
 
  private:
@@ -60,7 +60,7 @@ void write_movie(const ViewModel& model, ViewState state, const MovieOptions& op
     if (i == 0) writer->Start();
     writer->Write();
     if (writer->GetError() != 0)
-      throw CommandError(Exit::kFile, file.string() + ": the film cannot be written");
+      throw Error(ErrorKind::kFile, file.string() + ": the film cannot be written");
   }
   writer->End();
   draft.place();

@@ -9,16 +9,15 @@
 #include <array>
 #include <string>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) {
-  throw CommandError(Exit::kInternal,
-                     fmt::format("picture: {} (EGL error {:#x}): install Mesa's EGL (libegl1, "
-                                 "libegl-mesa0, libgl1-mesa-dri) or a driver with EGL",
-                                 what, eglGetError()));
+  throw Error(ErrorKind::kDrawing, fmt::format("picture: {} (EGL error {:#x}): install Mesa's EGL (libegl1, "
+                                               "libegl-mesa0, libgl1-mesa-dri) or a driver with EGL",
+                                               what, eglGetError()));
 }
 
 // Surfaceless needs neither display nor device file; the default display serves drivers that lack it.

@@ -4,7 +4,7 @@
 namespace hotblade::pipeline::preview {
 
 // A context that is current on the thread that made it, until it is destroyed. Its constructor throws
-// CommandError with exit code 1 and what EGL lacks.
+// Error (kDrawing) and what EGL lacks.
 class OffscreenContext {
  public:
   OffscreenContext();

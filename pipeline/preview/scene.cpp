@@ -9,7 +9,7 @@
 
 #include "pipeline/preview/cut_values.hpp"
 #include "pipeline/preview/ghosts.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "pipeline/verify/verify.hpp"
 
@@ -28,12 +28,12 @@ std::vector<int> chosen_strips(const Program& program, const SceneOptions& optio
     if (options.strip.empty() || program.strips[i].id == options.strip) chosen.push_back(static_cast<int>(i));
   }
   if (chosen.empty()) {
-    throw CommandError(Exit::kUsage, fmt::format("--strip: no such strip ({}, {} to {})", options.strip,
-                                                 program.strips.front().id, program.strips.back().id));
+    throw Error(ErrorKind::kBadSettings, fmt::format("--strip: no such strip ({}, {} to {})", options.strip,
+                                                     program.strips.front().id, program.strips.back().id));
   }
   if (options.at_s && chosen.size() > 1) {
-    throw CommandError(
-        Exit::kUsage,
+    throw Error(
+        ErrorKind::kBadSettings,
         fmt::format("--at: time runs from each strip's start ({} strips): give --strip", chosen.size()));
   }
   return chosen;
@@ -42,8 +42,8 @@ std::vector<int> chosen_strips(const Program& program, const SceneOptions& optio
 void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   const double end = strip.poses.back().t;
   if (!(at_s >= strip.poses.front().t && at_s <= end)) {
-    throw CommandError(Exit::kUsage, fmt::format("--at: outside the strip ({} s, {} to {} s)", at_s,
-                                                 strip.poses.front().t, end));
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("--at: outside the strip ({} s, {} to {} s)", at_s, strip.poses.front().t, end));
   }
   const auto after = std::upper_bound(strip.poses.begin(), strip.poses.end(), at_s,
                                       [](double t, const BladePose& pose) { return t < pose.t; });
@@ -142,8 +142,8 @@ Program shown_part(const Program& program, const SceneOptions& options) {
 Scene scene_of(const Program& program, const surface::DesignSurface* design, const SceneOptions& options) {
   const Color color = options.color.value_or(design ? Color::kDeviation : Color::kStrip);
   if (color == Color::kDeviation && !design) {
-    throw CommandError(Exit::kUsage,
-                       "--color deviation: no design at hand to measure against: give --design");
+    throw Error(ErrorKind::kBadSettings,
+                "--color deviation: no design at hand to measure against: give --design");
   }
   const std::vector<int> strips = chosen_strips(program, options);
   Scene scene;

@@ -68,12 +68,12 @@ struct SceneOptions {
   std::optional<double> ghost_step_mm = {};  // between ghosts of the blade; absent: eight a strip
 };
 
-// The scene of a program; `design` may be null. Throws CommandError: exit 2 for an unknown strip, a time
+// The scene of a program; `design` may be null. Throws Error: kBadSettings for an unknown strip, a time
 // outside the strip, a time without a strip where there are several, or deviation without a design.
 [[nodiscard]] Scene scene_of(const Program& program, const surface::DesignSurface* design,
                              const SceneOptions& options);
 
-// The program with the strips of `options` alone, their poses up to its time. Throws CommandError as
+// The program with the strips of `options` alone, their poses up to its time. Throws Error as
 // scene_of does.
 [[nodiscard]] Program shown_part(const Program& program, const SceneOptions& options);
 

@@ -18,7 +18,7 @@ struct ViewModel {
   ViewFacts facts;
 };
 
-// The model of a program, or of a design alone. Throws CommandError as scene_of does.
+// The model of a program, or of a design alone. Throws Error as scene_of does.
 [[nodiscard]] ViewModel view_model(const Program& program, const surface::DesignSurface* design,
                                    const SceneOptions& options);
 [[nodiscard]] ViewModel view_model(const surface::DesignSurface& design);

@@ -14,7 +14,7 @@
 #include <string>
 
 #include "pipeline/preview/stage.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

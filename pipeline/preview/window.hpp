@@ -5,7 +5,7 @@
 
 namespace hotblade::pipeline::preview {
 
-// Opens a window on the model, and returns when it is closed. Throws CommandError with exit code 2 when
+// Opens a window on the model, and returns when it is closed. Throws Error (kBadSettings) when
 // there is no display, or one without GLX.
 void show(const ViewModel& model, const ViewState& state, PictureSize size);
 

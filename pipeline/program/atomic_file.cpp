@@ -12,7 +12,7 @@
 #include <system_error>
 #include <utility>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
-  throw CommandError(Exit::kFile, path.string() + ": " + what);
+  throw Error(ErrorKind::kFile, path.string() + ": " + what);
 }
 
 [[noreturn]] void fail_with_errno(const fs::path& path, const char* what, int error) {

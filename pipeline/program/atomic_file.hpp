@@ -9,7 +9,7 @@
 namespace hotblade::pipeline {
 
 // Writes `bytes` to `path`. A reader sees the old file or the new one, never a part, and nothing is left
-// beside it after a failure. A symbolic link is followed. Throws CommandError with exit code 7: the path
+// beside it after a failure. A symbolic link is followed. Throws Error (kFile): the path
 // exists and `force` is false, it is not a regular file, or it cannot be written (with the system's reason).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes, bool force);
 
@@ -41,7 +41,7 @@ class StagedFile {
 // that its result is not lost.
 void expect_writable(const std::filesystem::path& path, bool force);
 
-// Makes the directory and its parents where missing. Throws CommandError with exit code 7 when that is not
+// Makes the directory and its parents where missing. Throws Error (kFile) when that is not
 // possible or the path is something else than a directory.
 void ensure_directory(const std::filesystem::path& path);
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/program/read_design.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -27,8 +27,8 @@ std::optional<fs::path> design_at_hand(const fs::path& program_file, const Progr
 surface::DesignSurface read_design_of(const Program& program, const fs::path& file) {
   surface::DesignSurface design = read_design(file, program);
   if (design.sha256 == program.design.sha256) return design;
-  throw CommandError(
-      Exit::kBadInput,
+  throw Error(
+      ErrorKind::kBadInput,
       fmt::format("{}: not the design of this program (sha256 {}, limit {}): give {} as it was planned",
                   file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12),
                   program.design.file));

@@ -14,7 +14,7 @@ namespace hotblade::pipeline {
 [[nodiscard]] std::optional<std::filesystem::path> design_at_hand(const std::filesystem::path& program_file,
                                                                   const Program& program);
 
-// Reads it. Throws CommandError: 7 unreadable, 3 no design, or another one than the program's.
+// Reads it. Throws Error: kFile when unreadable, kBadInput for no design, or another one than the program's.
 [[nodiscard]] surface::DesignSurface read_design_of(const Program& program,
                                                     const std::filesystem::path& file);
 

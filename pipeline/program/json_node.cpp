@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -47,8 +47,8 @@ class TreeGrower {
   bool key(std::string& name) {
     Json& object = *open_.back();
     if (object.contains(name)) {
-      throw CommandError(Exit::kBadInput,
-                         fmt::format("{}: key \"{}\" stands twice in one object", file_, name));
+      throw Error(ErrorKind::kBadInput,
+                  fmt::format("{}: key \"{}\" stands twice in one object", file_, name));
     }
     if (open_.size() == 1) root_key_ = name;
     slot_ = &object[std::move(name)];
@@ -183,7 +183,7 @@ std::vector<double> JsonNode::numbers(std::size_t least, Range range) const {
 }
 
 void JsonNode::fail(const std::string& what_and_hint) const {
-  throw CommandError(Exit::kBadInput, fmt::format("{}: {}{}", file_, place(), what_and_hint));
+  throw Error(ErrorKind::kBadInput, fmt::format("{}: {}{}", file_, place(), what_and_hint));
 }
 
 std::string JsonNode::place() const {
@@ -218,10 +218,10 @@ JsonNode::Json parse_json(const std::string& text, const std::string& file, cons
     JsonNode::Json::sax_parse(text, &grower);
     return grower.result();
   } catch (const JsonNode::Json::parse_error& error) {
-    throw CommandError(Exit::kBadInput, fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
-                                                    text.empty() ? "the file is empty" : error.what()));
+    throw Error(ErrorKind::kBadInput, fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
+                                                  text.empty() ? "the file is empty" : error.what()));
   } catch (const JsonNode::Json::out_of_range& error) {
-    throw CommandError(Exit::kBadInput, fmt::format("{}: a number is too large: {}", file, error.what()));
+    throw Error(ErrorKind::kBadInput, fmt::format("{}: a number is too large: {}", file, error.what()));
   }
 }
 

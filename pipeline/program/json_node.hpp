@@ -20,7 +20,7 @@ struct Range {
 };
 
 // A cheap view: it refers to the JSON value and to its parent node, both of which have to outlive it. Every
-// function throws CommandError with exit code 3 and `file: place: what (value, limit): hint`.
+// function throws Error (kBadInput) and `file: place: what (value, limit): hint`.
 class JsonNode {
  public:
   using Json = nlohmann::ordered_json;
@@ -65,7 +65,7 @@ class JsonNode {
 };
 
 // Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws
-// CommandError with exit code 3 and `file:line: what`.
+// Error (kBadInput) and `file:line: what`.
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file);
 
 // The same for a text that need not become one tree: `take` is asked of every finished item of the array

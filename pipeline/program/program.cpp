@@ -8,14 +8,14 @@
 #include <limits>
 #include <system_error>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
 Program read_program(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
-    throw CommandError(Exit::kFile, file.string() + ": is a directory: give its program.json");
+    throw Error(ErrorKind::kFile, file.string() + ": is a directory: give its program.json");
   }
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
@@ -28,7 +28,7 @@ Program read_program(const std::filesystem::path& file) {
   }
   if (!stream.is_open() || stream.bad()) {
     const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";
-    throw CommandError(Exit::kFile, file.string() + ": cannot be read" + reason);
+    throw Error(ErrorKind::kFile, file.string() + ": cannot be read" + reason);
   }
   return parse_program(text, file.string());
 }

@@ -120,11 +120,11 @@ struct Program {
 // Canonical JSON text: fixed key order, shortest round-trip numbers, one pose or rib a line.
 [[nodiscard]] std::string to_json(const Program& program);
 
-// Parses and checks every number for finiteness, range and size. Throws CommandError with exit code 3 and
+// Parses and checks every number for finiteness, range and size. Throws Error (kBadInput) and
 // `file: where: what (value, limit): hint`.
 [[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name);
 
-// Reads a program file: exit code 7 when it cannot be read, 3 when it is not a program.
+// Reads a program file. Throws Error: kFile when it cannot be read, kBadInput when it is not a program.
 [[nodiscard]] Program read_program(const std::filesystem::path& file);
 
 // The controller's waypoints of one strip: its poses in the cell frame, times rounded to microseconds.

@@ -11,7 +11,7 @@
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/program_limits.hpp"
 #include "pipeline/program/program_scan.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -455,7 +455,7 @@ std::optional<Program> scanned_program(const std::string& text, const std::strin
 Program parse_program(const std::string& text_of_file, const std::string& file_name) {
   try {
     if (auto program = scanned_program(text_of_file, file_name)) return std::move(*program);
-  } catch (const CommandError&) {  // told below, with its place in the whole
+  } catch (const Error&) {  // told below, with its place in the whole
   }
   try {
     StripTaker taker(file_name);
@@ -463,7 +463,7 @@ Program parse_program(const std::string& text_of_file, const std::string& file_n
                          [&](const std::string& key, const JsonNode::Json& value) { taker.see(key, value); }};
     const nlohmann::ordered_json json = parse_json(text_of_file, file_name, into);
     return program_of(JsonNode(json, file_name), taker.strips());
-  } catch (const CommandError&) {
+  } catch (const Error&) {
     // Read again as one tree, which knows the place of everything that is wrong, or finds another order of
     // keys.
     const nlohmann::ordered_json json = parse_json(text_of_file, file_name);

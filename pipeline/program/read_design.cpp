@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -31,10 +31,10 @@ surface::DesignSurface read_design(const std::filesystem::path& file, const Prog
       settings.facing = design.at("facing").get<std::array<double, 3>>();
     return read_design(file, settings);
   } catch (const nlohmann::json::exception&) {
-    throw CommandError(Exit::kBadInput,
-                       "program: settings.design is not as a plan writes it: plan the design again");
+    throw Error(ErrorKind::kBadInput,
+                "program: settings.design is not as a plan writes it: plan the design again");
   } catch (const std::logic_error& error) {
-    throw CommandError(Exit::kBadInput, std::string("program: settings.design: ") + error.what());
+    throw Error(ErrorKind::kBadInput, std::string("program: settings.design: ") + error.what());
   }
 }
 

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 robot::Sha256 hash_of(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) throw CommandError(Exit::kFile, file.string() + ": cannot be read");
+  if (!stream.is_open() || stream.bad()) throw Error(ErrorKind::kFile, file.string() + ": cannot be read");
   return robot::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -44,9 +44,9 @@ double setting(const Program& program, const char* pointer, double otherwise) {
 
 void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
   if (overridden || program.verification.status == "passed") return;
-  throw CommandError(Exit::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
-                                             program.verification.status +
-                                             ", passed): plan it again, or take the risk with --override");
+  throw Error(ErrorKind::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
+                                           program.verification.status +
+                                           ", passed): plan it again, or take the risk with --override");
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overri
       result.jobs.push_back(
           robot::make_job(hash, strip.id, waypoints(strip), blade_of(result.program, strip)));
     } catch (const robot::JobError& error) {
-      throw CommandError(Exit::kBadInput, program_file.string() + ": " + error.what());
+      throw Error(ErrorKind::kBadInput, program_file.string() + ": " + error.what());
     }
   }
   return result;
@@ -99,8 +99,8 @@ robot::MotionLimits planned_limits(const Program& program) {
     take("motion", "angular_accel_rad_s2", motion.angular_accel_rad_s2);
     take("machine", "envelope_mm", machine.envelope_mm);
   } catch (const nlohmann::json::exception& error) {
-    throw CommandError(Exit::kBadInput, std::string("settings.motion, settings.machine: not numbers (") +
-                                            error.what() + "): plan the program again");
+    throw Error(ErrorKind::kBadInput, std::string("settings.motion, settings.machine: not numbers (") +
+                                          error.what() + "): plan the program again");
   }
   return motion_limits(motion, machine);
 }
@@ -136,7 +136,7 @@ HostPort parse_host_port(const std::string& text, const std::string& option) {
     const auto parsed = std::from_chars(text.data() + colon + 1, end, result.port);
     ok = parsed.ec == std::errc() && parsed.ptr == end;
   }
-  if (!ok) throw CommandError(Exit::kUsage, option + ": not an address (" + text + "): use HOST:PORT");
+  if (!ok) throw Error(ErrorKind::kBadSettings, option + ": not an address (" + text + "): use HOST:PORT");
   return result;
 }
 

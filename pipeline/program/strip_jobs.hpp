@@ -21,7 +21,8 @@ struct StripJobs {
 };
 
 // Reads a program and encodes its strips; `overridden` lets a program pass that was not verified. Throws
-// CommandError: 7 unreadable, 3 no program or a waypoint no register holds, 4 not passed.
+// Error: kFile when unreadable, kBadInput for no program or a waypoint no register holds, kNotCuttable when
+// not passed.
 [[nodiscard]] StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden);
 
 // How long a strip takes, s.
@@ -43,7 +44,7 @@ struct HostPort {
   std::uint16_t port = 0;
   [[nodiscard]] bool loopback() const;
 };
-// "127.0.0.1:1502", "cell.local:502", "[::1]:1502". Throws CommandError with exit code 2; `option` is for its
+// "127.0.0.1:1502", "cell.local:502", "[::1]:1502". Throws Error (kBadSettings); `option` is for its
 // message.
 [[nodiscard]] HostPort parse_host_port(const std::string& text, const std::string& option);
 

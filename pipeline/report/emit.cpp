@@ -20,7 +20,7 @@
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -253,7 +253,7 @@ namespace {
 void expect_free(const fs::path& path, bool force) {
   std::error_code error;
   if (!force && fs::exists(fs::symlink_status(path, error))) {
-    throw CommandError(Exit::kFile, path.string() + ": already there: use --force to overwrite");
+    throw Error(ErrorKind::kFile, path.string() + ": already there: use --force to overwrite");
   }
 }
 
@@ -267,7 +267,7 @@ void remove_rib_files(const fs::path& ribs) {
   }
   for (const fs::path& file : old) {
     if (!fs::remove(file, error) && error)
-      throw CommandError(Exit::kFile, file.string() + ": cannot be removed (" + error.message() + ")");
+      throw Error(ErrorKind::kFile, file.string() + ": cannot be removed (" + error.message() + ")");
   }
   if (fs::is_directory(ribs, error) && fs::is_empty(ribs, error)) fs::remove(ribs, error);
 }
@@ -303,15 +303,15 @@ void write_reports(const PlanResult& result, const fs::path& directory, const Ru
 void prepare_output(const fs::path& directory, bool force) {
   ensure_directory(directory);
   if (::access(directory.c_str(), W_OK | X_OK) != 0) {
-    throw CommandError(Exit::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
-                                        "): choose another directory with -o");
+    throw Error(ErrorKind::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
+                                      "): choose another directory with -o");
   }
   for (const char* name : kFiles) expect_free(directory / name, force);
   expect_free(directory / kRibs, force);
   std::error_code error;
   if (fs::exists(directory / kRibs, error) && !fs::is_directory(directory / kRibs, error)) {
-    throw CommandError(Exit::kFile, (directory / kRibs).string() +
-                                        ": is not a directory, and the rib curves go there: move it away");
+    throw Error(ErrorKind::kFile, (directory / kRibs).string() +
+                                      ": is not a directory, and the rib curves go there: move it away");
   }
 }
 
@@ -328,8 +328,8 @@ Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& fact
   std::error_code error;
   fs::remove(directory / "program.json", error);
   if (error) {
-    throw CommandError(Exit::kFile, (directory / "program.json").string() +
-                                        ": an older program cannot be removed (" + error.message() + ")");
+    throw Error(ErrorKind::kFile, (directory / "program.json").string() +
+                                      ": an older program cannot be removed (" + error.message() + ")");
   }
   remove_rib_files(directory / kRibs);
   std::optional<ProgramWriter> program;

@@ -27,7 +27,7 @@ struct Emitted {
   bool program_written = false;
 };
 
-// Makes the directory and refuses (exit code 7) what could not be written later: an output that is there
+// Makes the directory and refuses (kFile) what could not be written later: an output that is there
 // without force, or a directory that cannot be written to. It is called before the work starts.
 void prepare_output(const std::filesystem::path& directory, bool force);
 
@@ -36,7 +36,7 @@ void prepare_output(const std::filesystem::path& directory, bool force);
 // program.json in the way is then removed, so that no directory holds a program beside a report that refuses
 // it. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes them) come and go with the
 // program; files of other names in ribs/ are left alone. `take_pictures` is called once, on this thread,
-// while others write the program beside its place; it goes there last. Throws CommandError (7), and what
+// while others write the program beside its place; it goes there last. Throws Error (kFile), and what
 // `take_pictures` throws.
 using TakePictures = std::function<ReportPictures(const PlanResult&)>;
 Emitted emit(PlanResult& result, const std::filesystem::path& directory, const RunFacts& facts,

@@ -5,7 +5,7 @@
 
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/exchange.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -34,7 +34,7 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
       const std::string caption = kViews[i].second;
       taken.pictures.push_back({planned ? caption : "the design, " + caption, std::move(pngs[i])});
     }
-  } catch (const CommandError& error) {
+  } catch (const Error& error) {
     taken.pictures.clear();
     taken.note = error.what();
   }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <thread>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "robot/controller/controller.hpp"
 #include "robot/controller/server.hpp"
 
@@ -90,9 +90,9 @@ DryRunReport dry_run(const std::vector<robot::Job>& jobs, const DryRunOptions& o
           robot::prove(jobs[i], found == logged.end() ? robot::LoggedJob{} : found->second);
     }
   } catch (const robot::LogError& error) {
-    throw CommandError(Exit::kFile, error.what());
+    throw Error(ErrorKind::kFile, error.what());
   } catch (const robot::ServerError& error) {
-    throw CommandError(Exit::kController, error.what());
+    throw Error(ErrorKind::kController, error.what());
   }
   return report;
 }

@@ -38,7 +38,7 @@ struct DryRunReport {
 };
 
 // Streams one strip after the other, as fast as data comes, then compares the log with the plan. Throws
-// CommandError with exit code 7 when the log cannot be written, 6 when the simulator cannot be started.
+// Error (kFile) when the log cannot be written, kController when the simulator cannot be started.
 [[nodiscard]] DryRunReport dry_run(const std::vector<robot::Job>& jobs, const DryRunOptions& options);
 
 }  // namespace hotblade::pipeline

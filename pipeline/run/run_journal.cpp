@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/program/atomic_file.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "robot/wire/job.hpp"
 
 namespace hotblade::pipeline {
@@ -26,9 +26,8 @@ std::optional<RunJournal> RunJournalFile::read() const {
   if (!in) return std::nullopt;
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   const auto bad = [&](const std::string& what) {
-    return CommandError(Exit::kBadInput,
-                        path_.string() + ": no journal of a run (" + what +
-                            "): remove it, and look at the controller before anything starts");
+    return Error(ErrorKind::kBadInput, path_.string() + ": no journal of a run (" + what +
+                                           "): remove it, and look at the controller before anything starts");
   };
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (!json.is_object()) throw bad("another format");

@@ -22,9 +22,9 @@ class RunJournalFile {
   RunJournalFile(const std::filesystem::path& program, const HostPort& controller);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  // nullopt when there is none. Throws CommandError with exit code 3 for a file that is none.
+  // nullopt when there is none. Throws Error (kBadInput) for a file that is none.
   [[nodiscard]] std::optional<RunJournal> read() const;
-  // Whole, on disk before it returns. Throws CommandError with exit code 7.
+  // Whole, on disk before it returns. Throws Error (kFile).
   void write(const RunJournal& journal) const;
   void remove() const;
 

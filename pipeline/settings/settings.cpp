@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pipeline/settings/command_error.hpp"
 #include "pipeline/settings/edit_distance.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
@@ -26,7 +26,7 @@ constexpr double kMinDirection = 1e-3;
 using Origins = std::map<std::string, std::string>;
 
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
-  throw CommandError(Exit::kUsage, where + ": " + what);
+  throw Error(ErrorKind::kBadSettings, where + ": " + what);
 }
 
 [[noreturn]] void fail_key(const Origins& origins, const std::string& key, const std::string& what) {
@@ -266,14 +266,14 @@ void apply_table(Settings& settings, Origins& origins, const toml::table& table,
 std::string read_text(const std::filesystem::path& file) {
   std::error_code code;
   if (std::filesystem::is_directory(file, code)) {
-    throw CommandError(Exit::kFile, file.string() + ": is a directory: name a TOML file");
+    throw Error(ErrorKind::kFile, file.string() + ": is a directory: name a TOML file");
   }
   std::ifstream in(file, std::ios::binary);
   std::ostringstream text;
   if (!in || !(text << in.rdbuf())) {
     // An empty file copies nothing, which the stream counts as a failure.
     if (in && std::filesystem::file_size(file, code) == 0 && !code) return "";
-    throw CommandError(Exit::kFile, file.string() + ": cannot read the configuration: does the file exist?");
+    throw Error(ErrorKind::kFile, file.string() + ": cannot read the configuration: does the file exist?");
   }
   return text.str();
 }

@@ -115,8 +115,8 @@ struct SettingInfo {
 // All keys, in the order of docs/configuration.md.
 [[nodiscard]] std::vector<SettingInfo> describe_settings();
 
-// The settings that the sources amount to. Throws CommandError: exit 7 for a file that cannot be read, 2 for
-// syntax, unknown keys, wrong types and values out of range, each with `file:line: key (value, limit):
+// The settings that the sources amount to. Throws Error: kFile for a file that cannot be read, kBadSettings
+// for syntax, unknown keys, wrong types and values out of range, each with `file:line: key (value, limit):
 // hint`. It does not ask for units.
 [[nodiscard]] Settings resolve(const SettingsSources& sources);
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/verify/as_cut_budget.hpp"
 #include "robot/controller/execution_log.hpp"
 #include "robot/controller/execution_poses.hpp"
@@ -20,7 +20,7 @@ namespace {
 using robot::LoggedPose;
 
 [[noreturn]] void refuse(const std::filesystem::path& log, const std::string& why) {
-  throw CommandError(Exit::kBadInput, log.string() + ": " + why);
+  throw Error(ErrorKind::kBadInput, log.string() + ": " + why);
 }
 
 void require_proof(const robot::Job& job, const std::map<std::uint64_t, robot::LoggedJob>& logged,
@@ -170,7 +170,7 @@ std::vector<ExecutedStrip> read_executed(const StripJobs& work, const std::files
     }
     return executed;
   } catch (const robot::LogError& error) {
-    throw CommandError(std::filesystem::exists(log_file) ? Exit::kBadInput : Exit::kFile, error.what());
+    throw Error(std::filesystem::exists(log_file) ? ErrorKind::kBadInput : ErrorKind::kFile, error.what());
   }
 }
 

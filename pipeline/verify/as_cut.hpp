@@ -25,8 +25,8 @@ struct ExecutedStrip {
 };
 
 // The strips of a program, in its order, out of an execution log. The proof comes first: every waypoint once,
-// in order, byte for byte, hash chain equal. Throws CommandError: 7 when the log cannot be read, 3 when it is
-// no log, of another program, incomplete, or without shapes, with the reason.
+// in order, byte for byte, hash chain equal. Throws Error: kFile when the log cannot be read, kBadInput when
+// it is no log, of another program, incomplete, or without shapes, with the reason.
 [[nodiscard]] std::vector<ExecutedStrip> read_executed(const StripJobs& work,
                                                        const std::filesystem::path& log_file);
 

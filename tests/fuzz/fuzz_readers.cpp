@@ -12,7 +12,7 @@
 #include <string>
 
 #include "pipeline/program/program.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/slice/slice.hpp"
@@ -69,7 +69,7 @@ void read_design(const std::string& text, const fs::path& file) {
 void read_program(const std::string& text) {
   try {
     (void)pipeline::parse_program(text, "fuzz.json");
-  } catch (const pipeline::CommandError&) {
+  } catch (const pipeline::Error&) {
   }
 }
 
@@ -77,7 +77,7 @@ void read_settings(const std::string& text, const fs::path& file) {
   std::ofstream(file, std::ios::binary) << text;
   try {
     (void)pipeline::resolve({{file}, {}, {}});
-  } catch (const pipeline::CommandError&) {
+  } catch (const pipeline::Error&) {
   }
 }
 

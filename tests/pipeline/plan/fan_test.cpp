@@ -9,7 +9,7 @@
 #include "pipeline/plan/motion/clamp_plane.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/plan/ribs/rib_axes.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -224,8 +224,8 @@ TEST(FanPlan, AnAxisThroughTheDesignIsRefusedWithThePlace) {
   try {
     (void)plan(cylinder_design(), settings, {});
     FAIL() << "nothing thrown";
-  } catch (const CommandError& error) {
-    EXPECT_EQ(error.code, Exit::kNotCuttable);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::kNotCuttable);
     EXPECT_THAT(error.what(), AllOf(HasSubstr("face at ("), HasSubstr("move slice.fan_axis")));
   }
 }

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/preview/movie.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -110,10 +110,10 @@ TEST(WriteVtm, KeepsWhatIsThereWithoutForceAndLeavesNoDraft) {
   const TemporaryDirectory directory;
   const Scene scene = scene_of(vault_program(), nullptr, {});
   write_vtm(scene, directory / "a.vtm", false);
-  EXPECT_THROW(write_vtm(scene, directory / "a.vtm", false), CommandError);
+  EXPECT_THROW(write_vtm(scene, directory / "a.vtm", false), Error);
   write_vtm(scene, directory / "a.vtm", true);
   std::filesystem::create_directory(directory / "b");
-  EXPECT_THROW(write_vtm(scene, directory / "b.vtm", false), CommandError);
+  EXPECT_THROW(write_vtm(scene, directory / "b.vtm", false), Error);
   EXPECT_EQ(testing::files_in(directory.path()), 3u);  // a.vtm, a, b
 }
 
@@ -131,7 +131,7 @@ TEST(WriteMovie, IsAnOggFileThatGrowsWithItsFrames) {
   EXPECT_EQ(two.substr(0, 4), "OggS");
   EXPECT_THAT(two.substr(0, 200), HasSubstr("theora"));
   EXPECT_GT(eight.size(), two.size());
-  EXPECT_THROW(write_movie(model, {}, options, directory / "a8.ogv", false, quiet), CommandError);
+  EXPECT_THROW(write_movie(model, {}, options, directory / "a8.ogv", false, quiet), Error);
 }
 
 }  // namespace

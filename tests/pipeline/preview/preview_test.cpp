@@ -13,7 +13,7 @@
 #include "pipeline/cli/command.hpp"
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/program/atomic_file.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_design.hpp"

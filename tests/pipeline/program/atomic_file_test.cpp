@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
@@ -25,8 +25,8 @@ template <typename Call>
 std::string file_error(Call&& call) {
   try {
     call();
-  } catch (const CommandError& error) {
-    EXPECT_EQ(error.code, Exit::kFile);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::kFile);
     return error.what();
   }
   ADD_FAILURE() << "no error";
@@ -81,6 +81,7 @@ TEST(WriteFileAtomically, NamesTheSystemsReasonForAMissingDirectory) {
 TEST(WriteFileAtomically, LeavesNoTemporaryFileWhenTheDiskIsFull) {
   const TemporaryDirectory directory;
   // A limit on file size fails the write as a full disk does; the child keeps the limit to itself.
+  constexpr int kRefused = 7;
   const pid_t child = ::fork();
   if (child == 0) {
     ::signal(SIGXFSZ, SIG_IGN);
@@ -89,14 +90,14 @@ TEST(WriteFileAtomically, LeavesNoTemporaryFileWhenTheDiskIsFull) {
     int code = 0;
     try {
       write_file_atomically(directory / "f", std::string(5000, 'x'), false);
-    } catch (const CommandError& error) {
-      code = static_cast<int>(error.code);
+    } catch (const Error& error) {
+      code = error.kind == ErrorKind::kFile ? kRefused : 1;
     }
     ::_exit(code);
   }
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_EQ(WEXITSTATUS(status), 7);
+  EXPECT_EQ(WEXITSTATUS(status), kRefused);
   EXPECT_EQ(files_in(directory.path()), 0u);
 }
 

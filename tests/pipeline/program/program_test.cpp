@@ -7,13 +7,14 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <string_view>
 
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/program_scan.hpp"
 #include "pipeline/program/program_text.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -33,8 +34,8 @@ Json good() {
 std::string refusal(const std::string& text) {
   try {
     static_cast<void>(parse_program(text, "job.json"));
-  } catch (const CommandError& error) {
-    EXPECT_EQ(error.code, Exit::kBadInput);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::kBadInput);
     return error.what();
   }
   ADD_FAILURE() << "accepted";
@@ -261,7 +262,7 @@ TEST(ParseProgramText, RefusesAKeyThatStandsTwice) {
 std::string outcome(const std::string& text) {
   try {
     return to_json(parse_program(text, "job.json"));
-  } catch (const CommandError& error) {
+  } catch (const Error& error) {
     return error.what();
   }
 }
@@ -407,17 +408,17 @@ TEST(ProgramJson, RefusesSettingsThatAreNoObject) {
 TEST(ReadProgram, TellsAMissingFileFromABadOne) {
   const TemporaryDirectory directory;
   write_file_atomically(directory / "bad.json", "{}", false);
-  const auto code = [&](const std::string& name) {
+  const auto kind = [&](const std::string& name) -> std::optional<ErrorKind> {
     try {
       static_cast<void>(read_program(directory / name));
-    } catch (const CommandError& error) {
-      return error.code;
+    } catch (const Error& error) {
+      return error.kind;
     }
-    return Exit::kOk;
+    return std::nullopt;
   };
-  EXPECT_EQ(code("missing.json"), Exit::kFile);
-  EXPECT_EQ(code("."), Exit::kFile);
-  EXPECT_EQ(code("bad.json"), Exit::kBadInput);
+  EXPECT_EQ(kind("missing.json"), ErrorKind::kFile);
+  EXPECT_EQ(kind("."), ErrorKind::kFile);
+  EXPECT_EQ(kind("bad.json"), ErrorKind::kBadInput);
 }
 
 TEST(ReadProgram, ReadsWhatWasWritten) {

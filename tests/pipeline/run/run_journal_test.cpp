@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
@@ -47,8 +47,8 @@ TEST_F(RunJournalTest, WhatIsNoJournalIsNamedAndNotGuessedAt) {
     try {
       (void)file_.read();
       ADD_FAILURE() << text;
-    } catch (const CommandError& error) {
-      EXPECT_EQ(error.code, Exit::kBadInput) << text;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind, ErrorKind::kBadInput) << text;
       EXPECT_THAT(error.what(), ::testing::HasSubstr(file_.path().string()));
     }
   }

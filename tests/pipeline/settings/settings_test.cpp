@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 
 #include "tests/paths.hpp"
 
@@ -41,20 +41,20 @@ Settings with(const std::string& assignment) {
   return resolve({{}, {assignment}, {}});
 }
 
-// Code and message of the error that resolving throws; fails the test when it throws none.
-std::pair<Exit, std::string> error_of(const SettingsSources& sources) {
+// Kind and message of the error that resolving throws; fails the test when it throws none.
+std::pair<ErrorKind, std::string> error_of(const SettingsSources& sources) {
   try {
     (void)resolve(sources);
-  } catch (const CommandError& error) {
-    return {error.code, error.what()};
+  } catch (const Error& error) {
+    return {error.kind, error.what()};
   }
   ADD_FAILURE() << "resolve() threw nothing";
-  return {Exit::kOk, ""};
+  return {ErrorKind::kInterrupted, ""};
 }
 
 std::string usage_error(const SettingsSources& sources) {
-  const auto [code, message] = error_of(sources);
-  EXPECT_EQ(code, Exit::kUsage) << message;
+  const auto [kind, message] = error_of(sources);
+  EXPECT_EQ(kind, ErrorKind::kBadSettings) << message;
   return message;
 }
 
@@ -137,8 +137,8 @@ TEST_F(SettingsFiles, BrokenFilesNameTheLine) {
 }
 
 TEST_F(SettingsFiles, UnreadableFilesAreFileErrors) {
-  EXPECT_EQ(error_of({{folder_ / "missing.toml"}, {}, {}}).first, Exit::kFile);
-  EXPECT_EQ(error_of({{folder_}, {}, {}}).first, Exit::kFile);
+  EXPECT_EQ(error_of({{folder_ / "missing.toml"}, {}, {}}).first, ErrorKind::kFile);
+  EXPECT_EQ(error_of({{folder_}, {}, {}}).first, ErrorKind::kFile);
   EXPECT_EQ(to_toml(resolve({{write("empty.toml", "")}, {}, {}})), to_toml(Settings{}));
 }
 
@@ -196,10 +196,10 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
 TEST(Settings, ValidateChecksSettingsMadeInCode) {
   Settings settings;
   settings.design.tolerance_mm = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THROW(validate(settings), CommandError);
+  EXPECT_THROW(validate(settings), Error);
   settings = {};
   settings.blade.kerf_mm = 0.1;
-  EXPECT_THROW(validate(settings), CommandError);
+  EXPECT_THROW(validate(settings), Error);
 }
 
 TEST(Settings, FlagsAreNamedInErrors) {

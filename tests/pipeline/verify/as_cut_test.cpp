@@ -7,7 +7,7 @@
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/run/dryrun.hpp"
-#include "pipeline/settings/command_error.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
@@ -103,13 +103,13 @@ TEST(AsCut, AProgramMovedAwayIsOverTheTolerance) {
   EXPECT_NEAR(report.cut.deviation.max, 1.5, 0.2);
 }
 
-void expect_refused(const StripJobs& work, const std::filesystem::path& log, Exit exit,
+void expect_refused(const StripJobs& work, const std::filesystem::path& log, ErrorKind kind,
                     const std::string& why) {
   try {
     (void)read_executed(work, log);
     FAIL() << why;
-  } catch (const CommandError& error) {
-    EXPECT_EQ(error.code, exit);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, kind);
     EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
   }
 }
@@ -118,15 +118,15 @@ TEST(ReadExecuted, RefusesALogThatProvesSomethingElse) {
   const testing::TemporaryDirectory directory;
   StripJobs other = cylinder().work;
   other.jobs[0].id ^= 1;
-  expect_refused(other, cylinder().log, Exit::kBadInput, "another program");
+  expect_refused(other, cylinder().log, ErrorKind::kBadInput, "another program");
   other = cylinder().work;
   other.jobs[0].raw[7][9] ^= 1;
-  expect_refused(other, cylinder().log, Exit::kBadInput, "bytes of a waypoint differ");
-  expect_refused(cylinder().work, directory / "none.jsonl", Exit::kFile, "cannot be read");
+  expect_refused(other, cylinder().log, ErrorKind::kBadInput, "bytes of a waypoint differ");
+  expect_refused(cylinder().work, directory / "none.jsonl", ErrorKind::kFile, "cannot be read");
   const std::string whole = testing::read_bytes(cylinder().log);
   const auto cut = directory / "cut.jsonl";
   std::ofstream(cut) << whole.substr(0, whole.size() / 2);
-  expect_refused(cylinder().work, cut, Exit::kBadInput, "incomplete");
+  expect_refused(cylinder().work, cut, ErrorKind::kBadInput, "incomplete");
 }
 
 TEST(ReadExecuted, RefusesALogWithoutShapes) {
@@ -136,7 +136,7 @@ TEST(ReadExecuted, RefusesALogWithoutShapes) {
   text.replace(at, end - at, "\"blade\":null");
   const auto log = directory / "log.jsonl";
   std::ofstream(log) << text;
-  expect_refused(cylinder().work, log, Exit::kBadInput, "no blade shape");
+  expect_refused(cylinder().work, log, ErrorKind::kBadInput, "no blade shape");
 }
 
 TEST(AsCut, JsonHasWhatTheTextSays) {
