@@ -61,7 +61,7 @@ std::optional<surface::DesignSurface> find_design(const DryRunArguments& argumen
 VerifyOptions as_cut_options(const Program& program) {
   VerifyOptions options;
   options.tolerance_mm = program.verification.tolerance_mm;
-  options.max_uncut_share = planned_uncut_share(program);
+  options.max_uncut_share = program.settings.design.max_uncut_share;
   return options;
 }
 

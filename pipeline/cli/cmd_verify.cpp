@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
@@ -35,14 +34,6 @@ fs::path find_design(const VerifyArguments& arguments, const Program& program) {
   throw Error(ErrorKind::kFile, (fs::path(arguments.program).parent_path() / program.design.file).string() +
                                     ": the design is neither beside the program nor where run.json says: say "
                                     "--design FILE.obj");
-}
-
-// A number of the plan's settings, by JSON pointer.
-double setting(const Program& program, const char* pointer, double otherwise) {
-  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
-  const auto path = nlohmann::json::json_pointer(pointer);
-  if (settings.is_discarded() || !settings.contains(path) || !settings[path].is_number()) return otherwise;
-  return settings[path].get<double>();
 }
 
 // One line a strip: the branch of shapes found from its clamp poses.
@@ -74,8 +65,8 @@ Exit expect_passed(const Program& program, const Console& console) {
 VerifyOptions options_of(const VerifyArguments& arguments, const Program& program) {
   VerifyOptions options;
   options.tolerance_mm = program.verification.tolerance_mm;
-  options.max_uncut_share = setting(program, "/design/max_uncut_share", options.max_uncut_share);
-  options.min_margin = setting(program, "/blade/min_margin", 0);
+  options.max_uncut_share = program.settings.design.max_uncut_share;
+  options.min_margin = program.settings.blade.min_margin;
   options.sample_mm = arguments.sample_mm;
   options.backend = backend_named(arguments.backend);
   return options;

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <ctime>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 
@@ -453,7 +452,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.created_by = "hotblade " + version();
   program.design = design_data(design, settings);
   program.blade = blade_data(settings.blade);
-  program.settings_json = to_json(settings).dump();
+  program.settings = settings;
   Stopwatch watch(result.times);
   hooks.progress("direction", 0.05);
   try {

@@ -5,12 +5,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
+#include "pipeline/settings/settings.hpp"
 #include "robot/pose/pose.hpp"
 #include "robot/pose/waypoint.hpp"
 
@@ -110,7 +110,7 @@ struct DesignData {
 struct Program {
   std::string created_by;
   DesignData design;
-  std::string settings_json = "{}";  // resolved configuration, as JSON text
+  Settings settings;  // the resolved configuration it was planned with
   BladeData blade;
   std::vector<Strip> strips;
   Verification verification;

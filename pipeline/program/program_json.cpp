@@ -114,10 +114,8 @@ void write_design(Text& out, const DesignData& design) {
   out.raw("},\n");
 }
 
-void write_settings(Text& out, const std::string& settings_json) {
-  const auto settings = nlohmann::ordered_json::parse(settings_json, nullptr, false);
-  if (!settings.is_object()) throw std::logic_error("to_json: settings_json has to be a JSON object");
-  out.raw("\"settings\": ").raw(settings.dump()).raw(",\n");
+void write_settings(Text& out, const Settings& settings) {
+  out.raw("\"settings\": ").raw(to_json(settings).dump()).raw(",\n");
 }
 
 void write_blade(Text& out, const BladeData& blade) {
@@ -190,7 +188,7 @@ ProgramFrame program_frame(const Program& program) {
   before.raw("{\"format\": \"hotblade-program\",\n\"version\": 1,\n");
   before.string_field("\"created_by\": ", program.created_by).raw(",\n");
   write_design(before, program.design);
-  write_settings(before, program.settings_json);
+  write_settings(before, program.settings);
   write_blade(before, program.blade);
   before.raw("\"strips\": [\n");
   after.raw("],\n");

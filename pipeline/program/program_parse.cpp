@@ -11,6 +11,7 @@
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/program_limits.hpp"
 #include "pipeline/program/program_scan.hpp"
+#include "pipeline/program/program_settings.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -364,9 +365,7 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips) {
   Program program;
   program.created_by = text(root, "created_by");
   program.design = design_of(root.field("design"));
-  const JsonNode settings = root.field("settings");
-  if (!settings.json().is_object()) settings.fail("is not an object");
-  program.settings_json = settings.json().dump();
+  program.settings = settings_of(root.field("settings"));
   program.blade = blade_of(root.field("blade"));
   program.strips = std::move(strips);
   const JsonNode left = root.field("strips");

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <nlohmann/json.hpp>
 #include <span>
 
 #include "pipeline/settings/error.hpp"
@@ -32,14 +31,6 @@ robot::AnnouncedBlade blade_of(const Program& program, const Strip& strip) {
   return {scaled(strip.blade_length_mm, kMicrometres), scaled(program.blade.width_mm, kMicrometres),
           scaled(program.blade.thickness_mm, kMicrometres), scaled(program.blade.youngs_modulus_mpa, 1),
           scaled(program.blade.yield_strength_mpa, 1)};
-}
-
-// A number of the resolved settings, by JSON pointer.
-double setting(const Program& program, const char* pointer, double otherwise) {
-  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
-  const nlohmann::json::json_pointer at(pointer);
-  if (settings.is_discarded() || !settings.contains(at) || !settings[at].is_number()) return otherwise;
-  return settings[at].get<double>();
 }
 
 void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
@@ -84,36 +75,14 @@ robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSet
 }
 
 robot::MotionLimits planned_limits(const Program& program) {
-  const auto settings = nlohmann::json::parse(program.settings_json, nullptr, false);
-  MotionSettings motion;
-  MachineSettings machine;
-  const auto take = [&](const char* section, const char* key, auto& value) {
-    if (!settings.is_object() || !settings.contains(section)) return;
-    const auto& table = settings.at(section);
-    if (table.is_object() && table.contains(key)) table.at(key).get_to(value);
-  };
-  try {
-    take("motion", "travel_mm_s", motion.travel_mm_s);
-    take("motion", "accel_mm_s2", motion.accel_mm_s2);
-    take("motion", "angular_rad_s", motion.angular_rad_s);
-    take("motion", "angular_accel_rad_s2", motion.angular_accel_rad_s2);
-    take("machine", "envelope_mm", machine.envelope_mm);
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorKind::kBadInput, std::string("settings.motion, settings.machine: not numbers (") +
-                                          error.what() + "): plan the program again");
-  }
-  return motion_limits(motion, machine);
+  return motion_limits(program.settings.motion, program.settings.machine);
 }
 
 robot::BladeCheckOptions planned_blade(const Program& program) {
   robot::BladeCheckOptions options;
   options.safety = program.blade.safety;
-  options.min_margin = setting(program, "/blade/min_margin", options.min_margin);
+  options.min_margin = program.settings.blade.min_margin;
   return options;
-}
-
-double planned_uncut_share(const Program& program) {
-  return setting(program, "/design/max_uncut_share", DesignSettings{}.max_uncut_share);
 }
 
 bool HostPort::loopback() const {

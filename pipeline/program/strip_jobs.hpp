@@ -30,14 +30,11 @@ struct StripJobs {
 
 // What [machine] and [motion] allow. The envelope is centred on the table in x and y and starts at z = 0.
 [[nodiscard]] robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSettings& machine);
-// The machine a program was planned for, from its resolved settings; defaults for what they leave out.
+// Returns the limits of the machine that a program was planned for, as its settings say.
 [[nodiscard]] robot::MotionLimits planned_limits(const Program& program);
 
 // The blade's limits a program was planned for.
 [[nodiscard]] robot::BladeCheckOptions planned_blade(const Program& program);
-
-// The share of the design that may stay uncut, of its settings.
-[[nodiscard]] double planned_uncut_share(const Program& program);
 
 struct HostPort {
   std::string host;

@@ -244,7 +244,7 @@ std::string report_json(const PlanResult& result) {
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));
   }
-  report["settings"] = Json::parse(result.program.settings_json);
+  report["settings"] = to_json(result.program.settings);
   return report.dump(2) + "\n";
 }
 

@@ -98,7 +98,7 @@ std::string largest(const Json& list, const char* unit) {
 
 class Collector {
  public:
-  explicit Collector(const PlanResult& result) : settings_(Json::parse(result.program.settings_json)) {}
+  explicit Collector(const PlanResult& result) : settings_(to_json(result.program.settings)) {}
 
   void add(const Refusal& r) {
     if (!std::isfinite(r.value) || !std::isfinite(r.bound)) return;

@@ -245,7 +245,7 @@ std::string list_section(const std::string& title, const std::vector<std::string
 
 std::string settings_section(const PlanResult& result) {
   std::string html = "<h2>Settings</h2><div class=\"settings\">\n";
-  const auto settings = nlohmann::ordered_json::parse(result.program.settings_json);
+  const nlohmann::ordered_json settings = to_json(result.program.settings);
   for (const auto& [section, values] : settings.items()) {
     html += "<div><b>[" + escaped(section) + "]</b>";
     for (const auto& [key, value] : values.items()) {

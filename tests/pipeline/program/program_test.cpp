@@ -95,6 +95,29 @@ INSTANTIATE_TEST_SUITE_P(
                  },
                  "(3, exactly 2)"},
         Breakage{"SettingsNotAnObject", [](Json& j) { j["settings"] = "x"; }, "settings: is not an object"},
+        Breakage{"UnknownSection", [](Json& j) { j["settings"]["laser"] = Json::object(); },
+                 "settings.laser: unknown section of settings: use the hotblade that wrote it"},
+        Breakage{"SectionNotAnObject", [](Json& j) { j["settings"]["fit"] = 1; },
+                 "settings.fit: is not an object"},
+        Breakage{"UnknownSetting", [](Json& j) { j["settings"]["blade"]["colour"] = 1; },
+                 "settings.blade.colour: unknown setting: use the hotblade that wrote it"},
+        Breakage{"SettingOfAnotherType", [](Json& j) { j["settings"]["motion"]["feed_mm_s"] = "fast"; },
+                 "settings.motion.feed_mm_s: is not a number"},
+        Breakage{"SettingOutOfRange", [](Json& j) { j["settings"]["machine"]["clamp_error_mm"] = 11; },
+                 "settings.machine.clamp_error_mm: out of range (11"},
+        Breakage{"SettingOfAnUnknownWord", [](Json& j) { j["settings"]["slice"]["gaps"] = "jump"; },
+                 "settings.slice.gaps: unknown word (\"jump\""},
+        Breakage{"TwoNumbersOfThree",
+                 [](Json& j) {
+                   j["settings"]["stock"]["max_size_mm"] = {100, 100};
+                 },
+                 "settings.stock.max_size_mm: "},
+        Breakage{"HalfASplit", [](Json& j) { j["settings"]["fit"]["max_splits"] = 0.5; },
+                 "settings.fit.max_splits: is not a whole"},
+        Breakage{"TooManySplits", [](Json& j) { j["settings"]["fit"]["max_splits"] = 1001; },
+                 "settings.fit.max_splits: out of range (1001"},
+        Breakage{"SettingsThatDoNotGoTogether", [](Json& j) { j["settings"]["blade"]["kerf_mm"] = 0.1; },
+                 "settings: do not go together: settings: blade.kerf_mm"},
         Breakage{"NoBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"] = Json::array(); },
                  "(0, at least 1)"},
         Breakage{"FallingBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"][2] = 600; },
@@ -399,10 +422,30 @@ TEST(ProgramJson, RefusesToWriteNumbersThatAreNotFinite) {
   EXPECT_THROW(static_cast<void>(to_json(program)), std::logic_error);
 }
 
-TEST(ProgramJson, RefusesSettingsThatAreNoObject) {
+TEST(ProgramSettings, ComeBackAsTheyWereWritten) {
   Program program = vault_program();
-  program.settings_json = "[1]";
-  EXPECT_THROW(static_cast<void>(to_json(program)), std::logic_error);
+  program.settings =
+      resolve({{},
+               {"design.units=ft", "design.keep=back", "design.group=roof", "design.facing=[0, 0.5, -1]",
+                "slice.fan_axis=[1, 2, 3, 0, 0, 0.1]", "slice.gaps=apart", "fit.max_splits=7",
+                "blade.free_lengths_mm=[410.5]", "stock.max_size_mm=[800, 900, 1000]", "motion.feed_mm_s=0.3",
+                "motion.min_feed_mm_s=0.1", "machine.clamp_error_rad=1e-5"},
+               {}});
+  const std::string text = to_json(program);
+  const Program read = parse_program(text, "job.json");
+  EXPECT_EQ(to_toml(read.settings), to_toml(program.settings));
+  EXPECT_EQ(to_json(read), text);
+}
+
+TEST(ProgramSettings, ThatAnOldProgramLeavesOutHaveTheirDefaults) {
+  Json json = good();
+  json["settings"]["design"].erase("stitch_mm");
+  json["settings"]["design"]["facing_max_deg"] = 50;
+  json["settings"].erase("machine");
+  const Settings settings = parse_program(json.dump(), "job.json").settings;
+  EXPECT_EQ(settings.design.stitch_mm, Settings{}.design.stitch_mm);
+  EXPECT_EQ(settings.machine.envelope_mm, Settings{}.machine.envelope_mm);
+  EXPECT_EQ(settings.design.facing_max_deg, 50);
 }
 
 TEST(ReadProgram, TellsAMissingFileFromABadOne) {

@@ -13,10 +13,8 @@ namespace {
 // A plan that was refused for these, with the default settings.
 PlanResult refused_for(const std::vector<Refusal>& refusals) {
   PlanResult result;
-  result.program.settings_json = R"({"design": {"tolerance_mm": 1.0, "max_uncut_share": 0.01},
-    "blade": {"free_lengths_mm": [400, 600], "thickness_mm": 0.5},
-    "stock": {"max_size_mm": [1200, 1200, 600], "clearance_mm": 40},
-    "motion": {"feed_mm_s": 7, "min_feed_mm_s": 1}, "machine": {"plinth_mm": 150}})";
+  result.program.settings.blade.free_lengths_mm = {400, 600};
+  result.program.settings.machine.plinth_mm = 150;
   result.refusals = refusals;
   return result;
 }
