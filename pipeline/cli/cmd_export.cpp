@@ -27,9 +27,10 @@ std::vector<ExportedFile> exported(const Program& program, const ExportArguments
 // What moves a machine is not handed out for a job that was refused.
 void expect_runnable(const Program& program, const ExportArguments& arguments) {
   const bool moves = arguments.format != "obj" && arguments.format != "ply";
-  if (!moves || arguments.override_refusal || program.verification.status == "passed") return;
+  if (!moves || arguments.override_refusal || program.verification.status == VerificationStatus::kPassed)
+    return;
   throw Error(ErrorKind::kNotCuttable, arguments.program + ": not to be run (status " +
-                                           program.verification.status +
+                                           name(program.verification.status) +
                                            ", passed): plan again, or --override to export it all the same");
 }
 

@@ -79,8 +79,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());
-  const Paint paint = v.status == "passed" ? Paint::kGood : Paint::kBad;
-  std::cout << "status " << painted(v.status, paint, STDOUT_FILENO) << "\n";
+  const Paint paint = v.status == VerificationStatus::kPassed ? Paint::kGood : Paint::kBad;
+  std::cout << "status " << painted(name(v.status), paint, STDOUT_FILENO) << "\n";
   if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
   std::cout << "report " << (directory / "report.html").string() << "\n";
 }
@@ -105,7 +105,7 @@ void refuse_warnings(PlanResult& result) {
   result.refusals.push_back({"design", "", "warnings with --strict",
                              static_cast<double>(result.warnings.size()), 0, "",
                              "first: " + result.warnings.front()});
-  result.program.verification.status = "refused";
+  result.program.verification.status = VerificationStatus::kRefused;
 }
 
 Exit plan_design(const PlanArguments& arguments, const Console& console) {

@@ -160,7 +160,7 @@ std::string place_of(const Strip& strip, std::optional<std::uint32_t> waypoint) 
   const BladePose& pose = strip.poses[*waypoint];
   std::string rib = pose.rib ? strip.ribs[static_cast<std::size_t>(*pose.rib)].id : rib_at(strip, *waypoint);
   if (rib.empty()) rib = "no rib";
-  return fmt::format(" [{}, {}, {}, {:.3f} s]", strip.id, rib, pose.phase, pose.t);
+  return fmt::format(" [{}, {}, {}, {:.3f} s]", strip.id, rib, name(pose.phase), pose.t);
 }
 
 class Runner {
@@ -258,9 +258,9 @@ Exit run(const RunArguments& arguments, const Console& console) {
   const HostPort where = parse_host_port(arguments.connect, "--connect");
   const StripJobs work = read_strip_jobs(arguments.program, arguments.overridden);
   require_attended(arguments, where);
-  if (arguments.overridden && work.program.verification.status != "passed") {
-    console.warn("--override: the program did not pass its verification (" +
-                 work.program.verification.status + ")");
+  if (arguments.overridden && work.program.verification.status != VerificationStatus::kPassed) {
+    console.warn(std::string("--override: the program did not pass its verification (") +
+                 name(work.program.verification.status) + ")");
   }
   return Runner(arguments, where, console).run(work);
 }

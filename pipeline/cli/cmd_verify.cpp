@@ -56,8 +56,8 @@ void print_branches(const Program& program, const VerifyReport& report) {
 
 // A cut within tolerance is not enough when the plan was refused for another limit.
 Exit expect_passed(const Program& program, const Console& console) {
-  if (program.verification.status == "passed") return Exit::kOk;
-  console.warn("the plan's status is " + program.verification.status + ": not to be run");
+  if (program.verification.status == VerificationStatus::kPassed) return Exit::kOk;
+  console.warn(std::string("the plan's status is ") + name(program.verification.status) + ": not to be run");
   for (const std::string& line : program.overrides) console.warn("overridden: " + line);
   return Exit::kNotCuttable;
 }

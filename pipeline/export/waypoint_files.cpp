@@ -53,7 +53,7 @@ std::vector<ExportedFile> waypoint_csv(const Program& program) {
     const std::vector<robot::Waypoint> path = waypoints(strip);
     for (std::size_t i = 0; i < path.size(); ++i) {
       fmt::format_to(std::back_inserter(text), "{},{:.6f},{},{},{},{}\n", i, kMicrosecond * path[i].t_us,
-                     strip.poses[i].phase, path[i].heat ? 1 : 0, pose_cells(path[i].a),
+                     name(strip.poses[i].phase), path[i].heat ? 1 : 0, pose_cells(path[i].a),
                      pose_cells(path[i].b));
     }
     files.push_back({strip.id + ".csv", text});
@@ -69,7 +69,7 @@ std::vector<ExportedFile> waypoint_compas(const Program& program) {
     const std::vector<robot::Waypoint> path = waypoints(strip);
     for (std::size_t i = 0; i < path.size(); ++i) {
       times.push_back(kMicrosecond * path[i].t_us);
-      phases.push_back(strip.poses[i].phase);
+      phases.push_back(name(strip.poses[i].phase));
       heat.push_back(path[i].heat);
       a.push_back(compas_frame(path[i].a));
       b.push_back(compas_frame(path[i].b));

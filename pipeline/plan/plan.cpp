@@ -476,7 +476,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   if (!result.verification.within_tolerance && result.refusals.empty()) {
     throw std::logic_error("a deviation that is not a number must not pass");
   }
-  v.status = !result.refusals.empty() ? "refused" : "passed";
+  v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
   return result;
 }
 

@@ -53,7 +53,7 @@ struct StageTime {
 };
 
 struct PlanResult {
-  Program program;  // strips that could be planned; verification says passed, failed or refused
+  Program program;  // strips that could be planned; verification says passed or refused
   std::vector<StripFacts> strips;
   std::vector<DirectionScore> ranking;
   std::vector<Refusal> refusals;

@@ -114,7 +114,7 @@ Card pose_card(const ViewModel& model, const Selection& selection) {
   const Strip& strip = model.program.strips[static_cast<std::size_t>(selection.strip)];
   const BladePose& pose = strip.poses[static_cast<std::size_t>(selection.index)];
   Card card{fmt::format("{} pose {} of {}", strip.id, selection.index + 1, strip.poses.size()), {}};
-  card.lines.push_back(fmt::format("at {:.2f} s, {}", pose.t - strip.poses.front().t, pose.phase));
+  card.lines.push_back(fmt::format("at {:.2f} s, {}", pose.t - strip.poses.front().t, name(pose.phase)));
   // The surface has a row every few poses: the nearest one before is meant.
   int row = -1;
   const CutSurface& cut = model.scene.cut;

@@ -17,17 +17,17 @@ Eigen::Vector3d area_vector(const surface::TriangleMesh& mesh, std::size_t trian
 
 // +1 where face normals point to the waste, -1 where they point into the part. Normals agree over the design,
 // so the sum decides also for faces that stand upright.
-double waste_sign(const surface::TriangleMesh& design, const std::string& keep) {
-  if (keep == "back") return 1;
-  if (keep == "front") return -1;
+double waste_sign(const surface::TriangleMesh& design, Keep keep) {
+  if (keep == Keep::kBack) return 1;
+  if (keep == Keep::kFront) return -1;
   double up = 0;
   for (std::size_t i = 0; i < design.triangles.size(); ++i) up += area_vector(design, i).z();
-  return (up >= 0) == (keep != "above") ? 1 : -1;
+  return (up >= 0) == (keep != Keep::kAbove) ? 1 : -1;
 }
 
 }  // namespace
 
-std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, const std::string& keep,
+std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, Keep keep,
                                         const std::vector<Eigen::Vector3d>& points, double near_mm) {
   const gpu::MeshDistance to_design(design.vertices, design.triangles);
   const auto nearest = to_design.query(points);

@@ -51,7 +51,7 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   scene.blade_now = line_of(pose.frame, pose.blade);
   scene.clamps_a.push_back(pose.a);
   scene.clamps_b.push_back(pose.b);
-  scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, pose.phase);
+  scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, name(pose.phase));
 }
 
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
@@ -90,12 +90,12 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   }
   scene.title = program.design.file;
   const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];
-  scene.caption.push_back(
-      fmt::format("{:.0f} x {:.0f} x {:.0f} mm, {} kept", size.x(), size.y(), size.z(), program.design.keep));
+  scene.caption.push_back(fmt::format("{:.0f} x {:.0f} x {:.0f} mm, {} kept", size.x(), size.y(), size.z(),
+                                      name(program.design.keep)));
   scene.caption.push_back(fmt::format("{} strip{}, {} ribs, {}", strips.size(), strips.size() == 1 ? "" : "s",
                                       ribs, duration_text(seconds)));
-  scene.verdict = "verification " + verified.status;
-  scene.verdict_good = verified.status == "passed";
+  scene.verdict = std::string("verification ") + name(verified.status);
+  scene.verdict_good = verified.status == VerificationStatus::kPassed;
   scene.caption.push_back(fmt::format("deviation max {:.2f}, p99 {:.2f} mm", verified.deviation_mm.max,
                                       verified.deviation_mm.p99));
   scene.caption.push_back(fmt::format("tolerance {:g} mm", verified.tolerance_mm));

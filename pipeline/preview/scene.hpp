@@ -84,8 +84,7 @@ struct SceneOptions {
 // negative where the cut is too deep. Waste lies above or below along z, or before or behind the face
 // normals, as `keep` says. Beyond the design's border it is the distance across the design's plane there,
 // and NaN where a point is farther beyond it than `near_mm`: there the cut is in waste, as verify counts it.
-[[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design,
-                                                      const std::string& keep,
+[[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, Keep keep,
                                                       const std::vector<Eigen::Vector3d>& points,
                                                       double near_mm);
 

@@ -128,7 +128,7 @@ std::string time_text(const ViewModel& model, const ViewState& state) {
   const std::string speed =
       state.speed >= 1 ? fmt::format("{:g}", state.speed) : fmt::format("1/{:g}", 1 / state.speed);
   return fmt::format("{}   {:.2f} of {:.2f} s   {}{}   speed x {}", strip.id, state.time_s - start,
-                     strip.poses.back().t - strip.poses.front().t, pose_at(model, now).phase,
+                     strip.poses.back().t - strip.poses.front().t, name(pose_at(model, now).phase),
                      pose_at(model, now).heat ? "" : ", cold", speed);
 }
 

@@ -12,6 +12,17 @@
 
 namespace hotblade::pipeline {
 
+const char* name(StripPhase phase) {
+  constexpr std::array kNames{"form", "preheat",  "approach", "lead_in",
+                              "cut",  "lead_out", "retract",  "travel"};
+  static_assert(kNames.size() == kStripPhases.size());
+  return kNames.at(static_cast<std::size_t>(phase));
+}
+
+const char* name(VerificationStatus status) {
+  return status == VerificationStatus::kPassed ? "passed" : "refused";
+}
+
 Program read_program(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {

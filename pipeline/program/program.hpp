@@ -54,9 +54,18 @@ struct PoseLoads {
   double droop_mm = 0, in_plane_sag_mm = 0;     // what weight moves the blade, over foam or all of it
 };
 
+// What a pose of a strip is part of, in this order. The controller's own phases are
+// robot::protocol::Phase.
+enum class StripPhase { kForm, kPreheat, kApproach, kLeadIn, kCut, kLeadOut, kRetract, kTravel };
+inline constexpr std::array kStripPhases{StripPhase::kForm,    StripPhase::kPreheat, StripPhase::kApproach,
+                                         StripPhase::kLeadIn,  StripPhase::kCut,     StripPhase::kLeadOut,
+                                         StripPhase::kRetract, StripPhase::kTravel};
+// Returns the word that programs have for it.
+[[nodiscard]] const char* name(StripPhase phase);
+
 struct BladePose {
   double t = 0;  // s from the strip's start
-  std::string phase;
+  StripPhase phase = StripPhase::kForm;
   bool heat = false;
   Frame frame;
   elastica::Elastica blade;  // whole blade, clamp A to clamp B, in the frame's plane
@@ -82,8 +91,12 @@ struct Deviation {
   Eigen::Vector3d at{0, 0, 0};
 };
 
+// Whether every limit held in the plan that a program came from.
+enum class VerificationStatus { kPassed, kRefused };
+[[nodiscard]] const char* name(VerificationStatus status);
+
 struct Verification {
-  std::string status;  // passed, failed or refused
+  VerificationStatus status = VerificationStatus::kRefused;
   double tolerance_mm = 0;
   Deviation deviation_mm;
   double uncut_mm2 = 0;
@@ -102,7 +115,7 @@ struct DesignData {
   std::string file, sha256, source_units;
   double scale_to_mm = 1;
   char up = 'z';
-  std::string keep;
+  Keep keep = Keep::kBelow;
   std::size_t vertices = 0, faces = 0;
   std::array<Eigen::Vector3d, 2> bbox_mm{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };

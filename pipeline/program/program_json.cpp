@@ -108,7 +108,7 @@ class Text {
 void write_design(Text& out, const DesignData& design) {
   out.string_field("\"design\": {\"file\":", design.file).string_field(",\"sha256\":", design.sha256);
   out.string_field(",\"source_units\":", design.source_units).field(",\"scale_to_mm\":", design.scale_to_mm);
-  out.string_field(",\"up\":", std::string_view(&design.up, 1)).string_field(",\"keep\":", design.keep);
+  out.string_field(",\"up\":", std::string_view(&design.up, 1)).string_field(",\"keep\":", name(design.keep));
   out.raw(",\"vertices\":").number(design.vertices).raw(",\"faces\":").number(design.faces);
   out.raw(",\"bbox_mm\":").list(design.bbox_mm, [&](const Eigen::Vector3d& corner) { out.vector(corner); });
   out.raw("},\n");
@@ -143,7 +143,7 @@ void write_loads(Text& out, const PoseLoads& l) {
 }
 
 void write_pose(Text& out, const BladePose& pose) {
-  out.field("{\"t\":", pose.t).string_field(",\"phase\":", pose.phase);
+  out.field("{\"t\":", pose.t).string_field(",\"phase\":", name(pose.phase));
   out.raw(pose.heat ? ",\"heat\":true" : ",\"heat\":false").raw(",\"frame\":").frame(pose.frame);
   out.raw(",\"blade\":").elastica(pose.blade).raw(",\"foam\":");
   if (pose.foam) {
@@ -167,7 +167,7 @@ void write_strip(Text& out, const Strip& strip) {
 
 void write_verification(Text& out, const Verification& verification) {
   const Deviation& deviation = verification.deviation_mm;
-  out.string_field("\"verification\": {\"status\":", verification.status);
+  out.string_field("\"verification\": {\"status\":", name(verification.status));
   out.field(",\"tolerance_mm\":", verification.tolerance_mm)
       .field(",\"deviation_mm\":{\"max\":", deviation.max);
   out.field(",\"p99\":", deviation.p99).field(",\"rms\":", deviation.rms).field(",\"mean\":", deviation.mean);

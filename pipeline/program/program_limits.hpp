@@ -1,7 +1,6 @@
 // What a program's poses have to keep to, for both ways of reading them.
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,9 +21,6 @@ inline constexpr double kUnitError = 1e-6;
 inline constexpr double kLengthErrorRel = 1e-6;
 // The controller counts microseconds in 32 bits.
 inline constexpr Range kTime{0, 4294.967295};
-
-inline constexpr std::array kPhases{"form", "preheat",  "approach", "lead_in",
-                                    "cut",  "lead_out", "retract",  "travel"};
 
 inline long long microseconds(double seconds) {
   return std::llround(seconds * 1e6);

@@ -1,6 +1,8 @@
 // Reading a program back: every number is checked before anything uses it.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -21,14 +23,24 @@ using elastica::Elastica;
 
 constexpr std::array kUnits{"mm", "cm", "m", "in", "ft"};
 constexpr std::array kUps{"z", "y"};
-constexpr std::array kKeeps{"below", "above", "back", "front"};
-constexpr std::array kStatuses{"passed", "failed", "refused"};
+constexpr std::array kKeeps{Keep::kBelow, Keep::kAbove, Keep::kBack, Keep::kFront};
+constexpr std::array kStatuses{VerificationStatus::kPassed, VerificationStatus::kRefused};
 
 double number(const JsonNode& node, const char* key, Range range = kAny) {
   return node.field(key).number(range);
 }
 std::string text(const JsonNode& node, const char* key) {
   return node.field(key).text();
+}
+
+// The value whose name stands there.
+template <typename Enum, std::size_t N>
+Enum named(const JsonNode& node, const std::array<Enum, N>& values) {
+  std::array<std::string, N> names;
+  std::array<const char*, N> words;
+  for (std::size_t i = 0; i < N; ++i) words[i] = (names[i] = name(values[i])).c_str();
+  const std::string& word = node.one_of(words);
+  return values[static_cast<std::size_t>(std::find(names.begin(), names.end(), word) - names.begin())];
 }
 
 template <int N>
@@ -108,7 +120,7 @@ DesignData design_of(const JsonNode& node) {
   design.source_units = node.field("source_units").one_of(kUnits);
   design.scale_to_mm = number(node, "scale_to_mm", kPositive);
   design.up = node.field("up").one_of(kUps)[0];
-  design.keep = node.field("keep").one_of(kKeeps);
+  design.keep = named(node.field("keep"), kKeeps);
   design.vertices = node.field("vertices").count();
   design.faces = node.field("faces").count();
   const JsonNode box = node.field("bbox_mm");
@@ -206,7 +218,7 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   expect_pose_keys(node, has_loads);
   BladePose out;
   out.t = number(node, "t", kTime);
-  out.phase = node.field("phase").one_of(kPhases);
+  out.phase = named(node.field("phase"), kStripPhases);
   out.heat = node.field("heat").boolean();
   out.frame = frame(node.field("frame"));
   const JsonNode blade = node.field("blade");
@@ -298,7 +310,7 @@ Verification verification_of(const JsonNode& node) {
   node.expect_keys(std::array{"status", "tolerance_mm", "deviation_mm", "uncut_mm2", "budget_mm", "samples",
                               "not_checked"});
   Verification out;
-  out.status = node.field("status").one_of(kStatuses);
+  out.status = named(node.field("status"), kStatuses);
   out.tolerance_mm = number(node, "tolerance_mm", kPositive);
   const JsonNode deviation = node.field("deviation_mm");
   deviation.expect_keys(std::array{"max", "p99", "rms", "mean", "at"});

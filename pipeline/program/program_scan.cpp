@@ -72,13 +72,15 @@ class Scanner {
   bool good_ = true;
 };
 
-void scan_phase(Scanner& in, std::string& phase) {
+StripPhase scan_phase(Scanner& in) {
   in.skip(",\"phase\":\"");
   const std::string_view left = in.left();
   const std::string_view word = left.substr(0, left.find('"'));
-  in.expect(std::find(kPhases.begin(), kPhases.end(), word) != kPhases.end());
-  phase = word;
-  in.skip(phase);
+  in.skip(word);
+  for (const StripPhase phase : kStripPhases)
+    if (word == name(phase)) return phase;
+  in.expect(false);
+  return {};
 }
 
 Frame scan_frame(Scanner& in) {
@@ -137,7 +139,7 @@ void scan_foam(Scanner& in, double blade_length_mm, BladePose& pose) {
 BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
   BladePose pose;
   pose.t = in.field("{\"t\":", kTime);
-  scan_phase(in, pose.phase);
+  pose.phase = scan_phase(in);
   in.skip("\",\"heat\":");
   pose.heat = in.next_is("true");
   if (!pose.heat) in.skip("false");

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <type_traits>
 
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings_fields.hpp"
@@ -37,6 +39,13 @@ struct SettingReader {
     const std::vector<std::string> words = choices(field);
     if (std::find(words.begin(), words.end(), *place) == words.end())
       node.fail(fmt::format("unknown word (\"{}\", {})", *place, range_text(field)));
+  }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(Enum* place) const {
+    std::string word;
+    (*this)(&word);
+    if (!choose(field, word, *place)) throw std::logic_error("an enum of settings has to have its words");
   }
   void operator()(std::vector<double>* place) const { *place = node.numbers(1, range()); }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }

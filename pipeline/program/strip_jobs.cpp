@@ -34,9 +34,9 @@ robot::AnnouncedBlade blade_of(const Program& program, const Strip& strip) {
 }
 
 void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
-  if (overridden || program.verification.status == "passed") return;
+  if (overridden || program.verification.status == VerificationStatus::kPassed) return;
   throw Error(ErrorKind::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
-                                           program.verification.status +
+                                           name(program.verification.status) +
                                            ", passed): plan it again, or take the risk with --override");
 }
 

@@ -201,7 +201,7 @@ std::string report_json(const PlanResult& result) {
   report["format"] = "hotblade-report";
   report["version"] = 1;
   report["created_by"] = result.program.created_by;
-  report["status"] = v.status;
+  report["status"] = name(v.status);
   report["design"] = {{"file", result.program.design.file},
                       {"sha256", result.program.design.sha256},
                       {"area_mm2", result.verification.area_mm2}};
@@ -318,7 +318,7 @@ void prepare_output(const fs::path& directory, bool force) {
 Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts, const EmitOptions& options,
              const TakePictures& take_pictures) {
   Emitted emitted;
-  const bool passed = result.program.verification.status == "passed";
+  const bool passed = result.program.verification.status == VerificationStatus::kPassed;
   if (!passed && options.override_refusal) {
     for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
   }

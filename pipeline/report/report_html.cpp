@@ -66,7 +66,7 @@ double total_duration_s(const PlanResult& result) {
 
 std::string verdict_section(const PlanResult& result) {
   const Verification& v = result.program.verification;
-  const bool passed = v.status == "passed";
+  const bool passed = v.status == VerificationStatus::kPassed;
   std::string html = fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", passed ? "passed" : "refused",
                                  passed ? "Can be cut as planned" : "Not cuttable as asked");
   if (result.verification.cut_samples == 0) {
@@ -263,7 +263,7 @@ std::string heading(const PlanResult& result) {
       "<h1>{}</h1><p class=\"sub\">{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}. SHA-256 "
       "{}. "
       "{}.</p>\n",
-      escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), escaped(d.keep),
+      escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), name(d.keep),
       escaped(d.sha256), escaped(result.program.created_by));
 }
 
@@ -274,7 +274,7 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"><title>" +
-      escaped(result.program.design.file) + ": " + escaped(result.program.verification.status) +
+      escaped(result.program.design.file) + ": " + name(result.program.verification.status) +
       "</title><style>" + kStyle + "</style></head><body>\n";
   html += heading(result) + verdict_section(result) + refusals_section(result) + remedies_section(result);
   html += figures_section(result);

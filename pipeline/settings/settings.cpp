@@ -9,6 +9,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <type_traits>
 
 #include "pipeline/settings/edit_distance.hpp"
 #include "pipeline/settings/error.hpp"
@@ -70,6 +71,11 @@ std::string section_hint(const std::string& section) {
 
 // ---- reading values ----
 
+std::string unknown_word(const SettingField& field, const std::string& word) {
+  const bool several = choices(field).size() > 1;
+  return "(\"" + word + "\", must be " + (several ? "one of " : "") + range_text(field) + ")";
+}
+
 std::string type_name(const toml::node& node) {
   std::ostringstream text;
   text << node.type();
@@ -125,6 +131,13 @@ struct Reader {
     if (!text) wrong_type("a string");
     *place = *text;
   }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(Enum* place) const {
+    std::string word;
+    (*this)(&word);
+    if (!choose(field, word, *place)) fail(where, full_key(field) + " " + unknown_word(field, word));
+  }
   void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
   template <std::size_t N>
@@ -150,9 +163,11 @@ struct RangeCheck {
     if (field.choices == kAnyText) return;
     const auto words = choices(field);
     if (std::find(words.begin(), words.end(), *v) != words.end()) return;
-    fail_key(origins, full_key(field),
-             "(\"" + *v + "\", must be " + (words.size() > 1 ? "one of " : "") + range_text(field) + ")");
+    fail_key(origins, full_key(field), unknown_word(field, *v));
   }
+  template <typename Enum>
+  requires std::is_enum_v<Enum>
+  void operator()(const Enum*) const {}  // an enum holds no other value
   void operator()(const std::vector<double>* v) const {
     if (v->empty() || v->size() > kMaxLengths) {
       fail_key(origins, full_key(field),

@@ -8,17 +8,27 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
+// The foam that stays: below or above the surface, or behind or before its face normals.
+enum class Keep { kBelow, kAbove, kBack, kFront };
+// May one blade cut both sides of a window?
+enum class Gaps { kBridge, kApart };
+
+// Return the words that settings and programs have for them.
+[[nodiscard]] std::string_view name(Keep keep);
+[[nodiscard]] std::string_view name(Gaps gaps);
+
 struct DesignSettings {
-  std::string units;           // mm, cm, m, in, ft; required, no default
-  std::string up = "z";        // z or y
-  std::string keep = "below";  // below, above, back, front: the foam that stays
-  std::string group;           // OBJ group or object to cut; empty: the whole file
+  std::string units;     // mm, cm, m, in, ft; required, no default
+  std::string up = "z";  // z or y
+  Keep keep = Keep::kBelow;
+  std::string group;  // OBJ group or object to cut; empty: the whole file
   // The faces that look in this direction of the design frame are cut; absent, all are.
   std::optional<std::array<double, 3>> facing;
   double facing_max_deg = 80;     // between a face's normal and `facing`
@@ -31,8 +41,8 @@ struct SliceSettings {
   std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
   // The line that rib planes turn about instead: a point of it (mm) and its direction, design frame.
   std::optional<std::array<double, 6>> fan_axis;
-  double spacing_mm = 20;       // largest distance between the sections that ribs are chosen from
-  std::string gaps = "bridge";  // or apart: may one blade cut both sides of a window?
+  double spacing_mm = 20;  // largest distance between the sections that ribs are chosen from
+  Gaps gaps = Gaps::kBridge;
 };
 
 struct FitSettings {

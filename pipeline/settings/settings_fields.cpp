@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 namespace hotblade::pipeline {
 namespace {
@@ -17,7 +18,7 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.design.units; }},
     {"design", "up", "", 0, 0, "z|y", "Axis of the OBJ that points up",
      [](S& s) -> Place { return &s.design.up; }},
-    {"design", "keep", "", 0, 0, "below|above|back|front",
+    {"design", "keep", "", 0, 0, kKeepWords,
      "Foam that stays: below or above the surface, or behind or before the face normals",
      [](S& s) -> Place { return &s.design.keep; }},
     {"design", "group", "", 0, 0, kAnyText, "OBJ group or object to cut; empty: the whole file",
@@ -46,7 +47,7 @@ constexpr SettingField kFields[] = {
     {"slice", "spacing_mm", "mm", 0.5, 500, "",
      "Largest distance between the sections that ribs are chosen from",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
-    {"slice", "gaps", "", 0, 0, "bridge|apart",
+    {"slice", "gaps", "", 0, 0, kGapsWords,
      "Windows and notches: one strip across them where it serves both sides, or a block for each side",
      [](S& s) -> Place { return &s.slice.gaps; }},
 
@@ -144,9 +145,18 @@ std::string list_text(const Numbers& values) {
   return text + "]";
 }
 
+// The word at this place of a list separated by '|'.
+std::string_view word_at(std::string_view words, std::size_t place) {
+  for (; place > 0; --place) words.remove_prefix(words.find('|') + 1);
+  return words.substr(0, words.find('|'));
+}
+
 struct TomlText {
   std::optional<std::string> operator()(const double* v) const { return number_text(*v); }
   std::optional<std::string> operator()(const int* v) const { return std::to_string(*v); }
+  template <typename Enum>
+  requires std::is_enum_v<Enum> std::optional<std::string>
+  operator()(const Enum* v) const { return "\"" + std::string(name(*v)) + "\""; }
   // A JSON string with its escapes is a TOML basic string too.
   std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
@@ -158,6 +168,14 @@ struct TomlText {
 };
 
 }  // namespace
+
+std::string_view name(Keep keep) {
+  return word_at(kKeepWords, static_cast<std::size_t>(keep));
+}
+
+std::string_view name(Gaps gaps) {
+  return word_at(kGapsWords, static_cast<std::size_t>(gaps));
+}
 
 std::span<const SettingField> setting_fields() {
   return kFields;
@@ -196,7 +214,7 @@ std::optional<std::string> toml_text(const SettingPlace& place) {
 std::string range_text(const SettingField& field) {
   Settings defaults;
   const SettingPlace place = field.place(defaults);
-  if (std::holds_alternative<std::string*>(place)) {
+  if (!field.choices.empty()) {
     if (field.choices == kAnyText) return "any text";
     std::string text;
     for (const std::string& word : choices(field)) {

@@ -16,17 +16,20 @@ namespace hotblade::pipeline {
 
 // A place inside a Settings value.
 using SettingPlace =
-    std::variant<double*, int*, std::string*, std::vector<double>*, std::array<double, 3>*,
+    std::variant<double*, int*, std::string*, Keep*, Gaps*, std::vector<double>*, std::array<double, 3>*,
                  std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
 
 // The choices of a string that may be any text.
 inline constexpr std::string_view kAnyText = "*";
 
+// The words of each enum, in its order.
+inline constexpr std::string_view kKeepWords = "below|above|back|front", kGapsWords = "bridge|apart";
+
 struct SettingField {
   std::string_view section, key, unit;
   double min = 0, max = 0;   // of a number, or of every number of a list; both included
-  std::string_view choices;  // of a string: the words allowed, separated by '|'; an empty word means unset;
-                             // kAnyText: any
+  std::string_view choices;  // of a string or an enum: the words allowed, separated by '|'; an empty word
+                             // means unset; kAnyText: any
   std::string_view description;
   SettingPlace (*place)(Settings&);
 };
@@ -39,6 +42,18 @@ struct SettingField {
 
 // The words of field.choices, one by one.
 [[nodiscard]] std::vector<std::string> choices(const SettingField& field);
+
+// Sets an enum to the value that a word of field.choices names; returns whether there is one.
+template <typename Enum>
+[[nodiscard]] bool choose(const SettingField& field, std::string_view word, Enum& value) {
+  const std::vector<std::string> words = choices(field);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] != word) continue;
+    value = static_cast<Enum>(i);
+    return true;
+  }
+  return false;
+}
 
 // The shortest text that reads back to the same number.
 [[nodiscard]] std::string number_text(double value);

@@ -1,5 +1,6 @@
 // Settings written out: JSON for programs, TOML for people, and the table of every key.
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
 #include "pipeline/settings/settings_fields.hpp"
 
@@ -15,7 +16,11 @@ struct ToJson {
   }
   template <typename T>
   nlohmann::ordered_json operator()(const T* v) const {
-    return *v;
+    if constexpr (std::is_enum_v<T>) {
+      return std::string(name(*v));
+    } else {
+      return *v;
+    }
   }
 };
 

@@ -25,7 +25,7 @@ double interpolation_mm(const Program& program) {
   for (const Strip& strip : program.strips) {
     for (std::size_t i = 2; i < strip.poses.size(); ++i) {
       const BladePose &p = strip.poses[i - 2], &q = strip.poses[i - 1], &r = strip.poses[i];
-      if (q.phase != "cut") continue;
+      if (q.phase != StripPhase::kCut) continue;
       for (const auto clamp : {&BladePose::a, &BladePose::b}) {
         const Eigen::Vector3d bend = (p.*clamp).p - 2 * (q.*clamp).p + (r.*clamp).p;
         worst = std::max(worst, bend.norm() / 8);

@@ -70,7 +70,8 @@ class BlockAxes {
 };
 
 bool sweeps(const BladePose& pose) {
-  return pose.phase == "lead_in" || pose.phase == "cut" || pose.phase == "lead_out";
+  return pose.phase == StripPhase::kLeadIn || pose.phase == StripPhase::kCut ||
+         pose.phase == StripPhase::kLeadOut;
 }
 
 // How far the blade's plane has moved from one pose to the other, where the blade starts and its length

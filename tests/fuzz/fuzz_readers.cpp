@@ -105,7 +105,7 @@ std::string small_program() {
   program.created_by = "fuzz";
   program.design.file = "fuzz.obj";
   program.design.source_units = "mm";
-  program.design.keep = "below";
+  program.design.keep = pipeline::Keep::kBelow;
   program.design.sha256 = std::string(64, '0');
   program.blade = {{600}, 8, 0.5, 190000, 1010, 1.5, 0.014, 1, 7900};
   program.verification.status = "passed";

@@ -22,7 +22,7 @@ inline Program motion_program(int strips, std::size_t poses, double dt_s = 0.05)
     for (const auto& w : robot::testing::sample_waypoints(poses, static_cast<std::uint32_t>(dt_s * 1e6))) {
       BladePose pose = pattern;
       pose.t = w.t_us * 1e-6;
-      pose.phase = "form";
+      pose.phase = StripPhase::kForm;
       pose.foam.reset();
       pose.rib.reset();
       pose.blade.length = strip.blade_length_mm;

@@ -55,7 +55,7 @@ inline BladePose vault_pose(const VaultOptions& options, int strip, int index) {
   const double half_blade = kVaultBlade / 2 / radius;
   BladePose pose;
   pose.t = 0.05 * index;
-  pose.phase = cutting ? "cut" : (share < 0.5 ? "lead_in" : "lead_out");
+  pose.phase = cutting ? StripPhase::kCut : (share < 0.5 ? StripPhase::kLeadIn : StripPhase::kLeadOut);
   pose.heat = true;
   pose.frame = vault_frame(strip * kVaultStripWidth + along, radius);
   const double before =
@@ -120,14 +120,14 @@ inline Program vault_program(const VaultOptions& options = {}) {
   program.design.file = "vault.obj";
   program.design.sha256 = std::string(64, 'a');
   program.design.source_units = "mm";
-  program.design.keep = "below";
+  program.design.keep = Keep::kBelow;
   program.design.vertices = 121;
   program.design.faces = 200;
   program.design.bbox_mm = {Eigen::Vector3d(-160, 0, 0), Eigen::Vector3d(160, 250.0 * options.strips, 32)};
   program.settings.design.units = "mm";
   program.blade = {{400, 600, 800}, 8, 0.5, 190000, 1010, 1.5, 0.0142, 1.0, 7900};
   for (int strip = 0; strip < options.strips; ++strip) program.strips.push_back(vault_strip(options, strip));
-  program.verification.status = "passed";
+  program.verification.status = VerificationStatus::kPassed;
   program.verification.tolerance_mm = 1.0;
   program.verification.deviation_mm = {0.42, 0.31, 0.12, -0.02, {10, 20, 30}};
   program.verification.budget_mm = {{"mesh", 0.05}, {"between ribs", 0.125}};

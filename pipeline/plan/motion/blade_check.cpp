@@ -175,7 +175,8 @@ void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
     motion.warnings.push_back(fmt::format(
         "{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide "
         "its shape to second order only, and their errors may move it by {:.1f} mm",
-        strip.id, poses[first].t, poses[first].phase, poses[i - 1].t, poses[i - 1].phase, i - first, moved));
+        strip.id, poses[first].t, name(poses[first].phase), poses[i - 1].t, name(poses[i - 1].phase),
+        i - first, moved));
   }
 }
 
@@ -184,15 +185,15 @@ class Refuser {
  public:
   Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
 
-  void operator()(std::size_t i, const char* name, double value, double bound, const char* unit,
+  void operator()(std::size_t i, const char* limit, double value, double bound, const char* unit,
                   const char* hint) {
     const BladePose& pose = motion_.poses[i];
     motion_.refusals.push_back({strip_.id, pose.foam ? rib_name(pose) : "",
-                                fmt::format("{} in phase {} at {:.2f} s", name, pose.phase, pose.t), value,
-                                bound, unit, hint});
+                                fmt::format("{} in phase {} at {:.2f} s", limit, name(pose.phase), pose.t),
+                                value, bound, unit, hint});
   }
 
-  [[nodiscard]] const std::string& phase(std::size_t i) const { return motion_.poses[i].phase; }
+  [[nodiscard]] StripPhase phase(std::size_t i) const { return motion_.poses[i].phase; }
 
  private:
   [[nodiscard]] std::string rib_name(const BladePose& pose) const {
@@ -230,7 +231,7 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
   if (!(checks[near].clearance >= stock.clearance_mm)) {
     refuse(
         near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
-        refuse.phase(near) == "retract"
+        refuse.phase(near) == StripPhase::kRetract
             ? "raise motion.lead_mm to stock.clearance_mm or leave it out, which takes as much as is needed"
             : "add a longer blade to blade.free_lengths_mm");
   }

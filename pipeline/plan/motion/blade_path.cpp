@@ -244,18 +244,18 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   Forming last = form(in_air(rib_at(marks.last_rib_mm), marks.last_rib_mm), min_margin);
   const WayOut out = way_out(strip, last, behind, settings);
   marks.end_mm = out.end_mm;
-  path.stretches.push_back({"form", false, 200, [first](double u) { return first.place(u); }});
-  path.stretches.push_back({"approach", true, 50, [first, marks, above](double u) {
+  path.stretches.push_back({StripPhase::kForm, false, 200, [first](double u) { return first.place(u); }});
+  path.stretches.push_back({StripPhase::kApproach, true, 50, [first, marks, above](double u) {
                               return place_of(in_air(first.worked, above + u * (marks.start_mm - above)));
                             }});
   const int resolved = std::clamp(static_cast<int>(8 * strip.ribs.size()), 400, 4000);
-  path.stretches.push_back({"cut", true, resolved, [&strip, spline, marks](double u) {
+  path.stretches.push_back({StripPhase::kCut, true, resolved, [&strip, spline, marks](double u) {
                               return place_at(strip, *spline,
                                               marks.start_mm + u * (marks.end_mm - marks.start_mm));
                             }});
-  path.stretches.push_back(
-      {"retract", false, 50, [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 * u); }});
-  path.stretches.push_back({"retract", false, 200,
+  path.stretches.push_back({StripPhase::kRetract, false, 50,
+                            [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 * u); }});
+  path.stretches.push_back({StripPhase::kRetract, false, 200,
                             [last, out](double u) { return withdrawn(last, out.aside_mm, 0.5 + 0.5 * u); }});
   if (auto travel = travel_home(strip, shape_of(withdrawn(last, out.aside_mm, 1)), first.at(0), settings))
     path.stretches.push_back(std::move(*travel));

@@ -32,7 +32,7 @@ struct BladePlace {
 
 // A stretch of the path that starts and ends at rest; `place` takes [0, 1].
 struct Stretch {
-  std::string phase;
+  StripPhase phase = StripPhase::kForm;
   bool heat = false;
   int samples = 0;  // that resolve it
   std::function<BladePlace(double)> place;

@@ -135,16 +135,16 @@ TimedStretch timed(const Stretch& stretch, const StripPlan& strip, const Setting
 }
 
 // The phase of a place in the cutting stretch.
-std::string cut_phase(double offset_mm, const SweepMarks& marks) {
-  if (offset_mm < marks.first_rib_mm) return "lead_in";
-  if (offset_mm > marks.last_rib_mm) return "lead_out";
-  return "cut";
+StripPhase cut_phase(double offset_mm, const SweepMarks& marks) {
+  if (offset_mm < marks.first_rib_mm) return StripPhase::kLeadIn;
+  if (offset_mm > marks.last_rib_mm) return StripPhase::kLeadOut;
+  return StripPhase::kCut;
 }
 
 // Everything but the margins, which find_margins gives to all poses together.
 void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedStretch& timed,
             const SweepMarks& marks) {
-  const bool cutting = stretch.phase == "cut";
+  const bool cutting = stretch.phase == StripPhase::kCut;
   const double t0 = poses.empty() ? 0 : poses.back().t;
   if (!poses.empty() && !(timed.law.duration_s > 0)) return;  // a stretch that does not move
   const std::size_t skip = poses.empty() ? 0 : 1;             // a stretch starts where the one before ended
@@ -156,7 +156,7 @@ void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedSt
     pose.heat = stretch.heat;
     pose.frame = timed.at.frames[k];
     pose.blade = shape.blade;
-    if (pose.phase == "cut") pose.foam = {{shape.foam0, shape.foam1}};
+    if (pose.phase == StripPhase::kCut) pose.foam = {{shape.foam0, shape.foam1}};
     pose.a = timed.at.pairs[k].a;
     pose.b = timed.at.pairs[k].b;
   }
@@ -180,7 +180,7 @@ void append_preheat(std::vector<BladePose>& poses, const MotionSettings& motion)
   for (std::size_t k = 1; k <= steps; ++k) {
     BladePose pose = still;
     pose.t = still.t + motion.preheat_s * static_cast<double>(k) / static_cast<double>(steps);
-    pose.phase = "preheat";
+    pose.phase = StripPhase::kPreheat;
     pose.heat = true;
     poses.push_back(pose);
   }
@@ -197,7 +197,7 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
     double best = std::numeric_limits<double>::infinity();
     BladePose* nearest = nullptr;
     for (BladePose& pose : poses) {
-      if (pose.phase != "cut" || pose.rib) continue;
+      if (pose.phase != StripPhase::kCut || pose.rib) continue;
       const double away = std::abs(strip.offset(pose.frame) - strip.ribs[r].offset_mm);
       if (away < best) {
         best = away;
@@ -318,14 +318,14 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   const BladePath path = make_path(strip, settings);
   for (const Stretch& stretch : path.stretches) {
     append(motion.poses, stretch, timed(stretch, strip, settings), path.marks);
-    if (stretch.phase == "form") append_preheat(motion.poses, settings.motion);
+    if (stretch.phase == StripPhase::kForm) append_preheat(motion.poses, settings.motion);
   }
   find_margins(motion.poses);
   round_times(motion.poses);
   mark_ribs(motion.poses, strip);
   motion.duration_s = motion.poses.back().t;
   for (std::size_t i = 1; i < motion.poses.size(); ++i) {
-    if (motion.poses[i].phase == "cut") motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
+    if (motion.poses[i].phase == StripPhase::kCut) motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
   motion.slowest_feed_mm_s = slowest_feed(motion.poses, !strip.formed.empty());
   if (strip.planes.turns()) motion.off_plane_mm = off_plane_mm(motion.poses);

@@ -182,7 +182,7 @@ std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& fro
       for (const Quadratic& curve : around(start, end, corner, settings.stock.clearance_mm + more_mm)) {
         way.curve = curve;
         way.length = elastica::length(curve);
-        const Stretch travel{"travel", false, 200, [way](double u) { return way.place(u); }};
+        const Stretch travel{StripPhase::kTravel, false, 200, [way](double u) { return way.place(u); }};
         if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm)
           return travel;
       }

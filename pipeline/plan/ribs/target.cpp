@@ -21,9 +21,9 @@ struct WasteSide {
   double lean = 0;  // mean of |component that decides|, 0..1
 };
 
-WasteSide waste_side(const surface::RibGraph& graph, const surface::Chain& chain, const std::string& keep) {
-  if (keep == "back") return {1, 1};
-  if (keep == "front") return {-1, 1};
+WasteSide waste_side(const surface::RibGraph& graph, const surface::Chain& chain, Keep keep) {
+  if (keep == Keep::kBack) return {1, 1};
+  if (keep == Keep::kFront) return {-1, 1};
   double z = 0, weight = 0;
   for (const surface::RibRef& ref : chain.ribs) {
     const auto& points = graph.sections[static_cast<std::size_t>(ref.section)]
@@ -36,7 +36,7 @@ WasteSide waste_side(const surface::RibGraph& graph, const surface::Chain& chain
     }
   }
   const double mean = weight > 0 ? z / weight : 0;
-  const double up = keep == "below" ? 1 : -1;
+  const double up = keep == Keep::kBelow ? 1 : -1;
   return {mean * up >= 0 ? 1.0 : -1.0, std::abs(mean)};
 }
 
@@ -117,7 +117,7 @@ void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, cons
   if (side.lean < kLeastLean) {
     report.refusals.push_back(
         {target.place, "", "lean of the surface towards z", side.lean, kLeastLean, "",
-         "design.keep = \"" + settings.design.keep +
+         "design.keep = \"" + std::string(name(settings.design.keep)) +
              "\" says nothing about an upright surface: set design.keep to back or front"});
     return;
   }
@@ -243,7 +243,7 @@ TargetReport make_targets(const surface::RibGraph& graph, const Settings& settin
       report.warnings.push_back(place_of(graph, chain) + ": a single rib makes no strip, left out");
     }
   }
-  if (settings.slice.gaps == "bridge") {
+  if (settings.slice.gaps == Gaps::kBridge) {
     for (const surface::Bridge& bridge : graph.bridges)
       add_bridge(graph, bridge, settings, target_of, report);
   }

@@ -117,7 +117,7 @@ TEST_F(ControllerCommands, DryrunOfAMotionOverALimitNamesItAndExitsWithSix) {
 
 TEST_F(ControllerCommands, AProgramThatDidNotPassNeedsAnOverride) {
   auto program = testing::motion_program(1, 400);
-  program.verification.status = "failed";
+  program.verification.status = VerificationStatus::kRefused;
   write(program);
   const Ended refused = hotblade({"dryrun", file_.string()});
   EXPECT_EQ(refused.code, 4);
@@ -295,7 +295,7 @@ TEST_F(ControllerCommands, AFaultIsToldWithItsStripRibAndPhase) {
   const Ended ended = hotblade(run_arguments());
   EXPECT_EQ(ended.code, 6);
   EXPECT_THAT(ended.err, HasSubstr("FAULT DRIVE at waypoint 60"));
-  EXPECT_THAT(ended.err, HasSubstr("[S001, " + rib + ", " + pose.phase));
+  EXPECT_THAT(ended.err, HasSubstr("[S001, " + rib + ", " + name(pose.phase)));
   const Ended again = hotblade(run_arguments({"--reset"}));
   EXPECT_EQ(again.code, 0) << "it happens once: " << again.err;
 }

@@ -90,7 +90,7 @@ PlanResult plan_swept(const Swept& p, int nu, int nv, double mesh_error, const E
                       Direction direction = Direction::kGiven) {
   Settings settings;
   settings.design.units = "mm";
-  settings.design.keep = "back";
+  settings.design.keep = Keep::kBack;
   settings.fit.deviation_share = mesh_error / settings.design.tolerance_mm;
   settings.fit.between_share = 0.5 * settings.fit.deviation_share;
   const Vector3d sweep = turn * Vector3d::UnitX();

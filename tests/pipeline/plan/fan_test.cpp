@@ -54,7 +54,7 @@ Vector3d design_point(double angle, double share) {
 Settings fan_settings(const Placed& place) {
   Settings settings;
   settings.design.units = "mm";
-  settings.design.keep = "back";
+  settings.design.keep = Keep::kBack;
   // Close fits instead of calm ones.
   settings.fit.deviation_share = 0.03;
   settings.fit.between_share = 0.01;
@@ -77,7 +77,7 @@ const PlanResult& swept_fan() {
 TEST(FanPlan, ASurfaceSweptByElasticaComesBackToItsMesh) {
   const PlanResult& result = swept_fan();
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
-  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed);
   // Facets of 4.1 mm by 4.9 mm on curvature below 1 / 300 mm lie within 0.02 mm; where blade sections turn,
   // half a band is measured in slightly different planes.
   EXPECT_LT(result.verification.deviation.max, 0.06);
@@ -92,7 +92,7 @@ TEST(FanPlan, EveryPoseOfTheCutLiesInAHalfPlaneOfTheFan) {
   for (const Strip& strip : swept_fan().program.strips) {
     double first = 10, last = -10;
     for (const BladePose& pose : strip.poses) {
-      if (pose.phase != "cut") continue;
+      if (pose.phase != StripPhase::kCut) continue;
       EXPECT_NEAR(pose.frame.normal().dot(axis), 0, 1e-9);
       EXPECT_NEAR(pose.frame.normal().dot(pose.frame.origin - on_axis), 0, 1e-7);
       const Vector3d n = place.turn.conjugate() * pose.frame.normal();
@@ -171,13 +171,15 @@ TEST(FanPlan, BlocksHoldTheDesignAndLieWithTheirMiddlePlaneLevel) {
 TEST(FanPlan, BladesAreClearOfTheBlockBeforeLeadInAndBehindLeadOut) {
   for (const Strip& strip : swept_fan().program.strips) {
     for (const BladePose& pose : strip.poses) {
-      if (pose.phase == "lead_in" || pose.phase == "cut" || pose.phase == "lead_out") continue;
+      if (pose.phase == StripPhase::kLeadIn || pose.phase == StripPhase::kCut ||
+          pose.phase == StripPhase::kLeadOut)
+        continue;
       for (const elastica::CurvePoint& c : elastica::sample(pose.blade, 33)) {
         const Vector3d d = pose.frame.point(c.x, c.y) - strip.stock.frame.origin;
         const Vector3d in(d.dot(strip.stock.frame.x), d.dot(strip.stock.frame.y),
                           d.dot(strip.stock.frame.normal()));
         const double inside = in.cwiseMin(strip.stock.size_mm - in).minCoeff();
-        ASSERT_LT(inside, 0) << pose.phase << " at " << pose.t << " s";
+        ASSERT_LT(inside, 0) << name(pose.phase) << " at " << pose.t << " s";
       }
     }
   }
@@ -209,7 +211,7 @@ TEST(FanPlan, AnAxisFarAwayPlansAsParallelPlanesDo) {
   settings.slice.direction.reset();
   settings.slice.fan_axis = {{150, 9e5, 0, 0, 0, 1}};
   const PlanResult fan = plan(design, settings, {});
-  EXPECT_EQ(fan.program.verification.status, "passed");
+  EXPECT_EQ(fan.program.verification.status, VerificationStatus::kPassed);
   ASSERT_EQ(fan.program.strips.size(), parallel.program.strips.size());
   EXPECT_EQ(fan.program.strips[0].blade_length_mm, parallel.program.strips[0].blade_length_mm);
   EXPECT_NEAR(fan.verification.deviation.max, parallel.verification.deviation.max, 5e-3);

@@ -139,7 +139,7 @@ void expect_same_strips(const PlanResult& is, const PlanResult& was, double mm) 
 constexpr double kRoundingMm = 1e-5;
 
 TEST(PlanInvariance, TheSampleIsCutInSeveralStrips) {
-  EXPECT_EQ(hill_plan().program.verification.status, "passed");
+  EXPECT_EQ(hill_plan().program.verification.status, VerificationStatus::kPassed);
   EXPECT_GE(hill_plan().strips.size(), 2u);
 }
 

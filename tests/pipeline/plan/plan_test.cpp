@@ -32,7 +32,7 @@ PlanResult plan_sample(const std::string& name) {
 TEST_P(PlanSample, IsCutWithinItsTolerance) {
   const PlanResult result = plan_sample(GetParam().name);
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
-  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed);
   EXPECT_LE(result.verification.deviation.max, GetParam().most_mm);
   EXPECT_LT(result.verification.uncut_share(), 0.001);
   EXPECT_LE(result.strips.size(), GetParam().most_strips);
@@ -78,7 +78,7 @@ TEST(Plan, SetsMoreRibsForASmallerTolerance) {
       return Eigen::Vector3d(600 * u, 300 * v, rise * (1 - across * across));
     });
     const PlanResult result = plan(wavy, settings, {});
-    EXPECT_EQ(result.program.verification.status, "passed") << tolerance;
+    EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed) << tolerance;
     EXPECT_LE(result.verification.deviation.max, tolerance);
     ASSERT_FALSE(result.strips.empty());
     EXPECT_GE(result.strips[0].ribs, before);
@@ -90,7 +90,7 @@ TEST(Plan, SetsMoreRibsForASmallerTolerance) {
 TEST(RankDirections, FindsTheSameDirectionInATurnedDesign) {
   Settings settings;
   settings.design.units = "mm";
-  settings.design.keep = "back";
+  settings.design.keep = Keep::kBack;
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   turn.rotate(Eigen::AngleAxisd(0.8, Eigen::Vector3d(0.3, -1, 0.4).normalized()));
   turn.translation() = Eigen::Vector3d(5000, -300, 70);
@@ -116,7 +116,7 @@ TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
     return Eigen::Vector3d(300 * u, 50 * std::sin(phi), 50 * std::cos(phi));
   });
   const PlanResult result = plan(pipe, along_x(), {});
-  EXPECT_EQ(result.program.verification.status, "refused");
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kRefused);
   ASSERT_FALSE(result.refusals.empty());
   const std::string message = describe(result.refusals.front());
   EXPECT_NE(message.find("radius of a rib"), std::string::npos) << message;
@@ -141,7 +141,7 @@ TEST(Plan, RefusesAnUncutShareOverTheLimitByName) {
 TEST(Plan, FindsTheSameCutInADesignTurnedUpsideDownAndKeptAbove) {
   Settings settings = along_x();
   const PlanResult below = plan(cylinder_design(), settings, {});
-  settings.design.keep = "above";
+  settings.design.keep = Keep::kAbove;
   const auto turned = grid_design("turned", 4, 120, [](double u, double v) {
     const double phi = 0.6 * (v - 0.5);
     return Eigen::Vector3d(300 * u, 400 * std::sin(phi), -400 * std::cos(phi));
@@ -158,7 +158,7 @@ TEST(Plan, WithoutPreheatStillGivesAReadableProgram) {
   settings.motion.preheat_s = 0;
   settings.motion.approach_mm = settings.motion.lead_mm = 40;
   const PlanResult result = plan(cylinder_design(), settings, {});
-  EXPECT_EQ(result.program.verification.status, "passed");
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed);
   EXPECT_NO_THROW((void)parse_program(to_json(result.program), "program.json"));
 }
 
@@ -203,7 +203,7 @@ TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
     return r.limit.find("sag of the blade") != std::string::npos;
   });
   EXPECT_TRUE(named);
-  EXPECT_EQ(result.program.verification.status, "refused");
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kRefused);
 }
 
 TEST(Plan, RefusesASlowBladePointByName) {

@@ -174,12 +174,12 @@ TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
   for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
   const double top = pipeline::testing::kVaultRadius * (1 - std::cos(pipeline::testing::kVaultHalfAngle));
   const std::vector<Eigen::Vector3d> above{{0, 100, top + 2}};
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, "below", above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(turned, "below", above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, "above", above, 3)[0], -2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, "back", above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(turned, "back", above, 3)[0], -2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, "front", above, 3)[0], -2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kBelow, above, 3)[0], 2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(turned, Keep::kBelow, above, 3)[0], 2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kAbove, above, 3)[0], -2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kBack, above, 3)[0], 2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(turned, Keep::kBack, above, 3)[0], -2, 1e-9);
+  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kFront, above, 3)[0], -2, 1e-9);
 }
 
 TEST(SignedDeviation, PastTheBorderIsAcrossTheDesignsPlaneAndThenNothing) {
@@ -188,7 +188,7 @@ TEST(SignedDeviation, PastTheBorderIsAcrossTheDesignsPlaneAndThenNothing) {
   square.triangles = {{0, 1, 2}, {0, 2, 3}};
   const std::vector<Eigen::Vector3d> points{
       {50, 40, 0.5}, {102, 40, 0.5}, {103.5, 40, 0.5}, {102, 101, -0.25}};
-  const std::vector<double> mm = signed_deviation_mm(square, "below", points, 3);
+  const std::vector<double> mm = signed_deviation_mm(square, Keep::kBelow, points, 3);
   EXPECT_NEAR(mm[0], 0.5, 1e-12);
   EXPECT_NEAR(mm[1], 0.5, 1e-12);
   EXPECT_TRUE(std::isnan(mm[2]));

@@ -87,7 +87,7 @@ TEST(Remedies, ToleranceOfARefusedJobIsOneThatItPassesWith) {
   ASSERT_EQ(list[0].setting, "design.tolerance_mm");
   settings.design.tolerance_mm = std::stod(list[0].needed);
   EXPECT_GE(settings.design.tolerance_mm, refused.verification.deviation.max);
-  EXPECT_EQ(plan(design, settings, {}).program.verification.status, "passed");
+  EXPECT_EQ(plan(design, settings, {}).program.verification.status, VerificationStatus::kPassed);
 }
 
 }  // namespace

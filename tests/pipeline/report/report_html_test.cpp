@@ -92,7 +92,7 @@ TEST(FoamKeptShare, IsTheSameWhereThePlanesTurnAboutAnAxis) {
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
     const double turn = 1.2 * (static_cast<double>(i) / 59 - 0.5);
     BladePose& pose = strip.poses[i];
-    pose.phase = "cut";
+    pose.phase = StripPhase::kCut;
     pose.frame = {{-700, -150, 0}, {std::cos(turn), std::sin(turn), 0}, {0, 0, 1}};
     pose.blade = {0, 0, 0, 0, 0, 0, 1200};
   }
@@ -120,7 +120,7 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
 
 TEST(ReportHtml, SaysTheNumberThatWouldMakeARefusedJobCuttable) {
   PlanResult result = plan(cylinder_design(), along_x(), {});
-  result.program.verification.status = "refused";
+  result.program.verification.status = VerificationStatus::kRefused;
   result.refusals = {{"S001", "", "deviation", 1.234, 1, "mm", "a larger tolerance"}};
   const std::string html = report_html(result, {}, "none");
   EXPECT_EQ(unbalanced(html), "");
@@ -154,7 +154,7 @@ TEST(ReportHtml, NeedsNothingButItself) {
 TEST(ReportHtml, EscapesNamesFromOutside) {
   PlanResult result;
   result.program.design.file = "<b>&\"name'.obj";
-  result.program.verification.status = "refused";
+  result.program.verification.status = VerificationStatus::kRefused;
   const std::string html = report_html(result, {}, "none");
   EXPECT_EQ(unbalanced(html), "");
   EXPECT_THAT(html, HasSubstr("&lt;b&gt;&amp;&quot;name&#39;.obj"));

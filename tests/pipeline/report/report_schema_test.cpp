@@ -50,7 +50,7 @@ TEST_F(ReportSchema, AcceptsTheReportsOfPassedAndRefusedPlans) {
   EXPECT_EQ(wrong(Json::parse(report_json(result))), "");
   result.refusals.push_back(
       {"S001", "S001R002", "deviation", 1.2, 1, "mm", "a hint", "at (1, 2, 3)", {"a", "b"}});
-  result.program.verification.status = "refused";
+  result.program.verification.status = VerificationStatus::kRefused;
   const Json refused = Json::parse(report_json(result));
   EXPECT_EQ(wrong(refused), "");
   EXPECT_EQ(refused["remedies"][0]["setting"], "design.tolerance_mm");

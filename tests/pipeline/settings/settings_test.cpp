@@ -85,7 +85,7 @@ TEST_F(SettingsFiles, LaterSourcesWin) {
   const auto second = write("b.toml", "[design]\ntolerance_mm = 3.5\n");
   const Settings files = resolve({{first, second}, {}, {}});
   EXPECT_EQ(files.design.tolerance_mm, 3.5);
-  EXPECT_EQ(files.design.keep, "above");
+  EXPECT_EQ(files.design.keep, Keep::kAbove);
   EXPECT_EQ(files.blade.kerf_mm, 1.5);
   EXPECT_EQ(resolve({{second, first}, {}, {}}).design.tolerance_mm, 2);
   EXPECT_EQ(resolve({{first}, {"design.tolerance_mm=4"}, {}}).design.tolerance_mm, 4);
@@ -95,8 +95,8 @@ TEST_F(SettingsFiles, LaterSourcesWin) {
 }
 
 TEST(Settings, AssignmentsTakeTomlValuesAndBareWords) {
-  EXPECT_EQ(with("design.keep=back").design.keep, "back");
-  EXPECT_EQ(with("design.keep=\"back\"").design.keep, "back");
+  EXPECT_EQ(with("design.keep=back").design.keep, Keep::kBack);
+  EXPECT_EQ(with("design.keep=\"back\"").design.keep, Keep::kBack);
   EXPECT_EQ(with("blade.free_lengths_mm=[500, 700.5]").blade.free_lengths_mm,
             (std::vector<double>{500, 700.5}));
   EXPECT_EQ(with("fit.max_splits=3").fit.max_splits, 3);

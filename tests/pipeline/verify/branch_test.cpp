@@ -23,9 +23,9 @@ constexpr BranchOptions kSpring{1 / 70.5, 1};
 BladePose pose_of(const elastica::Elastica& blade, double t) {
   BladePose pose;
   pose.t = t;
-  pose.phase = "form";
+  pose.phase = StripPhase::kForm;
   pose.blade = blade;
-  const ClampPair pair = clamps(blade, pose.frame);
+  const ClampPoses pair = clamps(blade, pose.frame);
   pose.a = pair.a;
   pose.b = pair.b;
   return pose;
@@ -63,7 +63,7 @@ TEST(FollowBranch, SeesAClampOutOfThePlane) {
 TEST(FollowBranch, RefusesAStartThatIsNoFlatArc) {
   Strip strip = cylinder_strip();
   const auto formed = std::find_if(strip.poses.begin(), strip.poses.end(),
-                                   [](const BladePose& p) { return p.phase == "preheat"; });
+                                   [](const BladePose& p) { return p.phase == StripPhase::kPreheat; });
   strip.poses.erase(strip.poses.begin(), formed);
   EXPECT_EQ(follow_branch(strip, kSpring).status, BranchStatus::kNoFlatArc);
   strip.poses.clear();

@@ -29,7 +29,7 @@ Eigen::Isometry3d placement() {
 Settings search_settings() {
   Settings settings;
   settings.design.units = "mm";
-  settings.design.keep = "back";
+  settings.design.keep = Keep::kBack;
   settings.machine.plinth_mm = 400;  // blades of a fan lean
   return settings;
 }
@@ -67,7 +67,7 @@ TEST(FanSearch, FindsTheAxisOfTheCornerAndPlansAsWellAsWithIt) {
   // width, and is met 700 mm away.
   const double rad = 4 * 5e-7 / 80;
   expect_axis(found.ranking.front(), Vector3d::Zero(), Vector3d::UnitZ(), rad, 700 * rad);
-  EXPECT_EQ(found.program.verification.status, "passed");
+  EXPECT_EQ(found.program.verification.status, VerificationStatus::kPassed);
   s.settings.slice.fan_axis = {{0, 0, 0, 0, 0, 1}};
   const PlanResult given = plan(s.design, s.settings, {});
   EXPECT_EQ(found.strips.size(), given.strips.size());
@@ -78,7 +78,7 @@ TEST(FanSearch, FindsTheAxisOfTheCornerAndPlansAsWellAsWithIt) {
 
 TEST(FanSearch, FindsTheSameAxisInATurnedDesign) {
   Sample here = sample("corner"), there = sample("corner", placement());
-  here.settings.design.keep = there.settings.design.keep = "back";
+  here.settings.design.keep = there.settings.design.keep = Keep::kBack;
   const auto a = rank_directions(here.design, here.settings),
              b = rank_directions(there.design, there.settings);
   ASSERT_TRUE(a.front().fan);

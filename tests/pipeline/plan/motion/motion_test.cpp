@@ -84,10 +84,10 @@ TEST(MoveBlade, StartsAndEndsAtAFlatCircularArc) {
 TEST(MoveBlade, RunsThroughThePhasesInOrderAndHeatsOnlyWhenNeeded) {
   std::vector<std::string> phases;
   for (const BladePose& pose : planned().motion.poses) {
-    if (phases.empty() || phases.back() != pose.phase) phases.push_back(pose.phase);
+    if (phases.empty() || phases.back() != name(pose.phase)) phases.emplace_back(name(pose.phase));
     const std::set<std::string> hot{"preheat", "approach", "lead_in", "cut", "lead_out"};
-    EXPECT_EQ(pose.heat, hot.count(pose.phase) > 0) << pose.phase;
-    EXPECT_EQ(pose.foam.has_value(), pose.phase == "cut");
+    EXPECT_EQ(pose.heat, hot.count(name(pose.phase)) > 0) << name(pose.phase);
+    EXPECT_EQ(pose.foam.has_value(), pose.phase == StripPhase::kCut);
   }
   EXPECT_EQ(phases, (std::vector<std::string>{"form", "preheat", "approach", "lead_in", "cut", "lead_out",
                                               "retract", "travel"}));

@@ -48,7 +48,7 @@ Travelled measure(const Strip& strip, double width_mm) {
   std::vector<Eigen::Vector3d> seen;  // from clamp A
   for (std::size_t i = 1; i < strip.poses.size(); ++i) {
     const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
-    if (q.phase != "travel") continue;
+    if (q.phase != StripPhase::kTravel) continue;
     found.seconds += q.t - p.t;
     if (seen.empty()) {
       for (const auto& point : elastica::sample(p.blade, 1000)) {
@@ -80,7 +80,7 @@ void expect_clear_way_home(const Program& program, double around_mm = 70) {
     EXPECT_LT(found.clearance_mm, 40 + around_mm) << strip.id;  // around the stock, not around the table
     EXPECT_LT(found.bent_mm, 0.01) << strip.id;                 // a rigid motion, but for chords of it
     const BladePose &first = strip.poses.front(), &last = strip.poses.back();
-    EXPECT_EQ(last.phase, "travel");
+    EXPECT_EQ(last.phase, StripPhase::kTravel);
     const auto middle = [&](const BladePose& pose) {
       const auto m = elastica::point_at(pose.blade, pose.blade.length / 2);
       return std::pair{pose.frame.point(m.x, m.y),
@@ -115,11 +115,11 @@ TEST(Travel, KeepsTheWholeBladeClearOfTheStockInTheSectorsOfARing) {
   });
   Settings settings;
   settings.design.units = "mm";
-  settings.design.keep = "back";
+  settings.design.keep = Keep::kBack;
   settings.machine.plinth_mm = 400;
   settings.slice.fan_axis = {{0, 0, 0, 0, 0, 1}};
   const PlanResult ring = plan(barrel, settings, {});
-  EXPECT_EQ(ring.program.verification.status, "passed");
+  EXPECT_EQ(ring.program.verification.status, VerificationStatus::kPassed);
   EXPECT_GE(ring.strips.size(), 2u);
   EXPECT_LT(ring.verification.uncut_share(), 1e-3);
   expect_clear_way_home(ring.program, 150);

@@ -93,7 +93,7 @@ TEST(BridgePlan, OneStripSpansAWindowWithinTheTolerance) {
   Settings settings = along_x();
   settings.slice.direction = {{0, 1, 0}};
   const PlanResult whole = plan(grid_design("panel", 64, 40, panel, window), settings, {});
-  EXPECT_EQ(whole.program.verification.status, "passed");
+  EXPECT_EQ(whole.program.verification.status, VerificationStatus::kPassed);
   ASSERT_EQ(whole.program.strips.size(), 1u);
   EXPECT_LT(whole.verification.deviation.max, 0.5);
   EXPECT_EQ(whole.verification.uncut_mm2, 0);

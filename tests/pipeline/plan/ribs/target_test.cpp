@@ -40,13 +40,14 @@ TEST(MakeTargets, MovesTheTargetByHalfTheBandAlongTheDesignsNormal) {
 }
 
 TEST(MakeTargets, PutsTheWasteWhereKeepSays) {
-  const std::pair<const char*, double> cases[] = {{"below", 1}, {"above", -1}, {"back", 1}, {"front", -1}};
+  const std::pair<Keep, double> cases[] = {
+      {Keep::kBelow, 1}, {Keep::kAbove, -1}, {Keep::kBack, 1}, {Keep::kFront, -1}};
   for (const auto& [keep, side] : cases) {
     Settings settings = along_x();
     settings.design.keep = keep;
     const TargetReport report = targets_of(ramp(0), settings);  // face normals point up
-    ASSERT_EQ(report.chains.size(), 1u) << keep;
-    EXPECT_GT(side * report.chains.front().y.z(), 0.99) << keep;
+    ASSERT_EQ(report.chains.size(), 1u) << name(keep);
+    EXPECT_GT(side * report.chains.front().y.z(), 0.99) << name(keep);
   }
 }
 
