@@ -129,7 +129,7 @@ bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Jo
                      const robot::ControllerSnapshot& controller, const Console& console) {
   if (arguments.yes) return true;
   console.end_progress();
-  const auto& size = strip.stock.size_mm;
+  const auto& size = strip.block.size_mm;
   ::tcflush(STDIN_FILENO, TCIFLUSH);
   std::cerr << fmt::format(
       "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm standing {:.0f} mm above the table, {}; "
@@ -137,7 +137,7 @@ bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Jo
       "controller is {}\n"
       "This blade and this block in place, cell clear? Type yes or {} to start, anything else stops: ",
       strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(),
-      height_above_table_mm(strip.stock, strip.design_to_cell), clock_text(duration_s(job)),
+      strip.block.height_above_table_mm(strip.design_to_cell), clock_text(duration_s(job)),
       robot::protocol::name(controller.status.state), strip.id);
   std::string line;
   if (std::getline(std::cin, line) && !interrupted() && agrees_to_start(line, strip.id)) return true;

@@ -30,16 +30,16 @@ Json compas_frame(const Pose& pose) {
 
 // COMPAS puts a box's frame into its centre.
 Json compas_box(const Strip& strip) {
-  const Frame& f = strip.stock.frame;
-  const Eigen::Vector3d half = 0.5 * strip.stock.size_mm;
+  const Frame& f = strip.block.frame;
+  const Eigen::Vector3d half = 0.5 * strip.block.size_mm;
   Eigen::Matrix3d axes;
   axes << f.x, f.y, f.normal();
   const Pose in_design{f.point(half.x(), half.y(), half.z()), Eigen::Quaterniond(axes)};
   return {{"dtype", "compas.geometry/Box"},
           {"data",
-           {{"xsize", strip.stock.size_mm.x()},
-            {"ysize", strip.stock.size_mm.y()},
-            {"zsize", strip.stock.size_mm.z()},
+           {{"xsize", strip.block.size_mm.x()},
+            {"ysize", strip.block.size_mm.y()},
+            {"zsize", strip.block.size_mm.z()},
             {"frame", compas_frame(robot::transformed(strip.design_to_cell, in_design))["data"]}}}};
 }
 

@@ -132,7 +132,7 @@ Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses) {
   strip.id = plan.id;
   strip.blade_length_mm = plan.blade_length_mm;
   strip.design_to_cell = plan.design_to_cell;
-  strip.stock = plan.stock;
+  strip.block = plan.block;
   for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
     strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i)));
   }
@@ -180,8 +180,8 @@ StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Sett
   for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
   // The twist tilts the section, whose edges move by half its width.
   f.droop_error_mm = f.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * motion.twist_rad;
-  f.stock_volume_mm3 = plan.stock.size_mm.prod();
-  f.plinth_mm = height_above_table_mm(plan.stock, plan.design_to_cell);
+  f.stock_volume_mm3 = plan.block.size_mm.prod();
+  f.plinth_mm = plan.block.height_above_table_mm(plan.design_to_cell);
   f.plane_turn_rad =
       plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
   f.off_plane_mm = motion.off_plane_mm;

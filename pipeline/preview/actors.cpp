@@ -236,7 +236,7 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const auto lines = [&](const std::vector<Polyline>& places, const Rgb& color, double width, double before) {
     return places.empty() ? nullptr : &add_lines(renderer, places, color, width * zoom, before);
   };
-  actors.blocks = lines(stock_edges(scene.stocks), kStockColor, 1.2, 0);
+  actors.blocks = lines(block_edges(scene.blocks), kStockColor, 1.2, 0);
   actors.ribs = lines(scene.ribs, kRibColor, 0.9, depth.before());
   actors.blades = lines(scene.blades, kBladeColor, 1.4, depth.before());
   if (scene.blade_now) actors.blade_now = lines({*scene.blade_now}, kBladeNowColor, 3, depth.before());

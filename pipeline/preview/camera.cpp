@@ -69,11 +69,8 @@ class Extent {
         add(clamp.p - Eigen::Vector3d::Constant(scene.clamp_size_mm));
       }
     }
-    for (const Stock& stock : scene.stocks) {
-      for (int i = 0; i < 8; ++i) {
-        add(stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
-                              i & 4 ? stock.size_mm.z() : 0));
-      }
+    for (const Block& block : scene.blocks) {
+      for (const Eigen::Vector3d& corner : block.corners()) add(corner);
     }
   }
   [[nodiscard]] const Eigen::AlignedBox2d& box() const { return box_; }

@@ -84,7 +84,7 @@ vtkNew<vtkMultiBlockDataSet> blocks_of(const Scene& scene) {
   if (scene.blade_now) blades.push_back(*scene.blade_now);
   add_lines("ribs", scene.ribs);
   add_lines("blades", blades);
-  add_lines("stock", stock_edges(scene.stocks));
+  add_lines("stock", block_edges(scene.blocks));
   return blocks;
 }
 

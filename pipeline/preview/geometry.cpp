@@ -44,16 +44,13 @@ void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines) {
   data.SetLines(cells);
 }
 
-std::vector<Polyline> stock_edges(const std::vector<Stock>& stocks) {
+std::vector<Polyline> block_edges(const std::vector<Block>& blocks) {
   std::vector<Polyline> edges;
-  for (const Stock& stock : stocks) {
-    const auto corner = [&](int i) {
-      return stock.frame.point(i & 1 ? stock.size_mm.x() : 0, i & 2 ? stock.size_mm.y() : 0,
-                               i & 4 ? stock.size_mm.z() : 0);
-    };
-    for (int i = 0; i < 8; ++i) {
-      for (const int axis : {1, 2, 4}) {
-        if (!(i & axis)) edges.push_back({{corner(i), corner(i | axis)}});
+  for (const Block& block : blocks) {
+    const std::array<Eigen::Vector3d, 8> corners = block.corners();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (const std::size_t axis : {1u, 2u, 4u}) {
+        if (!(i & axis)) edges.push_back({{corners[i], corners[i | axis]}});
       }
     }
   }

@@ -12,6 +12,6 @@ void set_mesh(vtkPolyData& data, const std::vector<Eigen::Vector3d>& vertices,
 void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines);
 
 // The twelve edges of every block.
-[[nodiscard]] std::vector<Polyline> stock_edges(const std::vector<Stock>& stocks);
+[[nodiscard]] std::vector<Polyline> block_edges(const std::vector<Block>& blocks);
 
 }  // namespace hotblade::pipeline::preview

@@ -165,7 +165,7 @@ Overlay overlay_of(const Scene& scene) {
     keys.push_back({kClampAColor, "clamp A", 12, layer});
     keys.push_back({kClampBColor, "clamp B", 12, layer});
   }
-  if (!scene.stocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
+  if (!scene.blocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
   return overlay;
 }
 

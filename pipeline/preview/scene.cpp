@@ -56,7 +56,7 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
 
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
   for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica));
-  scene.stocks.push_back(strip.stock);
+  scene.blocks.push_back(strip.block);
   if (options.at_s) add_blade_at(scene, strip, *options.at_s);
 }
 

@@ -52,7 +52,7 @@ struct Scene {
   std::optional<Polyline> blade_now;
   std::vector<Pose> clamps_a, clamps_b;
   double clamp_size_mm = 10;
-  std::vector<Stock> stocks;
+  std::vector<Block> blocks;
   Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
   std::string title;
   std::string verdict;  // of the verification; empty: none

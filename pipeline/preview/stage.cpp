@@ -26,7 +26,7 @@ std::vector<Polyline> selected_lines(const ViewModel& model, const Selection& se
   const auto index = static_cast<std::size_t>(selection.index);
   if (selection.part == Part::kRib) return {line_of(strip.ribs[index].frame, strip.ribs[index].elastica)};
   if (selection.part == Part::kPose) return {line_of(strip.poses[index].frame, strip.poses[index].blade)};
-  std::vector<Polyline> lines = stock_edges({strip.stock});
+  std::vector<Polyline> lines = block_edges({strip.block});
   if (strip.ribs.empty()) return lines;
   for (const Rib* rib : {&strip.ribs.front(), &strip.ribs.back()})
     lines.push_back(line_of(rib->frame, rib->elastica));

@@ -39,13 +39,8 @@ std::vector<ClampPair> clamps(std::span<const Elastica> blades, std::span<const 
   return pairs;
 }
 
-double clamp_clearance_mm(const ClampPair& pair, const Stock& stock) {
-  const auto away = [&](const Eigen::Vector3d& p) {
-    const Eigen::Vector3d d = p - stock.frame.origin;
-    const Eigen::Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-    return (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm();
-  };
-  return std::min(away(pair.a.p), away(pair.b.p));
+double clamp_clearance_mm(const ClampPair& clamps, const Block& block) {
+  return std::min(block.distance_mm(clamps.a.p), block.distance_mm(clamps.b.p));
 }
 
 }  // namespace hotblade::pipeline

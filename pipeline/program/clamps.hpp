@@ -9,14 +9,16 @@
 
 namespace hotblade::pipeline {
 
-// Clamp poses in the design frame: tangent from A to B, in-plane normal, plane normal.
 struct ClampPair {
   Pose a, b;
 };
+
+// Returns the poses of the clamps that hold the blade in the frame's plane: axes are the tangent from A to B,
+// the in-plane normal and the plane's normal.
 [[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
 [[nodiscard]] std::vector<ClampPair> clamps(std::span<const elastica::Elastica> blades,
-                                            std::span<const Frame> frames);
-// Of the nearer clamp from the block; 0 inside.
-[[nodiscard]] double clamp_clearance_mm(const ClampPair& pair, const Stock& stock);
+                                             std::span<const Frame> frames);
+// Returns the distance from the block to the nearer clamp, mm; 0 when a clamp is inside.
+[[nodiscard]] double clamp_clearance_mm(const ClampPair& clamps, const Block& block);
 
 }  // namespace hotblade::pipeline

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <system_error>
 
 #include "pipeline/settings/error.hpp"
@@ -42,17 +41,6 @@ Program read_program(const std::filesystem::path& file) {
     throw Error(ErrorKind::kFile, file.string() + ": cannot be read" + reason);
   }
   return parse_program(text, file.string());
-}
-
-double height_above_table_mm(const Stock& stock, const Pose& design_to_cell) {
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const double x : {0.0, stock.size_mm.x()})
-    for (const double y : {0.0, stock.size_mm.y()})
-      for (const double z : {0.0, stock.size_mm.z()}) {
-        const Pose corner{stock.frame.point(x, y, z), Eigen::Quaterniond::Identity()};
-        lowest = std::min(lowest, robot::transformed(design_to_cell, corner).p.z());
-      }
-  return lowest;
 }
 
 std::vector<robot::Waypoint> waypoints(const Strip& strip) {

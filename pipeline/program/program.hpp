@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
+#include "pipeline/program/block.hpp"
+#include "pipeline/program/frame.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "robot/pose/pose.hpp"
 #include "robot/pose/waypoint.hpp"
@@ -17,23 +19,6 @@
 namespace hotblade::pipeline {
 
 using robot::Pose;
-
-// A plane's axes in the design frame; the third axis is x cross y.
-struct Frame {
-  Eigen::Vector3d origin{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0};
-  [[nodiscard]] Eigen::Vector3d normal() const { return x.cross(y); }
-  [[nodiscard]] Eigen::Vector3d point(double u, double v, double w = 0) const {
-    return origin + u * x + v * y + w * normal();
-  }
-};
-
-struct Stock {
-  Frame frame;  // origin in a corner, size along x, y, x cross y
-  Eigen::Vector3d size_mm{0, 0, 0};
-};
-
-// Of the block's lowest corner where it stands in the cell, mm.
-[[nodiscard]] double height_above_table_mm(const Stock& stock, const Pose& design_to_cell);
 
 struct Rib {
   std::string id;
@@ -81,7 +66,7 @@ struct Strip {
   std::string id;
   double blade_length_mm = 0;
   Pose design_to_cell;
-  Stock stock;
+  Block block;  // `stock` in program files
   std::vector<Rib> ribs;
   std::vector<BladePose> poses;
 };

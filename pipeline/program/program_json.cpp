@@ -160,7 +160,7 @@ void write_pose(Text& out, const BladePose& pose) {
 void write_strip(Text& out, const Strip& strip) {
   out.string_field("{\"id\":", strip.id).field(",\"blade_length_mm\":", strip.blade_length_mm);
   out.raw(",\"design_to_cell\":").pose(strip.design_to_cell).raw(",\"stock\":{\"frame\":");
-  out.frame(strip.stock.frame).raw(",\"size_mm\":").vector(strip.stock.size_mm).raw("},\n");
+  out.frame(strip.block.frame).raw(",\"size_mm\":").vector(strip.block.size_mm).raw("},\n");
   out.raw("\"ribs\":").lines(strip.ribs, write_rib).raw(",\n");
   out.raw("\"poses\":").lines(strip.poses, write_pose).raw("}");
 }

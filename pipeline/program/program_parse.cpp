@@ -247,7 +247,7 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   return out;
 }
 
-Stock stock_of(const JsonNode& node) {
+Block block_of(const JsonNode& node) {
   node.expect_keys(std::array{"frame", "size_mm"});
   return {frame(node.field("frame")), vector<3>(node, "size_mm", kPositive)};
 }
@@ -289,7 +289,7 @@ Strip strip_head_of(const JsonNode& node, const BladeData& blade, std::set<std::
   expect_new(node, strip.id);
   strip.blade_length_mm = blade_length_of(node.field("blade_length_mm"), blade);
   strip.design_to_cell = pose(node.field("design_to_cell"));
-  strip.stock = stock_of(node.field("stock"));
+  strip.block = block_of(node.field("stock"));
   const JsonNode ribs = node.field("ribs");
   const std::size_t rib_count = ribs.items(1);
   for (std::size_t i = 0; i < rib_count; ++i) {

@@ -97,7 +97,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"stock_volume_mm3", f.stock_volume_mm3},
           {"foam_kept_share", f.foam_kept_share},
           {"plinth_mm", f.plinth_mm},
-          {"stock_size_mm", vector_json(strip.stock.size_mm)},
+          {"stock_size_mm", vector_json(strip.block.size_mm)},
           {"poses", strip.poses.size()},
           {"rib_facts", ribs}};
 }

@@ -14,7 +14,7 @@ namespace hotblade::pipeline {
 namespace {
 
 std::string block(const StripRow& row) {
-  const Eigen::Vector3d& size = row.strip.stock.size_mm;
+  const Eigen::Vector3d& size = row.strip.block.size_mm;
   return fmt::format("{:.0f} x {:.0f} x {:.0f}", size.x(), size.y(), size.z());
 }
 

@@ -88,12 +88,6 @@ ExecutedStrip executed_strip(const Strip& planned, const std::vector<LoggedPose>
   return strip;
 }
 
-bool inside(const Stock& stock, const Eigen::Vector3d& p) {
-  const Eigen::Vector3d d = p - stock.frame.origin;
-  const Eigen::Vector3d at(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-  return (at.array() >= 0).all() && (at.array() <= stock.size_mm.array()).all();
-}
-
 // Points of hot blades inside the stock that do not form the design, poses about `sample_mm` apart.
 void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, double sample_mm,
                  BladeTouches& touches) {
@@ -120,7 +114,7 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
       if (pose.foam && s >= (*pose.foam)[0] && s <= (*pose.foam)[1]) continue;
       const auto q = curve.at(s);
       const Eigen::Vector3d p = pose.frame.point(q.x, q.y);
-      if (!inside(planned.stock, p)) continue;
+      if (!planned.block.contains(p)) continue;
       touches.points.push_back(p);
       touches.plane_normals.push_back(pose.frame.normal());
       touches.strip_of_point.push_back(index);

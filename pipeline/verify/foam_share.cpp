@@ -17,57 +17,50 @@ namespace {
 constexpr std::size_t kBladeSamples = 201;
 constexpr int kRows = 200;
 
-// The block's edges as the blade sees them: along the rib, from the kept side to the waste, along the sweep.
-class BlockAxes {
- public:
-  BlockAxes(const Stock& stock, const Frame& rib) : origin_(stock.frame.origin) {
-    std::array<Eigen::Vector3d, 3> edges{stock.frame.x, stock.frame.y, stock.frame.normal()};
-    std::array<double, 3> sizes{stock.size_mm.x(), stock.size_mm.y(), stock.size_mm.z()};
-    const auto take = [&](std::size_t first, const Eigen::Vector3d& wanted) {
-      std::size_t best = first;
-      for (std::size_t k = first + 1; k < 3; ++k) {
-        if (std::abs(edges[k].dot(wanted)) > std::abs(edges[best].dot(wanted))) best = k;
-      }
-      std::swap(edges[first], edges[best]);
-      std::swap(sizes[first], sizes[best]);
-    };
-    take(0, rib.y);
-    take(1, rib.normal());
-    axes_ = {edges[2], edges[0], edges[1]};
-    size_ = {sizes[2], sizes[0], sizes[1]};
-    // Heights count from the kept side up.
-    if (axes_[1].dot(rib.y) < 0) {
-      origin_ += size_.y() * axes_[1];
-      axes_[1] = -axes_[1];
+// The same block with its edges as the blade sees them: x along the rib, y from the kept side to the waste,
+// the third along the sweep.
+Block along_rib(const Block& block, const Frame& rib) {
+  std::array<Eigen::Vector3d, 3> edges{block.frame.x, block.frame.y, block.frame.normal()};
+  std::array<double, 3> sizes{block.size_mm.x(), block.size_mm.y(), block.size_mm.z()};
+  const auto take = [&](std::size_t first, const Eigen::Vector3d& wanted) {
+    std::size_t best = first;
+    for (std::size_t k = first + 1; k < 3; ++k) {
+      if (std::abs(edges[k].dot(wanted)) > std::abs(edges[best].dot(wanted))) best = k;
     }
+    std::swap(edges[first], edges[best]);
+    std::swap(sizes[first], sizes[best]);
+  };
+  take(0, rib.y);
+  take(1, rib.normal());
+  Block seen{{block.frame.origin, edges[2], edges[0]}, {sizes[2], sizes[0], sizes[1]}};
+  // Heights count from the kept side up.
+  if (seen.frame.y.dot(rib.y) < 0) {
+    seen.frame.origin += seen.size_mm.y() * seen.frame.y;
+    seen.frame.y = -seen.frame.y;
   }
+  // The third axis is x cross y, whichever way that edge ran.
+  if (seen.frame.normal().dot(edges[1]) < 0) seen.frame.origin += seen.size_mm.z() * edges[1];
+  return seen;
+}
 
-  [[nodiscard]] double height_mm() const { return size_.y(); }
-  [[nodiscard]] double sweep_mm() const { return size_.z(); }
-
-  // Points along the blade of pose number `i` in the block; those outside are held at its faces.
-  [[nodiscard]] std::vector<Eigen::Vector3d> blade_in_block(const BladePose& pose,
-                                                            const elastica::PartPoints& blades,
-                                                            std::size_t i) const {
-    const auto in_block = [&](const Eigen::Vector3d& d) {
-      return Eigen::Vector3d(d.dot(axes_[0]), d.dot(axes_[1]), d.dot(axes_[2]));
-    };
-    const Eigen::Vector3d origin = in_block(pose.frame.origin - origin_), x = in_block(pose.frame.x),
-                          y = in_block(pose.frame.y);
-    std::vector<Eigen::Vector3d> points;
-    points.reserve(blades.points);
-    for (std::size_t k = 0; k < blades.points; ++k) {
-      const Eigen::Vector2d q = blades.at(i, k);
-      const Eigen::Vector3d p = origin + q.x() * x + q.y() * y;
-      points.push_back(p.cwiseMax(0).cwiseMin(size_));
-    }
-    return points;
+// Points along the blade of pose number `i` in the block's axes; those outside are held at its faces.
+std::vector<Eigen::Vector3d> blade_in_block(const Block& block, const BladePose& pose,
+                                            const elastica::PartPoints& blades, std::size_t i) {
+  const Frame& axes = block.frame;
+  const auto turned = [&, normal = axes.normal()](const Eigen::Vector3d& d) -> Eigen::Vector3d {
+    return {d.dot(axes.x), d.dot(axes.y), d.dot(normal)};
+  };
+  const Eigen::Vector3d origin = block.local(pose.frame.origin), x = turned(pose.frame.x),
+                        y = turned(pose.frame.y);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(blades.points);
+  for (std::size_t k = 0; k < blades.points; ++k) {
+    const Eigen::Vector2d q = blades.at(i, k);
+    const Eigen::Vector3d p = origin + q.x() * x + q.y() * y;
+    points.push_back(p.cwiseMax(0).cwiseMin(block.size_mm));
   }
-
- private:
-  Eigen::Vector3d origin_, size_;
-  std::array<Eigen::Vector3d, 3> axes_;
-};
+  return points;
+}
 
 bool sweeps(const BladePose& pose) {
   return pose.phase == StripPhase::kLeadIn || pose.phase == StripPhase::kCut ||
@@ -102,7 +95,7 @@ std::vector<const BladePose*> sweeping_rows(const Strip& strip, double row_mm) {
 double foam_kept_share(const Strip& strip) {
   const auto first = std::find_if(strip.poses.begin(), strip.poses.end(), sweeps);
   if (first == strip.poses.end()) return 0;
-  const BlockAxes block(strip.stock, first->frame);
+  const Block block = along_rib(strip.block, first->frame);
   double kept = 0, base = 0;
   std::vector<Eigen::Vector3d> before;
   const auto sweep = [&](const std::vector<Eigen::Vector3d>& now) {
@@ -115,7 +108,7 @@ double foam_kept_share(const Strip& strip) {
     }
     before = now;
   };
-  const std::vector<const BladePose*> sweeping = sweeping_rows(strip, block.sweep_mm() / kRows);
+  const std::vector<const BladePose*> sweeping = sweeping_rows(strip, block.size_mm.z() / kRows);
   constexpr std::size_t kBlock = 128;
   for (std::size_t from = 0; from < sweeping.size(); from += kBlock) {
     std::vector<elastica::Elastica> blades;
@@ -126,9 +119,9 @@ double foam_kept_share(const Strip& strip) {
     }
     const elastica::PartPoints points = elastica::sample_parts(blades, whole, kBladeSamples);
     for (std::size_t i = 0; i < blades.size(); ++i)
-      sweep(block.blade_in_block(*sweeping[from + i], points, i));
+      sweep(blade_in_block(block, *sweeping[from + i], points, i));
   }
-  return base != 0 ? std::clamp(kept / (base * block.height_mm()), 0.0, 1.0) : 0;
+  return base != 0 ? std::clamp(kept / (base * block.size_mm.y()), 0.0, 1.0) : 0;
 }
 
 }  // namespace hotblade::pipeline

@@ -103,8 +103,8 @@ inline Strip vault_strip(const VaultOptions& options, int index) {
   strip.id = std::string("S00").append(std::to_string(index + 1));
   strip.blade_length_mm = kVaultBlade;
   strip.design_to_cell.p = {0, 0, 150};
-  strip.stock.frame.origin = {-180, index * kVaultStripWidth, -60};
-  strip.stock.size_mm = {360, kVaultStripWidth, 120};
+  strip.block.frame.origin = {-180, index * kVaultStripWidth, -60};
+  strip.block.size_mm = {360, kVaultStripWidth, 120};
   const double y0 = index * kVaultStripWidth;
   for (int rib = 0; rib < 6; ++rib) {
     strip.ribs.push_back(

@@ -72,12 +72,20 @@ double depth_behind(const Eigen::Vector2d& q, const Points& part) {
 // another split can always bring it down.
 constexpr double kSagShare = 0.25;
 
+// A point of the plane that a block is seen from.
+Eigen::Vector3d in_plane(const Eigen::Vector2d& q) {
+  return {q.x(), q.y(), 0};
+}
+
+// Rounding puts a plane on the block's face this far outside of it.
+constexpr double kOnFace_mm = 1e-9;
+
 // A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
 struct PlacedRib {
   const RibFit& rib;
   // Of its own plane and, where planes turn, half-way to its neighbours': the block's corners come nearer
   // there.
-  std::vector<StockRect> rects;
+  std::vector<Block> blocks;
   Eigen::Vector3d down;
 };
 
@@ -112,12 +120,14 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
   c.clearance = std::numeric_limits<double>::infinity();
-  for (const StockRect& rect : placed.rects)
-    c.clearance = std::min({c.clearance, rect.distance(a.position()), rect.distance(b.position())});
+  for (const Block& block : placed.blocks) {
+    c.clearance = std::min(
+        {c.clearance, block.distance_mm(in_plane(a.position())), block.distance_mm(in_plane(b.position()))});
+  }
   if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
   const double s0 = share * spare;
   const FreeParts free =
-      examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.rects.front());
+      examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.blocks.front());
   if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
   if (free.crosses_itself) return {kCrossing, 1};
   c.margin = elastica::stability_margin(curve);
@@ -224,7 +234,7 @@ bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
 // Blades as they stand between two ribs, at quarters of the gap, and what they see of the block.
 struct BetweenRibs {
   elastica::MidState rib;
-  StockRect rect;
+  Block block;
   int after = 0;  // the rib before it
 };
 
@@ -249,7 +259,7 @@ std::pair<double, int> clearance_between(const std::vector<BetweenRibs>& between
     if (winds_up(b.rib, length)) return {0, b.after};
     const elastica::ElasticaCurve curve(extended(from_mid_state(b.rib), length, share));
     for (const double s : {0.0, length})
-      nearest = std::min(nearest, {b.rect.distance(curve.at(s).position()), b.after});
+      nearest = std::min(nearest, {b.block.distance_mm(in_plane(curve.at(s).position())), b.after});
   }
   return nearest;
 }
@@ -294,35 +304,16 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
 
 }  // namespace
 
-StockRect::StockRect(const Eigen::Vector2d& low, const Eigen::Vector2d& high)
-    : low_(low.x(), low.y(), 0), high_(high.x(), high.y(), 0) {}
-
-StockRect::StockRect(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Frame& plane)
-    : low_(low), high_(high), plane_(plane) {}
-
-double StockRect::distance(const Eigen::Vector2d& q) const {
-  const Eigen::Vector3d p = plane_.origin + q.x() * plane_.x + q.y() * plane_.y;
-  return (low_ - p).cwiseMax(p - high_).cwiseMax(0).norm();
-}
-
-StockRect Block::seen_from(const Frame& plane) const {
-  if (!tilted) return {low.head<2>(), high.head<2>()};
-  const auto turned = [&](const Eigen::Vector3d& d) -> Eigen::Vector3d {
-    return {d.dot(x), d.dot(y), d.dot(sweep)};
-  };
-  return {low, high, {turned(plane.origin - centre), turned(plane.x), turned(plane.y)}};
-}
-
-FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const StockRect& rect) {
+FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const Block& block) {
   const elastica::Part all{0, blade.length}, part{s0, s1};
   return examine_free_parts(elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
                             elastica::sample_parts({&blade, 1}, {&part, 1}, kBladeSamples), 0, part,
-                            blade.length, rect);
+                            blade.length, block);
 }
 
 FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::PartPoints& foam,
                              std::size_t i, const elastica::Part& interval, double length,
-                             const StockRect& rect) {
+                             const Block& block) {
   Points all(kBladeSamples), free_in_stock;
   double turning = 0;
   for (std::size_t k = 0; k < kBladeSamples; ++k) {
@@ -330,7 +321,7 @@ FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::
     const std::size_t n = i * kBladeSamples + k;
     all[k] = whole.at(i, k);
     if (k > 0) turning += std::abs(whole.turn[n] - whole.turn[n - 1]);
-    if ((s < interval.first || s > interval.last) && rect.distance(all[k]) <= 0)
+    if ((s < interval.first || s > interval.last) && block.distance_mm(in_plane(all[k])) <= kOnFace_mm)
       free_in_stock.push_back(all[k]);
   }
   FreeParts free{crosses_itself(all, turning), 0};
@@ -342,59 +333,20 @@ FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::
   return free;
 }
 
-Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes, const StockSettings& settings) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
-  Block block;
-  block.tilted = axes.planes.turns();
-  block.middle_mm = 0.5 * (first + last);
-  block.centre = axes.planes.centre();
-  const Frame middle = axes.plane(block.middle_mm);
-  block.x = middle.x;
-  block.y = middle.y;
-  block.sweep = axes.planes.normal(block.middle_mm);
-  block.low.setConstant(kInf);
-  block.high.setConstant(-kInf);
-  // Between two ribs of a fan the design bulges out: each rib's points are turned half-way to its neighbours.
-  const auto enclose = [&](const RibFit& rib, double offset) {
-    const Frame plane = axes.plane(offset);
-    const auto add = [&](const Eigen::Vector2d& q) {
-      const Eigen::Vector3d p = plane.point(q.x(), q.y()) - block.centre;
-      const Eigen::Vector3d in_block =
-          block.tilted ? Eigen::Vector3d(p.dot(block.x), p.dot(block.y), p.dot(block.sweep))
-                       : Eigen::Vector3d(q.x(), q.y(), offset);
-      block.low = block.low.cwiseMin(in_block);
-      block.high = block.high.cwiseMax(in_block);
-    };
-    for (const Eigen::Vector2d& q : rib.target) add(q);
-    for (const Eigen::Vector2d& q : rib.beside) add(q);
-  };
-  for (std::size_t i = 0; i < ribs.size(); ++i) {
-    const double offset = ribs[i].offset_mm;
-    enclose(ribs[i], offset);
-    if (!block.tilted) continue;
-    if (i > 0) enclose(ribs[i], 0.5 * (offset + ribs[i - 1].offset_mm));
-    if (i + 1 < ribs.size()) enclose(ribs[i], 0.5 * (offset + ribs[i + 1].offset_mm));
-  }
-  block.low -= Eigen::Vector3d(settings.border_mm, settings.base_mm, settings.border_mm);
-  block.high += Eigen::Vector3d::Constant(settings.border_mm);
-  return block;
-}
-
 BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
                          const Settings& settings) {
+  const Eigen::Vector3d down = axes.planes.normal(0.5 * (ribs.front().offset_mm + ribs.back().offset_mm));
   std::vector<PlacedRib> placed;
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     const double offset = ribs[i].offset_mm;
     const Frame plane = axes.plane(offset);
     PlacedRib& rib =
         placed.emplace_back(PlacedRib{ribs[i], {block.seen_from(plane)}, -Eigen::Vector3d::UnitZ()});
-    if (!block.tilted) continue;  // level planes see gravity along their normals exactly
-    const Eigen::Vector3d& down = block.sweep;
+    if (!axes.planes.turns()) continue;  // level planes see gravity along their normals exactly
     rib.down = {down.dot(plane.x), down.dot(plane.y), down.dot(plane.normal())};
-    if (i > 0) rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i - 1].offset_mm))));
+    if (i > 0) rib.blocks.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i - 1].offset_mm))));
     if (i + 1 < ribs.size())
-      rib.rects.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
+      rib.blocks.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
   }
   const std::vector<BetweenRibs> between = between_ribs(ribs, axes, block);
   BladeReport report;

@@ -29,34 +29,8 @@ struct BladeReport {
       false;  // the rib itself, without extension, bends beyond the limit: no split helps much
 };
 
-// A block as a plane sees it that is parallel to it or tilted.
-class StockRect {
- public:
-  StockRect(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
-  // `plane` in the block's axes.
-  StockRect(const Eigen::Vector3d& low, const Eigen::Vector3d& high, const Frame& plane);
-  // Of a point of the plane; 0 inside.
-  [[nodiscard]] double distance(const Eigen::Vector2d& q) const;
-
- private:
-  Eigen::Vector3d low_, high_;
-  Frame plane_;
-};
-
-// The block around a strip's ribs, in axes of its own: those of the strip's middle plane.
-struct Block {
-  double middle_mm = 0;                 // offset of that plane
-  Eigen::Vector3d centre, x, y, sweep;  // origin and axes
-  Eigen::Vector3d low, high;            // corners along x, y, sweep
-  bool tilted = false;                  // some planes are not parallel to the middle one
-
-  // The layer parallel to the middle plane at this coordinate along the sweep, with axes x and y.
-  [[nodiscard]] Frame layer(double w_mm) const { return {centre + w_mm * sweep, x, y}; }
-  // What one of the strip's planes, with the strip's axes, sees of the block.
-  [[nodiscard]] StockRect seen_from(const Frame& plane) const;
-};
-
-// What the free parts of a blade do beside its foam interval [s0, s1].
+// What the free parts of a blade do beside its foam interval [s0, s1]; the block as the blade's plane sees
+// it.
 struct FreeParts {
   bool crosses_itself = false;
   // Largest depth of a free part, inside the stock, on the kept side of the part that cuts; 0 when there is
@@ -64,18 +38,14 @@ struct FreeParts {
   double depth_mm = 0;
 };
 [[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
-                                           const StockRect& rect);
+                                           const Block& block);
 // Blade `i` of some by kBladeSamples points of all their length, and as many of their foam intervals.
 inline constexpr std::size_t kBladeSamples = 97;
 [[nodiscard]] FreeParts examine_free_parts(const elastica::PartPoints& whole,
                                            const elastica::PartPoints& foam, std::size_t i,
-                                           const elastica::Part& interval, double length,
-                                           const StockRect& rect);
+                                           const elastica::Part& interval, double length, const Block& block);
 // Deeper is a cut into the part; less is the sampling of the blade's curve.
 inline constexpr double kFreePartDepthMm = 0.1;
-
-[[nodiscard]] Block block_around(const std::vector<RibFit>& ribs, const RibAxes& axes,
-                                 const StockSettings& settings);
 
 // The blade hangs as in a block that lies with its middle plane level, sweep downwards.
 [[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes,

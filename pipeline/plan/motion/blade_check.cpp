@@ -48,7 +48,7 @@ struct PoseBlock {
   }
 };
 
-PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip, const Block& block,
+PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip,
                      const robot::BladeSection& section) {
   PoseCheck c;
   const BladePose& pose = some.poses[i];
@@ -56,24 +56,24 @@ PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& stri
   c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
   c.loads = robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature,
                                section);
-  c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.stock);
+  c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.block);
   c.cuts = pose.foam.has_value();
   const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
-                                            pose.blade.length, block.seen_from(pose.frame));
+                                            pose.blade.length, strip.block.seen_from(pose.frame));
   c.crosses = free.crosses_itself;
   if (c.cuts) c.depth = free.depth_mm;
   return c;
 }
 
 std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const StripPlan& strip,
-                                   const Block& block, const robot::BladeSection& section) {
+                                   const robot::BladeSection& section) {
   std::vector<PoseCheck> checks(poses.size());
   in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
     const std::span<const BladePose> all(poses);
     const PoseBlock some(all.subspan(from, to - from), strip);
     const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, section, some.sag_places);
     for (std::size_t i = from; i < to; ++i) {
-      checks[i] = check_pose(some, i - from, strip, block, section);
+      checks[i] = check_pose(some, i - from, strip, section);
       checks[i].sag = sags[i - from];
     }
   });
@@ -290,7 +290,6 @@ Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
 }
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
-  const Block block = block_around(strip.ribs, strip, settings.stock);
   const robot::BladeSection section = blade_section(settings.blade);
   const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, block, section);
   collect(checks, motion);

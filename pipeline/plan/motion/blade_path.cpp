@@ -93,8 +93,8 @@ Forming form(const BladeShape& shape, double min_margin) {
 
 // Of parallel planes: where the block ends on the waste side.
 double stock_top_mm(const StripPlan& strip) {
-  const Frame& block = strip.stock.frame;
-  return (block.origin + strip.stock.size_mm.y() * block.y - strip.planes.centre()).dot(strip.y);
+  const Frame& frame = strip.block.frame;
+  return (frame.origin + strip.block.size_mm.y() * frame.y - strip.planes.centre()).dot(strip.y);
 }
 
 // How far the block reaches beyond the plane at an offset: against and along the sweep and to the waste side.
@@ -106,12 +106,10 @@ Reach fan_reach(const StripPlan& strip, double offset_mm) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const Frame plane = strip.swept_plane(offset_mm);
   const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
-  const Eigen::Vector3d normal = (along ? 1.0 : -1.0) * plane.normal(), &size = strip.stock.size_mm;
+  const Eigen::Vector3d normal = (along ? 1.0 : -1.0) * plane.normal();
   Reach reach{-kInf, -kInf, -kInf};
-  for (const int i : {0, 1, 2, 3, 4, 5, 6, 7}) {
-    const Eigen::Vector3d corner =
-        strip.stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0) -
-        plane.origin;
+  for (const Eigen::Vector3d& p : strip.block.corners()) {
+    const Eigen::Vector3d corner = p - plane.origin;
     reach.before_mm = std::max(reach.before_mm, -corner.dot(normal));
     reach.behind_mm = std::max(reach.behind_mm, corner.dot(normal));
     reach.top_mm = std::max(reach.top_mm, corner.dot(plane.y));
@@ -181,7 +179,7 @@ WayOut way_out(const StripPlan& strip, Forming& last, double behind_mm, const Se
   constexpr int kLooks = 64;
   for (int i = 0; i <= kLooks; ++i) {
     const BladeShape shape = shape_of(withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks));
-    if (clamp_clearance_mm(clamps(shape.blade, strip.swept_plane(out.end_mm)), strip.stock) <
+    if (clamp_clearance_mm(clamps(shape.blade, strip.swept_plane(out.end_mm)), strip.block) <
         kReserve * clear)
       return with_lead(kReserve * clear);
   }

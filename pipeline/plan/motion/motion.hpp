@@ -14,10 +14,6 @@
 
 namespace hotblade::pipeline {
 
-// Above the table, where machine.plinth_mm leaves it open: what a blade's way out below the block mostly
-// needs.
-inline constexpr double kUsualPlinthMm = 150;
-
 struct BladeMotion {
   std::vector<BladePose> poses;
   double duration_s = 0, cut_s = 0;

@@ -20,48 +20,34 @@ using Eigen::Vector3d;
 using elastica::MidState;
 using elastica::Quadratic;
 
-// The stock seen along the ribs: first along the sweep, then towards the waste.
-struct StockOutline {
-  Vector2d low{0, 0}, high{0, 0};
-};
-
-std::array<Vector3d, 8> corners(const Stock& stock) {
-  std::array<Vector3d, 8> all;
-  const Vector3d& size = stock.size_mm;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    all[i] = stock.frame.point(i & 1 ? size.x() : 0, i & 2 ? size.y() : 0, i & 4 ? size.z() : 0);
-  return all;
-}
-
-// Offsets and heights in the axes of parallel planes.
-StockOutline outline(const StripPlan& strip) {
+// The corner of the block that the way goes around, as (offset, height): the first the sweep meets, on the
+// waste side. Of parallel planes: exactly that corner.
+Vector2d near_corner(const StripPlan& strip) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  StockOutline stock{Vector2d::Constant(kInf), Vector2d::Constant(-kInf)};
+  Vector2d near(kInf, -kInf);
   const Frame plane = strip.plane(0);
-  for (const Vector3d& corner : corners(strip.stock)) {
-    const Vector2d seen(strip.planes.offset(corner), (corner - plane.origin).dot(plane.y));
-    stock.low = stock.low.cwiseMin(seen);
-    stock.high = stock.high.cwiseMax(seen);
+  for (const Vector3d& corner : strip.block.corners()) {
+    near.x() = std::min(near.x(), strip.planes.offset(corner));
+    near.y() = std::max(near.y(), (corner - plane.origin).dot(plane.y));
   }
-  return stock;
+  return near;
 }
 
-// In a fan, about: how high the block is in its middle plane, and up to which offset planes lie before it.
-StockOutline fan_outline(const StripPlan& strip, double from_mm) {
+// In a fan, about: up to which offset planes lie before the block, and how high it is in its middle plane.
+Vector2d near_corner_of_fan(const StripPlan& strip, double from_mm) {
   constexpr double kStepMm = 1;
-  StockOutline stock{Vector2d::Zero(), Vector2d::Zero()};
+  const std::array<Vector3d, 8> corners = strip.block.corners();
   const double middle = 0.5 * (strip.ribs.front().offset_mm + strip.ribs.back().offset_mm);
   const Frame plane = strip.plane(middle);
-  stock.high.y() = -std::numeric_limits<double>::infinity();
-  for (const Vector3d& corner : corners(strip.stock))
-    stock.high.y() = std::max(stock.high.y(), (corner - plane.origin).dot(plane.y));
+  Vector2d near(from_mm, -std::numeric_limits<double>::infinity());
+  for (const Vector3d& corner : corners) near.y() = std::max(near.y(), (corner - plane.origin).dot(plane.y));
   const double sense = strip.x.cross(strip.y).dot(strip.sweep) > 0 ? 1 : -1;
-  for (stock.low.x() = from_mm; stock.low.x() < middle; stock.low.x() += kStepMm) {
-    const Frame at = strip.swept_plane(stock.low.x());
-    for (const Vector3d& corner : corners(strip.stock))
-      if (sense * at.normal().dot(corner - at.origin) <= 0) return stock;
+  for (; near.x() < middle; near.x() += kStepMm) {
+    const Frame at = strip.swept_plane(near.x());
+    for (const Vector3d& corner : corners)
+      if (sense * at.normal().dot(corner - at.origin) <= 0) return near;
   }
-  return stock;
+  return near;
 }
 
 // The way of the blade's middle in (offset, height); the rest of the pose changes evenly along it.
@@ -118,16 +104,13 @@ std::size_t points_of(const elastica::Elastica& blade) {
 
 // blade_clearance_mm of blade `i` by its points.
 double clearance_mm(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
-                    const Stock& stock, double width_mm) {
+                    const Block& block, double width_mm) {
   const Vector3d across = width_mm / 2 * frame.normal();
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < points.points; ++k) {
     const Vector2d p = points.at(i, k);
-    for (const double side : {-1.0, 1.0}) {
-      const Vector3d d = frame.point(p.x(), p.y()) + side * across - stock.frame.origin;
-      const Vector3d q(d.dot(stock.frame.x), d.dot(stock.frame.y), d.dot(stock.frame.normal()));
-      least = std::min(least, (-q).cwiseMax(q - stock.size_mm).cwiseMax(0).norm());
-    }
+    for (const double side : {-1.0, 1.0})
+      least = std::min(least, block.distance_mm(frame.point(p.x(), p.y()) + side * across));
   }
   // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
   // points between both edges, because the distance to a box is convex.
@@ -148,18 +131,18 @@ double clearance_on(const Stretch& travel, const StripPlan& strip, double width_
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     least = std::min(least, clearance_mm(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm),
-                                         strip.stock, width_mm));
+                                         strip.block, width_mm));
   }
   return least;
 }
 
 }  // namespace
 
-double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Stock& stock,
+double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Block& block,
                           double width_mm) {
   const elastica::Part whole{0, blade.length};
   return clearance_mm(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length,
-                      frame, stock, width_mm);
+                      frame, block, width_mm);
 }
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
@@ -169,13 +152,13 @@ std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& fro
   way.curve = {start, (start + end) / 2, end};
   way.length = elastica::length(way.curve);
   const double hang = hang_mm(way), half_width = settings.blade.width_mm / 2;
-  const StockOutline stock = strip.planes.turns() ? fan_outline(strip, home.offset_mm) : outline(strip);
+  const Vector2d near = strip.planes.turns() ? near_corner_of_fan(strip, home.offset_mm) : near_corner(strip);
   // A fan's offsets are no distances, and its planes see the block tilted: its corner may have to be taken as
   // higher than it is in the middle plane.
   constexpr std::array<double, 6> kRaises_mm{0, 25, 50, 100, 200, 400};
   const std::size_t raises = strip.planes.turns() ? kRaises_mm.size() : 1;
   for (std::size_t i = 0; i < raises; ++i) {
-    const Vector2d corner(stock.low.x() - half_width, stock.high.y() + hang + kRaises_mm[i]);
+    const Vector2d corner(near.x() - half_width, near.y() + hang + kRaises_mm[i]);
     // The points between which a clearance is measured take away half a step; a larger circle makes up for
     // it, and for the corner on the other side where that is the nearer one.
     for (const double more_mm : {2.0, 10.0, 50.0}) {

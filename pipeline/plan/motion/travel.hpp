@@ -22,6 +22,6 @@ namespace hotblade::pipeline {
 // The least distance of the blade, its width across the plane included, from the stock: between points of the
 // blade at most 2 mm apart, less what lies between them.
 [[nodiscard]] double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame,
-                                        const Stock& stock, double width_mm);
+                                        const Block& block, double width_mm);
 
 }  // namespace hotblade::pipeline

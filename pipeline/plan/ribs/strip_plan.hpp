@@ -25,7 +25,7 @@ struct StripPlan : RibAxes {
   std::vector<FormedPart> formed;  // of ribs that go on past the design's border: by sections, ascending
   double blade_length_mm = 0;
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
-  Stock stock;
+  Block block;
   Pose design_to_cell;
   JointFitReport joint;  // the ribs solved together, before and after
   // The same strip with each rib on its own best fit, where the ribs were solved together.

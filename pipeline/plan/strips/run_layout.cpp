@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "pipeline/plan/motion/strip_block.hpp"
 #include "pipeline/plan/ribs/adaptive_ribs.hpp"
 #include "pipeline/plan/ribs/complete.hpp"
 #include "pipeline/plan/strips/share_strip.hpp"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "pipeline/plan/motion/motion.hpp"
+#include "pipeline/plan/motion/strip_block.hpp"
 
 namespace hotblade::pipeline {
 
@@ -31,25 +31,6 @@ std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs,
   const Eigen::Vector2d q = points[points.size() / 2];
   const Eigen::Vector3d p = chain.plane(ribs[i].offset_mm).point(q.x(), q.y());
   return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
-}
-
-// The block on the table: the middle plane level, sweep downwards, x kept, bottom on the plinth, centred.
-void place_stock(StripPlan& strip, const Block& block, const Settings& settings) {
-  const Eigen::Vector3d &low = block.low, &high = block.high;
-  const bool along = strip.x.cross(strip.y).dot(strip.sweep) > 0;
-  strip.stock.frame = block.layer(along ? low.z() : high.z());
-  strip.stock.frame.origin = strip.stock.frame.point(low.x(), low.y());
-  strip.stock.size_mm = high - low;
-  const Eigen::Vector3d &x = block.x, &sweep = block.sweep;
-  Eigen::Matrix3d r;
-  r.row(0) = x;
-  r.row(1) = -sweep.cross(x);
-  r.row(2) = -sweep;
-  const Eigen::Vector2d middle = 0.5 * (low.head<2>() + high.head<2>());
-  const Eigen::Vector3d foot = block.centre + middle.x() * x + middle.y() * block.y + high.z() * sweep;
-  strip.design_to_cell.q = robot::canonical(Eigen::Quaterniond(r));
-  const double plinth = settings.machine.plinth_mm > 0 ? settings.machine.plinth_mm : kUsualPlinthMm;
-  strip.design_to_cell.p = Eigen::Vector3d(0, 0, plinth) - strip.design_to_cell.q.toRotationMatrix() * foot;
 }
 
 // The calmest fit within `allowed` that a blade can be extended from; else the refusal of the closest fit.
@@ -101,12 +82,13 @@ StripPlan make_strip_plan(const RibAxes& axes, const std::vector<RibFit>& ribs, 
   strip.smallest_margin = blade.smallest_margin;
   strip.largest_curvature_per_mm = blade.largest_curvature_per_mm;
   strip.smallest_clearance_mm = blade.smallest_clearance_mm;
-  place_stock(strip, block_around(strip.ribs, strip, settings.stock), settings);
+  strip.block = block_around(ribs, axes, settings.stock);
+  strip.design_to_cell = on_table(ribs, axes, settings);
   return strip;
 }
 
 bool fits_stock(const StripPlan& strip, const Settings& settings) {
-  return !edge_over_stock(strip.stock.size_mm, settings.stock);
+  return !edge_over_stock(strip.block.size_mm, settings.stock);
 }
 
 Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, Purpose purpose,
@@ -138,7 +120,7 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
     return attempt;
   }
   StripPlan strip = make_strip_plan(chain, served.ribs, *served.blade.choice, settings);
-  if (const auto over = edge_over_stock(strip.stock.size_mm, settings.stock)) {
+  if (const auto over = edge_over_stock(strip.block.size_mm, settings.stock)) {
     attempt.refusal = {"",
                        "",
                        "block edge",

@@ -176,7 +176,7 @@ TEST(BorderSplits, OfAWideTriangleIsCutInTwoStripsOfWhichTheNarrowOneIsShorter) 
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
   ASSERT_EQ(result.strips.size(), 2u);
   EXPECT_EQ(result.verification.uncut_mm2, 0);
-  const auto sweep = [&](std::size_t i) { return result.program.strips[i].stock.size_mm.z(); };
+  const auto sweep = [&](std::size_t i) { return result.program.strips[i].block.size_mm.z(); };
   EXPECT_LT(std::min(sweep(0), sweep(1)), 400);
   EXPECT_GT(std::max(sweep(0), sweep(1)), 400);
 }

@@ -154,15 +154,15 @@ TEST(FanPlan, BlocksHoldTheDesignAndLieWithTheirMiddlePlaneLevel) {
                  last = std::abs((q * strip.ribs.back().frame.normal()).z());
     EXPECT_NEAR(first, last, 1e-6) << "both ends are tilted alike";
     EXPECT_LT(first, 0.9999);
-    const Vector3d foot = transformed(strip.design_to_cell, Pose{strip.stock.frame.origin, q}).p;
+    const Vector3d foot = transformed(strip.design_to_cell, Pose{strip.block.frame.origin, q}).p;
     EXPECT_GE(foot.z(), 400 - 1e-6);
     for (const Rib& rib : strip.ribs) {
       for (const Eigen::Vector2d& t : rib.target) {
-        const Vector3d d = rib.frame.point(t.x(), t.y()) - strip.stock.frame.origin;
-        const Vector3d in(d.dot(strip.stock.frame.x), d.dot(strip.stock.frame.y),
-                          d.dot(strip.stock.frame.normal()));
+        const Vector3d d = rib.frame.point(t.x(), t.y()) - strip.block.frame.origin;
+        const Vector3d in(d.dot(strip.block.frame.x), d.dot(strip.block.frame.y),
+                          d.dot(strip.block.frame.normal()));
         EXPECT_GE(in.minCoeff(), 9.9);
-        EXPECT_GE((strip.stock.size_mm - in).minCoeff(), 9.9);
+        EXPECT_GE((strip.block.size_mm - in).minCoeff(), 9.9);
       }
     }
   }
@@ -175,10 +175,10 @@ TEST(FanPlan, BladesAreClearOfTheBlockBeforeLeadInAndBehindLeadOut) {
           pose.phase == StripPhase::kLeadOut)
         continue;
       for (const elastica::CurvePoint& c : elastica::sample(pose.blade, 33)) {
-        const Vector3d d = pose.frame.point(c.x, c.y) - strip.stock.frame.origin;
-        const Vector3d in(d.dot(strip.stock.frame.x), d.dot(strip.stock.frame.y),
-                          d.dot(strip.stock.frame.normal()));
-        const double inside = in.cwiseMin(strip.stock.size_mm - in).minCoeff();
+        const Vector3d d = pose.frame.point(c.x, c.y) - strip.block.frame.origin;
+        const Vector3d in(d.dot(strip.block.frame.x), d.dot(strip.block.frame.y),
+                          d.dot(strip.block.frame.normal()));
+        const double inside = in.cwiseMin(strip.block.size_mm - in).minCoeff();
         ASSERT_LT(inside, 0) << name(pose.phase) << " at " << pose.t << " s";
       }
     }
@@ -215,7 +215,7 @@ TEST(FanPlan, AnAxisFarAwayPlansAsParallelPlanesDo) {
   ASSERT_EQ(fan.program.strips.size(), parallel.program.strips.size());
   EXPECT_EQ(fan.program.strips[0].blade_length_mm, parallel.program.strips[0].blade_length_mm);
   EXPECT_NEAR(fan.verification.deviation.max, parallel.verification.deviation.max, 5e-3);
-  const Vector3d size = fan.program.strips[0].stock.size_mm - parallel.program.strips[0].stock.size_mm;
+  const Vector3d size = fan.program.strips[0].block.size_mm - parallel.program.strips[0].block.size_mm;
   EXPECT_LT(size.cwiseAbs().maxCoeff(), 0.1);
 }
 

@@ -124,7 +124,7 @@ TEST(SceneOf, ShowsWhatIsCutUpToATime) {
   ASSERT_TRUE(scene.blade_now);
   EXPECT_LT((scene.blade_now->points.front() - program.strips[1].poses[50].a.p).norm(), 1e-6);
   EXPECT_LT((scene.blade_now->points.back() - program.strips[1].poses[50].b.p).norm(), 1e-6);
-  EXPECT_EQ(scene.stocks.size(), 1u);
+  EXPECT_EQ(scene.blocks.size(), 1u);
 }
 
 TEST(SceneOf, GhostsRunFromTheClampsToTheFoam) {

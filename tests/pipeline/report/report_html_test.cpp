@@ -77,18 +77,18 @@ TEST(FoamKeptShare, OfAVaultIsTheClosedFormOfItsSection) {
   const Program program = testing::vault_program({.poses = 200});
   const Strip& strip = program.strips.front();
   // The block is 360 mm wide, from z = -60 mm up; the blade a circle about (0, -drop).
-  const double r = testing::kVaultRadius + 0.5, half = strip.stock.size_mm.x() / 2;
+  const double r = testing::kVaultRadius + 0.5, half = strip.block.size_mm.x() / 2;
   const double drop = testing::kVaultRadius * std::cos(testing::kVaultHalfAngle);
   const double under = half * std::sqrt(r * r - half * half) + r * r * std::asin(half / r);
   const double area = under + 2 * half * (60 - drop);
-  EXPECT_NEAR(foam_kept_share(strip), area / (2 * half * strip.stock.size_mm.z()), 1e-4);
+  EXPECT_NEAR(foam_kept_share(strip), area / (2 * half * strip.block.size_mm.z()), 1e-4);
 }
 
 TEST(FoamKeptShare, IsTheSameWhereThePlanesTurnAboutAnAxis) {
   // Straight blades 100 mm above the bottom of a block 400 mm high, fanned about a vertical line beside it.
   Strip strip = testing::vault_program({.poses = 60}).strips.front();
-  strip.stock.frame = {{-200, 0, -100}, {1, 0, 0}, {0, 0, 1}};
-  strip.stock.size_mm = {400, 400, 300};
+  strip.block.frame = {{-200, 0, -100}, {1, 0, 0}, {0, 0, 1}};
+  strip.block.size_mm = {400, 400, 300};
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
     const double turn = 1.2 * (static_cast<double>(i) / 59 - 0.5);
     BladePose& pose = strip.poses[i];
@@ -101,7 +101,7 @@ TEST(FoamKeptShare, IsTheSameWhereThePlanesTurnAboutAnAxis) {
 
 TEST(FoamKeptShare, IsNothingWhereNoPoseLiesInTheBlock) {
   Strip strip = testing::vault_program().strips.front();
-  strip.stock.frame.origin.y() += 1e4;
+  strip.block.frame.origin.y() += 1e4;
   EXPECT_EQ(foam_kept_share(strip), 0);
 }
 

@@ -115,8 +115,8 @@ TEST(LayOutStrips, PutsTheBlockOnThePlinthAboveTheTableCentred) {
   const StripPlan& strip = planned().strip;
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e9), high = -low;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d size = strip.stock.size_mm;
-    const Eigen::Vector3d p = strip.stock.frame.point(
+    const Eigen::Vector3d size = strip.block.size_mm;
+    const Eigen::Vector3d p = strip.block.frame.point(
         (corner & 1) ? size.x() : 0, (corner & 2) ? size.y() : 0, (corner & 4) ? size.z() : 0);
     const Pose cell = transformed(strip.design_to_cell, {p, Eigen::Quaterniond::Identity()});
     low = low.cwiseMin(cell.p);

@@ -41,10 +41,10 @@ struct Travelled {
 // by Eigen's box.
 Travelled measure(const Strip& strip, double width_mm) {
   Travelled found;
-  const Frame& f = strip.stock.frame;
+  const Frame& f = strip.block.frame;
   Eigen::Matrix3d axes;
   axes << f.x, f.y, f.normal();
-  const Eigen::AlignedBox3d box(Eigen::Vector3d::Zero(), strip.stock.size_mm);
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Zero(), strip.block.size_mm);
   std::vector<Eigen::Vector3d> seen;  // from clamp A
   for (std::size_t i = 1; i < strip.poses.size(); ++i) {
     const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
@@ -127,7 +127,7 @@ TEST(Travel, KeepsTheWholeBladeClearOfTheStockInTheSectorsOfARing) {
 
 TEST(BladeClearance, IsALowerBoundOfTheDistance) {
   // A straight blade 100 mm above a block: what lies between the points is taken off.
-  Stock stock;
+  Block stock;
   stock.frame = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   stock.size_mm = {500, 300, 200};
   const Frame plane{{0, 150, 300}, {1, 0, 0}, {0, 0, 1}};
