@@ -341,7 +341,7 @@ class FoldSearch {
   [[nodiscard]] Elastica shape_of(const Place& p) const {
     const double l = e_.length, l2 = l * l / kForce, turn = e_.theta + p.q[0];
     const Vector2d force = turned(turn, p.q.tail<2>() / l2);
-    const ClampPose a = clamps_at(p.error).a;
+    const PlanarPose a = clamps_at(p.error).a;
     return {a.x, a.y, turn, p.q[1] / l, force.x(), force.y(), l};
   }
 

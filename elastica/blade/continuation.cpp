@@ -33,7 +33,7 @@ Elastica unit_blade(const Vector3d& p) {
   return {0, 0, 0, p[0], p[1], p[2], 1};
 }
 
-Elastica placed(const Vector3d& p, const ClampPose& a, double length) {
+Elastica placed(const Vector3d& p, const PlanarPose& a, double length) {
   const double co = std::cos(a.theta), si = std::sin(a.theta), l2 = length * length;
   return {a.x,   a.y, a.theta, p[0] / length, (co * p[1] - si * p[2]) / l2, (si * p[1] + co * p[2]) / l2,
           length};
@@ -87,7 +87,7 @@ std::optional<Solved> newton(Vector3d p, const Vector3d& wanted) {
   return std::nullopt;
 }
 
-ClampedShape shape_of(const Solved& s, const ClampPose& a, double length) {
+ClampedShape shape_of(const Solved& s, const PlanarPose& a, double length) {
   return {placed(s.p, a, length), s.end.index, s.steps, s.end};
 }
 
@@ -99,7 +99,7 @@ ClampPair clamps_by(const Elastica& e, const CurvePoint& unit_end) {
            e.y + e.length * (si * unit_end.x + co * unit_end.y), e.theta + unit_end.theta}};
 }
 
-ClampPose between(const ClampPose& p, const ClampPose& q, double t) {
+PlanarPose between(const PlanarPose& p, const PlanarPose& q, double t) {
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
 }
 

@@ -12,14 +12,10 @@
 
 namespace hotblade::elastica {
 
-struct ClampPose {
-  double x = 0, y = 0, theta = 0;
-};
-
-// Both clamps; tangents point from a to b, and b.theta - a.theta is the blade's true turning, not modulo 2
-// pi.
+// Both clamps in the blade's plane; tangents point from a to b, and b.theta - a.theta is the blade's true
+// turning, not modulo 2 pi. In space the pair is robot::ClampPoses.
 struct ClampPair {
-  ClampPose a, b;
+  PlanarPose a, b;
 };
 
 // The poses that hold the curve: its ends.

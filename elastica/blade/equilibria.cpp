@@ -133,7 +133,7 @@ class Search {
     constexpr double kAround = 3;
     const Elastica start{0, 0, 0, span.middle[0], span.middle[1], span.middle[2], 1};
     const JacobiFields end = end_map(start);
-    const ClampPose& b = unit_.clamps.b;
+    const PlanarPose& b = unit_.clamps.b;
     const Vector3d miss(b.x - end.point.x, b.y - end.point.y, b.theta - end.point.theta);
     const Vector3d step = end.fields.partialPivLu().solve(miss);
     // A first step that leads away: not worth the rest.

@@ -27,7 +27,7 @@ Matrix3d frame(double theta) {
 constexpr int kPlaces = 64;
 
 // What a rigid move (dx, dy, dtheta) about `a` does to the point p, in (x, y, theta).
-Vector3d carried(const Vector3d& move, const ClampPose& a, const CurvePoint& p) {
+Vector3d carried(const Vector3d& move, const PlanarPose& a, const CurvePoint& p) {
   return {move[0] - move[2] * (p.y - a.y), move[1] + move[2] * (p.x - a.x), move[2]};
 }
 
@@ -36,7 +36,7 @@ Vector3d carried(const Vector3d& move, const ClampPose& a, const CurvePoint& p) 
 Sensitivity sensitivity(const Elastica& e, const SensitivityOptions& options) {
   const std::vector<JacobiFields> fields = jacobi_fields(e, kPlaces);
   const JacobiFields& end = fields.back();
-  const ClampPose a{e.x, e.y, e.theta};
+  const PlanarPose a{e.x, e.y, e.theta};
   const auto solver = end.fields.partialPivLu();
   Sensitivity result;
   for (std::size_t i = 0; i < 6; ++i) {

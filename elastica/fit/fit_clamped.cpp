@@ -327,8 +327,8 @@ ClampedFit fit_clamped(const Bezier& b) {
   for (const double t : even_parameters(b, kPoints)) points.push_back(evaluate(b, t).p);
   const double theta = std::atan2(first.y(), first.x());
   const double turning = true_turning(points, theta, std::atan2(last.y(), last.x()));
-  return fit_clamped(points, {{b[0].x(), b[0].y(), theta}, EndState{b[3].x(), b[3].y(), theta + turning}}, {},
-                     {0, nullptr, 0});
+  return fit_clamped(points, {{b[0].x(), b[0].y(), theta}, PlanarPose{b[3].x(), b[3].y(), theta + turning}},
+                     {}, {0, nullptr, 0});
 }
 
 double true_turning(std::span<const Eigen::Vector2d> points, double start_theta, double end_theta) {

@@ -12,14 +12,10 @@
 
 namespace hotblade::elastica {
 
-struct EndState {
-  double x = 0, y = 0, theta = 0;
-};
-
 struct ClampedEnds {
-  EndState start;
+  PlanarPose start;
   // The curve turns by end.theta - start.theta in all, not modulo 2 pi. Left absent, the end is free.
-  std::optional<EndState> end;
+  std::optional<PlanarPose> end;
 };
 
 enum class ClampedStatus {

@@ -169,7 +169,7 @@ Json fit_clamped(const Json& line) {
     if (!tangents.is_array() || tangents.size() != 2) throw LineError("tangents: two angles needed");
     const double first = number(tangents[0], "tangents[0]"), last = number(tangents[1], "tangents[1]");
     const double turning = elastica::true_turning(q, first, last);
-    const elastica::EndState end{q.back().x(), q.back().y(), first + turning};
+    const elastica::PlanarPose end{q.back().x(), q.back().y(), first + turning};
     f = elastica::fit_clamped(q, {{q.front().x(), q.front().y(), first}, end}, {}, {0, nullptr, 0});
     answer = {{"elastica", to_json(f.elastica)}, {"l2", f.rms / f.elastica.length}, {"h1", nullptr}};
     answer["hausdorff"] = f.max;
@@ -194,7 +194,7 @@ Json sample(const Json& line) {
   return answer;
 }
 
-elastica::ClampPose clamp_pose(const Json& line, const char* name) {
+elastica::PlanarPose clamp_pose(const Json& line, const char* name) {
   const Json& value = field(line, name);
   if (!value.is_array() || value.size() != 3)
     throw LineError(fmt::format("{}: a clamp is [x, y, theta]", name));

@@ -22,16 +22,16 @@ Pose clamp_pose(const elastica::CurvePoint& p, const Frame& frame) {
 
 }  // namespace
 
-ClampPair clamps(const Elastica& blade, const Frame& frame) {
+ClampPoses clamps(const Elastica& blade, const Frame& frame) {
   return clamps(std::span(&blade, 1), std::span(&frame, 1)).front();
 }
 
-std::vector<ClampPair> clamps(std::span<const Elastica> blades, std::span<const Frame> frames) {
+std::vector<ClampPoses> clamps(std::span<const Elastica> blades, std::span<const Frame> frames) {
   std::vector<double> lengths;
   for (const Elastica& e : blades) lengths.push_back(e.length);
   std::vector<elastica::CurvePoint> ends(blades.size());
   elastica::points_at(blades, lengths, ends);
-  std::vector<ClampPair> pairs;
+  std::vector<ClampPoses> pairs;
   for (std::size_t i = 0; i < blades.size(); ++i) {
     const Elastica& e = blades[i];
     pairs.push_back({clamp_pose({e.x, e.y, e.theta, e.kappa}, frames[i]), clamp_pose(ends[i], frames[i])});
@@ -39,7 +39,7 @@ std::vector<ClampPair> clamps(std::span<const Elastica> blades, std::span<const 
   return pairs;
 }
 
-double clamp_clearance_mm(const ClampPair& clamps, const Block& block) {
+double clamp_clearance_mm(const ClampPoses& clamps, const Block& block) {
   return std::min(block.distance_mm(clamps.a.p), block.distance_mm(clamps.b.p));
 }
 

@@ -9,16 +9,14 @@
 
 namespace hotblade::pipeline {
 
-struct ClampPair {
-  Pose a, b;
-};
+using robot::ClampPoses;
 
 // Returns the poses of the clamps that hold the blade in the frame's plane: axes are the tangent from A to B,
 // the in-plane normal and the plane's normal.
-[[nodiscard]] ClampPair clamps(const elastica::Elastica& blade, const Frame& frame);
-[[nodiscard]] std::vector<ClampPair> clamps(std::span<const elastica::Elastica> blades,
+[[nodiscard]] ClampPoses clamps(const elastica::Elastica& blade, const Frame& frame);
+[[nodiscard]] std::vector<ClampPoses> clamps(std::span<const elastica::Elastica> blades,
                                              std::span<const Frame> frames);
 // Returns the distance from the block to the nearer clamp, mm; 0 when a clamp is inside.
-[[nodiscard]] double clamp_clearance_mm(const ClampPair& clamps, const Block& block);
+[[nodiscard]] double clamp_clearance_mm(const ClampPoses& clamps, const Block& block);
 
 }  // namespace hotblade::pipeline

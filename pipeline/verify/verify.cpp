@@ -37,10 +37,10 @@ double clamp_mismatch_mm(const Program& program) {
       blades.push_back(pose.blade);
       frames.push_back(pose.frame);
     }
-    const std::vector<ClampPair> planned = clamps(blades, frames);
+    const std::vector<ClampPoses> planned = clamps(blades, frames);
     for (std::size_t k = 0; k < poses.size(); ++k) {
-      for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
-        const Pose &is = clamp == &ClampPair::a ? poses[k].a : poses[k].b, &should = planned[k].*clamp;
+      for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
+        const Pose &is = clamp == &ClampPoses::a ? poses[k].a : poses[k].b, &should = planned[k].*clamp;
         const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
         if (!(off <= worst[i])) worst[i] = off;
       }

@@ -129,7 +129,7 @@ class Controller {
   void sample_due_poses();
   LimitCode write_pose();
   [[nodiscard]] double to_next_waypoint_s() const;
-  [[nodiscard]] static HeldPose pose_on(const Waypoint& from, const Waypoint& to, double path_s);
+  [[nodiscard]] static ClampPoses pose_on(const Waypoint& from, const Waypoint& to, double path_s);
   [[nodiscard]] double to_next_pose_s() const;
   void come_to_rest();
   void fail(protocol::Fault fault, std::uint16_t detail, std::uint32_t sequence);
@@ -189,10 +189,10 @@ class Controller {
   std::uint32_t step_ = 0;           // the step under way begins at this waypoint
   Waypoint from_, to_;               // and goes from here to there; both the same while its end is unknown
   protocol::Phase phase_ = protocol::Phase::kProgram;
-  std::uint32_t boundary_ = 0;    // where the heat came on: the end of a retraction
-  double reheated_at_s_ = 0;      // of the motion clock
-  std::optional<HeldPose> held_;  // after a restart, until the path is known to lead through it
-  double lag_s_ = 0;              // how far the place asked for is ahead of the clamps, of the path's time
+  std::uint32_t boundary_ = 0;      // where the heat came on: the end of a retraction
+  double reheated_at_s_ = 0;        // of the motion clock
+  std::optional<ClampPoses> held_;  // after a restart, until the path is known to lead through it
+  double lag_s_ = 0;                // how far the place asked for is ahead of the clamps, of the path's time
   bool heat_off_ = false, reboot_due_ = false;
   std::uint64_t held_since_us_ = 0;
 };

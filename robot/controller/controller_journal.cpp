@@ -132,7 +132,7 @@ class JournalReader {
     const Line line(last_pose_, pose_place_);
     if (line.number<std::uint64_t>("job", line.string("job"), 16) != journal_.job) return;
     journal_.path_s = line.number<double>("path", line.raw_value("path"));
-    journal_.held = HeldPose{pose_of(line, last_pose_, "a"), pose_of(line, last_pose_, "b")};
+    journal_.held = ClampPoses{pose_of(line, last_pose_, "a"), pose_of(line, last_pose_, "b")};
     note_time(line, "t");
   }
 

@@ -18,11 +18,6 @@ struct LogError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Where the clamps were last, cell frame, mm.
-struct HeldPose {
-  Pose a, b;
-};
-
 struct ControllerJournal {
   std::uint32_t token = 0;  // the largest that was given
   // IDLE without an open job (or ESTOP, latched); HELD for any that had begun to move and was not over.
@@ -39,7 +34,7 @@ struct ControllerJournal {
   Sha256 chain{};               // over them
   std::uint64_t motion_us = 0;  // the motion clock
   double path_s = 0;            // the place on the path, s of the strip's own time
-  std::optional<HeldPose> held;
+  std::optional<ClampPoses> held;  // where the clamps were last, cell frame
 };
 
 // The end of a log; an empty journal when there is no such file. A torn last line does not count. Throws

@@ -211,7 +211,7 @@ void Controller::sample_due_poses() {
 LimitCode Controller::write_pose() {
   const bool asked_for = sink_ != nullptr || job_.moved_blade.checks();
   if (job_.executed == 0 || !asked_for) return LimitCode::kNone;
-  const HeldPose now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
+  const ClampPoses now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
   const LimitCode code = job_.moved_blade.move_to(now.a, now.b);
   if (sink_ != nullptr) {
     sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
@@ -220,7 +220,7 @@ LimitCode Controller::write_pose() {
   return code;
 }
 
-HeldPose Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {
+ClampPoses Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {
   const double length = time_s(to) - time_s(from);
   const double share = length > 0 ? std::clamp((path_s - time_s(from)) / length, 0.0, 1.0) : 0;
   return {interpolate(from.a, to.a, share), interpolate(from.b, to.b, share)};

@@ -157,7 +157,7 @@ void Controller::replay(const ControllerJournal& journal) {
 bool Controller::agrees_with_held_pose(const Waypoint& from, const Waypoint& to) const {
   // Far above the log's decimals and half a microsecond on the way, far below what a blade feels.
   constexpr double kSlack_mm = 0.01, kSlack_rad = 1e-4;
-  const HeldPose path = pose_on(from, to, path_.path_s());
+  const ClampPoses path = pose_on(from, to, path_.path_s());
   const auto near = [](const Pose& a, const Pose& b) {
     return (a.p - b.p).norm() <= kSlack_mm && a.q.angularDistance(b.q) <= kSlack_rad;
   };

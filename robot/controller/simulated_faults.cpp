@@ -108,8 +108,8 @@ double Controller::following_mm() const {
   std::uint32_t step = step_;
   while (step + 2 < job_.accepted() && protocol::time_us(job_.raw[step + 1]) * 1e-6 < wanted_s) ++step;
   while (step > 0 && protocol::time_us(job_.raw[step]) * 1e-6 > wanted_s) --step;
-  const HeldPose is = pose_on(waypoint(step_), waypoint(step_ + 1), path_.path_s());
-  const HeldPose wanted = pose_on(waypoint(step), waypoint(step + 1), wanted_s);
+  const ClampPoses is = pose_on(waypoint(step_), waypoint(step_ + 1), path_.path_s());
+  const ClampPoses wanted = pose_on(waypoint(step), waypoint(step + 1), wanted_s);
   return std::max((wanted.a.p - is.a.p).norm(), (wanted.b.p - is.b.p).norm());
 }
 

@@ -13,6 +13,11 @@ struct Pose {
   Eigen::Quaterniond q{1, 0, 0, 0};
 };
 
+// Both clamps of a blade. In the blade's plane the pair is elastica::ClampPair.
+struct ClampPoses {
+  Pose a, b;
+};
+
 // q and -q are one orientation; the largest component (lowest index on ties, order w x y z) is made positive.
 [[nodiscard]] Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
 

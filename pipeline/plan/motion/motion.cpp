@@ -27,7 +27,7 @@ constexpr std::size_t kFeedPoints = 17;
 struct ClampedShapes {
   std::vector<BladeShape> shapes;
   std::vector<Frame> frames;
-  std::vector<ClampPair> pairs;
+  std::vector<ClampPoses> pairs;
 };
 
 ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
@@ -91,10 +91,10 @@ Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
 
 // Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even
 // step.
-double acceleration_use(const std::vector<ClampPair>& pairs, const TimeLaw& law,
+double acceleration_use(const std::vector<ClampPoses>& pairs, const TimeLaw& law,
                         const MotionSettings& limits) {
   double use = 0;
-  for (const auto clamp : {&ClampPair::a, &ClampPair::b}) {
+  for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
     Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
     for (std::size_t i = 1; i <= pairs.size(); ++i) {
       // Behind the last waypoint the clamps stand still.

@@ -81,7 +81,7 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   return fit;
 }
 
-elastica::EndState turned_back(const elastica::EndState& s) {
+elastica::PlanarPose turned_back(const elastica::PlanarPose& s) {
   return {s.x, s.y, s.theta + std::numbers::pi};
 }
 

@@ -31,7 +31,7 @@ struct RibFit {
   double deviation_mm = 0;  // elastica against target
   bool converged = false;
   // Ends shared with the neighbouring strip's rib: kept exactly by every further fit.
-  std::optional<elastica::EndState> clamp_start, clamp_end;
+  std::optional<elastica::PlanarPose> clamp_start, clamp_end;
 
   // The points that the elastica is fitted to.
   [[nodiscard]] const std::vector<Eigen::Vector2d>& followed() const {

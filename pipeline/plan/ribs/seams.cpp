@@ -9,7 +9,7 @@ namespace hotblade::pipeline {
 namespace {
 
 using elastica::CurvePoint;
-using elastica::EndState;
+using elastica::PlanarPose;
 
 CurvePoint end_point(const elastica::Elastica& e) {
   return elastica::ElasticaCurve(e).at(e.length);
@@ -20,7 +20,7 @@ double turn_between(double from, double to) {
 }
 
 // Between two states: the share `to_after` of the way from the piece before to the piece after.
-EndState state_between(const elastica::Elastica& before, const elastica::Elastica& after, double to_after) {
+PlanarPose state_between(const elastica::Elastica& before, const elastica::Elastica& after, double to_after) {
   const CurvePoint p = end_point(before);
   return {p.x + to_after * (after.x - p.x), p.y + to_after * (after.y - p.y),
           p.theta + to_after * turn_between(p.theta, after.theta)};
@@ -46,8 +46,8 @@ std::vector<std::vector<RibFit>> joined(const std::vector<std::vector<RibFit>>& 
   for (std::size_t i = 0; i < seams.size(); ++i) {
     if (!seams[i]) continue;
     for (std::size_t r = 0; r < pieces[i].size(); ++r) {
-      const EndState state = state_between(pieces[i][r].elastica, pieces[i + 1][r].elastica,
-                                           share_of_after(i, pieces.size(), yield));
+      const PlanarPose state = state_between(pieces[i][r].elastica, pieces[i + 1][r].elastica,
+                                             share_of_after(i, pieces.size(), yield));
       clamped[i][r].clamp_end = state;
       clamped[i + 1][r].clamp_start = state;
     }

@@ -109,8 +109,9 @@ TEST(ClampMargin, NamesFoldsThatTheShapeHoldsUpTo) {
     EXPECT_NEAR(stability_margin(fold.shape), 0, 0.02);
     // Nine tenths of the error that it names do not lose the shape.
     const ClampPair held = clamps_of(e), lost = clamps_of(fold.shape);
-    const auto part = [](const ClampPose& p, const ClampPose& q) {
-      return ClampPose{p.x + 0.9 * (q.x - p.x), p.y + 0.9 * (q.y - p.y), p.theta + 0.9 * (q.theta - p.theta)};
+    const auto part = [](const PlanarPose& p, const PlanarPose& q) {
+      return PlanarPose{p.x + 0.9 * (q.x - p.x), p.y + 0.9 * (q.y - p.y),
+                        p.theta + 0.9 * (q.theta - p.theta)};
     };
     EXPECT_EQ(follow(e, {part(held.a, lost.a), part(held.b, lost.b)}).status, FollowStatus::kFollowed);
   }
@@ -198,9 +199,9 @@ TEST(ClampDistance, IsTheLeastErrorOverAllPlacesOfThePair) {
     const ClampPair a{{10 * unit(random), 10 * unit(random), unit(random)},
                       {700 + 50 * unit(random), 100 * unit(random), unit(random)}};
     const double turn = unit(random), x = 300 * unit(random), y = 300 * unit(random);
-    const auto placed = [&](const ClampPose& p) {
+    const auto placed = [&](const PlanarPose& p) {
       const double c = std::cos(turn), s = std::sin(turn);
-      return ClampPose{x + c * p.x - s * p.y, y + s * p.x + c * p.y, p.theta + turn};
+      return PlanarPose{x + c * p.x - s * p.y, y + s * p.x + c * p.y, p.theta + turn};
     };
     EXPECT_NEAR(clamp_distance(a, {placed(a.a), placed(a.b)}, 400), 0, 1e-9);
     const VectorXd d = random_direction(random, 6);

@@ -89,8 +89,8 @@ TEST(Follow, OneLargeMoveAndManySmallOnesLeadToTheSameShape) {
   constexpr int kSteps = 400;
   for (int i = 1; i <= kSteps; ++i) {
     const double t = double(i) / kSteps;
-    const auto mix = [t](const ClampPose& p, const ClampPose& q) {
-      return ClampPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
+    const auto mix = [t](const PlanarPose& p, const PlanarPose& q) {
+      return PlanarPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
     };
     const auto next = solve_clamped(e, {mix(from.a, to.a), mix(from.b, to.b)});
     ASSERT_TRUE(next);
@@ -146,8 +146,8 @@ TEST(Follow, ScaleAndPlaceDoNotMatter) {
   const ClampPair to{{-30, 20, 0.9}, {640, 90, -0.2}};
   const FollowReport mm = follow(start, to);
   const double turn = 2.1, c = std::cos(turn), s = std::sin(turn), scale = 1e-3;
-  const auto moved = [&](const ClampPose& p) {
-    return ClampPose{scale * (c * p.x - s * p.y) + 7, scale * (s * p.x + c * p.y) - 3, p.theta + turn};
+  const auto moved = [&](const PlanarPose& p) {
+    return PlanarPose{scale * (c * p.x - s * p.y) + 7, scale * (s * p.x + c * p.y) - 3, p.theta + turn};
   };
   Elastica e = start;
   e.x = 7, e.y = -3, e.theta += turn, e.kappa /= scale, e.length *= scale;

@@ -235,8 +235,8 @@ TEST(FindEquilibria, MovedMirroredReversedAndScaledClampsHaveTheSameShapes) {
     const ClampPair mirrored{{c.a.x, -c.a.y, -c.a.theta}, {c.b.x, -c.b.y, -c.b.theta}};
     const ClampPair reversed{{c.b.x, c.b.y, c.b.theta + std::numbers::pi},
                              {c.a.x, c.a.y, c.a.theta + std::numbers::pi}};
-    const auto moved = [](const ClampPose& p) {
-      return ClampPose{700 * -p.y + 20, 700 * p.x - 5, p.theta + std::numbers::pi / 2};
+    const auto moved = [](const PlanarPose& p) {
+      return PlanarPose{700 * -p.y + 20, 700 * p.x - 5, p.theta + std::numbers::pi / 2};
     };
     const std::pair<EquilibriaReport, double> others[] = {
         {find_equilibria(mirrored, 1), 1},

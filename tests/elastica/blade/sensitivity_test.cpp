@@ -11,7 +11,7 @@ namespace {
 
 const Elastica kBlade{30, -20, 0.7, -1.5e-3, 2e-5, 4e-6, 800};
 
-ClampPose nudged(const ClampPose& p, std::size_t coordinate, double by) {
+PlanarPose nudged(const PlanarPose& p, std::size_t coordinate, double by) {
   const double c = std::cos(p.theta), s = std::sin(p.theta);
   if (coordinate == 0) return {p.x + by * c, p.y + by * s, p.theta};
   if (coordinate == 1) return {p.x - by * s, p.y + by * c, p.theta};

@@ -30,7 +30,7 @@ Elastica random_rib(std::mt19937_64& random) {
 
 ClampedEnds ends_of(const Elastica& e) {
   const CurvePoint p = ElasticaCurve(e).at(e.length);
-  return {{e.x, e.y, e.theta}, EndState{p.x, p.y, p.theta}};
+  return {{e.x, e.y, e.theta}, PlanarPose{p.x, p.y, p.theta}};
 }
 
 double rms(const std::vector<Eigen::Vector2d>& q, const Elastica& e) {

@@ -52,9 +52,9 @@ std::vector<BladePose> there_and_back() {
       wave{{0, 0, 0.9}, {690, 60, 0.35}};
   std::vector<BladePose> poses;
   elastica::Elastica shape = follow({0, 0, 0.3, -0.6 / kLength, 0, 0, kLength}, arc).shape.elastica;
-  const auto between = [](const elastica::ClampPose& p, const elastica::ClampPose& q, double t) {
-    return elastica::ClampPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y),
-                               p.theta + t * (q.theta - p.theta)};
+  const auto between = [](const elastica::PlanarPose& p, const elastica::PlanarPose& q, double t) {
+    return elastica::PlanarPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y),
+                                p.theta + t * (q.theta - p.theta)};
   };
   const std::array way{arc, bow, wave, bow, arc};
   constexpr int kSteps = 60;

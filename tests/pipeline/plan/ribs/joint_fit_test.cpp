@@ -77,7 +77,7 @@ TEST(JointFit, KeepsEndsThatAreSharedWithANeighbour) {
   std::vector<RibFit> ribs = jittery_ribs(9, 0.03);
   for (RibFit& rib : ribs) {
     const elastica::CurvePoint end = point_at(rib.elastica, rib.elastica.length);
-    rib.clamp_end = elastica::EndState{end.x, end.y, end.theta};
+    rib.clamp_end = elastica::PlanarPose{end.x, end.y, end.theta};
   }
   (void)joint_fit(ribs, options_with(0.3));
   for (const RibFit& rib : ribs) {
