@@ -8,6 +8,7 @@
 
 #include "elastica/blade/blade_lanes.hpp"
 #include "elastica/blade/stability.hpp"
+#include "elastica/curve/placement.hpp"
 
 namespace hotblade::elastica {
 
@@ -70,8 +71,9 @@ struct UnitBlock {
     cos[i] = std::cos(e.theta);
     sin[i] = std::sin(e.theta);
     kappa[i] = e.kappa * unit;
-    lambda1[i] = (cos[i] * e.lambda1 + sin[i] * e.lambda2) * unit * unit;
-    lambda2[i] = (cos[i] * e.lambda2 - sin[i] * e.lambda1) * unit * unit;
+    const Eigen::Vector2d force = force_in_axes(e, cos[i], sin[i]);
+    lambda1[i] = force.x() * unit * unit;
+    lambda2[i] = force.y() * unit * unit;
   }
   [[nodiscard]] UnitBlades lanes() const { return {kappa.data(), lambda1.data(), lambda2.data()}; }
   [[nodiscard]] double rate(std::size_t i) const { return taylor_rate(0, kappa[i], lambda1[i], lambda2[i]); }

@@ -28,9 +28,8 @@ Elastica unit_blade(const Vector4d& q) {
 }
 
 Vector4d unknowns_of(const Elastica& e) {
-  const double co = std::cos(e.theta), si = std::sin(e.theta), l2 = e.length * e.length / kForce;
-  return {0, e.kappa * e.length, (co * e.lambda1 + si * e.lambda2) * l2,
-          (co * e.lambda2 - si * e.lambda1) * l2};
+  const Vector2d force = force_along(e, e.theta) * (e.length * e.length / kForce);
+  return {0, e.kappa * e.length, force.x(), force.y()};
 }
 
 Vector2d turned(double angle, const Vector2d& v) {

@@ -15,12 +15,9 @@
 #include <vector>
 
 #include "elastica/blade/continuation.hpp"
+#include "elastica/blade/taut.hpp"
 
 namespace hotblade::elastica {
-
-// The chord over length from which a blade is straight but for less than its thickness or so: there the
-// equations for its force become singular, and errors along it move it to second order.
-inline constexpr double kTautChord = 1 - 1e-6;
 
 struct ClampMarginOptions {
   // Folds farther away are not looked for.

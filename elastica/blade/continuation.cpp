@@ -24,9 +24,8 @@ Vector3d wanted_end(const ClampPair& c, double length) {
 }
 
 Vector3d unknowns_of(const Elastica& e) {
-  const double co = std::cos(e.theta), si = std::sin(e.theta), l2 = e.length * e.length;
-  // theta'' = |lambda| sin(angle of lambda - theta): the force turns with the frame.
-  return {e.kappa * e.length, (co * e.lambda1 + si * e.lambda2) * l2, (co * e.lambda2 - si * e.lambda1) * l2};
+  const Eigen::Vector2d force = force_along(e, e.theta) * (e.length * e.length);
+  return {e.kappa * e.length, force.x(), force.y()};
 }
 
 Elastica unit_blade(const Vector3d& p) {

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "elastica/blade/end_map.hpp"
-#include "elastica/curve/elastica.hpp"
+#include "elastica/curve/placement.hpp"
 
 namespace hotblade::elastica {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "elastica/curve/placement.hpp"
+
 namespace hotblade::elastica {
 
 namespace {
@@ -24,9 +26,8 @@ std::vector<Middle> cell_middles(const ElasticaCurve& curve) {
   const Elastica& e = curve.elastica();
   const double turn = curve.at(0.5 * e.length).theta, l2 = e.length * e.length;
   // The force along and across the middle tangent, made pure.
-  const double ct = std::cos(turn), st = std::sin(turn);
-  const double along = (ct * e.lambda1 + st * e.lambda2) * l2,
-               across = (ct * e.lambda2 - st * e.lambda1) * l2;
+  const Eigen::Vector2d force = force_along(e, turn) * l2;
+  const double along = force.x(), across = force.y();
   std::vector<Middle> middles;
   middles.reserve(kCells);
   for (int i = 0; i < kCells; ++i) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "elastica/blade/end_map.hpp"
+#include "elastica/curve/placement.hpp"
 
 namespace hotblade::elastica {
 
@@ -43,9 +44,8 @@ Discrete discretise(const ElasticaCurve& curve) {
   const double h = 1.0 / kCells, l2 = e.length * e.length;
   const double middle = curve.at(0.5 * e.length).theta;
   // The force along and across the middle tangent.
-  const double cm = std::cos(middle), sm = std::sin(middle);
-  const double along = (cm * e.lambda1 + sm * e.lambda2) * l2,
-               across = (cm * e.lambda2 - sm * e.lambda1) * l2;
+  const Eigen::Vector2d force = force_along(e, middle) * l2;
+  const double along = force.x(), across = force.y();
   Discrete d;
   for (std::size_t i = 0; i < kInner; ++i) {
     const double theta = curve.at(e.length * static_cast<double>(i + 1) * h).theta - middle;

@@ -22,11 +22,6 @@ struct Elastica {
   double length = 0;
 };
 
-// A place in the plane with a direction: where a curve starts or ends, and how a clamp holds it.
-struct PlanarPose {
-  double x = 0, y = 0, theta = 0;
-};
-
 // One point of a curve with its tangent direction and signed curvature.
 struct CurvePoint {
   double x = 0, y = 0, theta = 0, kappa = 0;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "elastica/curve/placement.hpp"
 #include "elastica/curve/taylor.hpp"
 #include "elastica/fit/fit_lanes.hpp"
 
@@ -155,9 +156,8 @@ FootPoint foot_point(const ElasticaCurve& curve, const std::vector<CurvePoint>& 
 
 MidState mid_state(const Elastica& e) {
   const CurvePoint p = point_at(e, 0.5 * e.length);
-  const double c = std::cos(p.theta), s = std::sin(p.theta);
-  return {p.x,     p.y, p.theta, p.kappa, c * e.lambda1 + s * e.lambda2, -s * e.lambda1 + c * e.lambda2,
-          e.length};
+  const Eigen::Vector2d force = force_along(e, p.theta);
+  return {p.x, p.y, p.theta, p.kappa, force.x(), force.y(), e.length};
 }
 
 Elastica half_from_middle(const MidState& m) {

@@ -250,14 +250,8 @@ ClampedFit answer(const Search& s, std::span<const Eigen::Vector2d> points, cons
   const MidState mid{0,     0, 0, s.v[0] / length, s.v[1] / (length * length), s.v[2] / (length * length),
                      length};
   const Elastica e = from_mid_state(mid);
-  const double turn = ends.start.theta - e.theta, c = std::cos(turn), n = std::sin(turn);
-  fit.elastica = {ends.start.x,
-                  ends.start.y,
-                  ends.start.theta,
-                  e.kappa,
-                  c * e.lambda1 - n * e.lambda2,
-                  n * e.lambda1 + c * e.lambda2,
-                  length};
+  const Eigen::Vector2d force = force_along(e, e.theta - ends.start.theta);
+  fit.elastica = {ends.start.x, ends.start.y, ends.start.theta, e.kappa, force.x(), force.y(), length};
   const std::vector<CurvePoint> samples = sample(fit.elastica, static_cast<int>(points.size()));
   double mean = 0;
   for (std::size_t i = 0; i < points.size(); ++i)

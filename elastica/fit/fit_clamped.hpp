@@ -7,7 +7,7 @@
 #include <span>
 
 #include "elastica/bezier/bezier.hpp"
-#include "elastica/curve/elastica.hpp"
+#include "elastica/curve/placement.hpp"
 #include "elastica/fit/fit.hpp"
 
 namespace hotblade::elastica {

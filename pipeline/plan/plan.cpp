@@ -14,6 +14,7 @@
 
 #include "elastica/bezier/curve_distance.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/curve/placement.hpp"
 #include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
@@ -111,15 +112,15 @@ Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id)
   rib.frame.y = -x.y() * plane.x + x.x() * plane.y;
   for (const Eigen::Vector2d& q : fit.target) rib.target.push_back(to_frame(q, origin, x));
   for (std::size_t i = 0; i < 4; ++i) rib.bezier[i] = to_frame(fit.bezier[i], origin, x);
-  const elastica::Elastica& e = fit.elastica;
-  const Eigen::Vector2d start = to_frame({e.x, e.y}, origin, x);
-  const Eigen::Vector2d force(x.x() * e.lambda1 + x.y() * e.lambda2, -x.y() * e.lambda1 + x.x() * e.lambda2);
-  rib.elastica = {
-      start.x(), start.y(), std::remainder(e.theta - std::atan2(x.y(), x.x()), 2 * std::numbers::pi),
-      e.kappa,   force.x(), force.y(),
-      e.length};
+  elastica::Elastica shifted = fit.elastica;
+  shifted.x -= origin.x();
+  shifted.y -= origin.y();
+  Eigen::Isometry2d turn = Eigen::Isometry2d::Identity();
+  turn.linear() << x.x(), x.y(), -x.y(), x.x();
+  rib.elastica = elastica::transformed(shifted, turn);
+  rib.elastica.theta = std::remainder(rib.elastica.theta, 2 * std::numbers::pi);
   rib.lambda_residual = fit.lambda_residual;
-  const elastica::CurveDistance d = distance(fit.bezier, e);
+  const elastica::CurveDistance d = distance(fit.bezier, fit.elastica);
   rib.l2 = d.l2;
   rib.h1 = d.h1;
   rib.hausdorff_mm = d.hausdorff;

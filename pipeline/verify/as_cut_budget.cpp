@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "elastica/blade/continuation.hpp"
+#include "elastica/blade/taut.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/as_cut.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -120,8 +121,7 @@ Points unrounded_points(const BladePose& from, const BladePose& to, double share
   const double near = elastica::clamps_of(executed.blade).b.theta;
   const double theta =
       near + std::remainder(std::atan2(tangent.y(), tangent.x()) - near, 2 * std::numbers::pi);
-  constexpr double kTaut = 1 - 1e-5;
-  if (d.head<2>().norm() < kTaut * executed.blade.length) {
+  if (d.head<2>().norm() < (1 - elastica::kNearlyTautSlack) * executed.blade.length) {
     const auto solved = elastica::solve_clamped(executed.blade, {{0, 0, 0}, {d.x(), d.y(), theta}});
     const Frame frame{a.p, a.q * Eigen::Vector3d::UnitX(), a.q * Eigen::Vector3d::UnitY()};
     if (solved) return points_on(solved->elastica, frame, *executed.foam);

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "elastica/curve/placement.hpp"
 #include "robot/blade/blade_branch.hpp"
 
 namespace hotblade::pipeline {
@@ -15,11 +16,6 @@ namespace hotblade::pipeline {
 namespace {
 
 using elastica::Elastica;
-
-Elastica seen_from_a(const Elastica& e) {
-  const double c = std::cos(e.theta), s = std::sin(e.theta);
-  return {0, 0, 0, e.kappa, c * e.lambda1 + s * e.lambda2, c * e.lambda2 - s * e.lambda1, e.length};
-}
 
 // What the following of one pose found, before its shape is compared with the plan's.
 struct FollowedPose {
@@ -45,7 +41,7 @@ struct FollowedBlock {
     std::vector<elastica::Part> whole;
     for (std::size_t i = 0; i < followed.size(); ++i) {
       found.push_back(followed[i].shape);
-      planned.push_back(wild(poses[i].blade) ? Elastica{} : seen_from_a(poses[i].blade));
+      planned.push_back(wild(poses[i].blade) ? Elastica{} : elastica::at_origin(poses[i].blade));
       whole.push_back({0, followed[i].shape.length});
     }
     const elastica::PartPoints is = elastica::sample_parts(found, whole, kFine);

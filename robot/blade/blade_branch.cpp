@@ -7,6 +7,8 @@
 
 #include "elastica/blade/continuation.hpp"
 #include "elastica/blade/stability.hpp"
+#include "elastica/blade/taut.hpp"
+#include "robot/pose/flat_arc.hpp"
 
 namespace hotblade::robot {
 
@@ -14,21 +16,18 @@ namespace {
 
 using elastica::Elastica;
 
-// Chord over length from which the blade is straight but for less than its thickness or so: the equations for
-// its force become singular, and its shape is a straight line whatever the force.
-constexpr double kTaut = 1 - 1e-6;
 // Register rounding and the like: a shape at the limit itself is not beyond it.
 constexpr double kCurvatureSlack = 1e-4;
 
 // The flat arc of waypoint 0, if clamp B stands as one would have it.
 std::optional<Elastica> flat_arc(double x, double y, double theta, double length) {
-  constexpr double kLeast = 0.10, kMost = 0.17;  // rad, docs/controller-protocol.md
-  // Far below what a second stable shape would need, far above rounding.
-  constexpr double kAngleSlack = 1e-3, kChordSlack = 1e-4;
   const double u = 0.5 * theta;
-  if (!(std::abs(u) >= kLeast - kAngleSlack && std::abs(u) <= kMost + kAngleSlack)) return std::nullopt;
-  if (!(std::abs(std::atan2(y, x) - u) <= kAngleSlack)) return std::nullopt;
-  if (!(std::abs(std::hypot(x, y) - length * std::sin(u) / u) <= kChordSlack * length)) return std::nullopt;
+  if (!(std::abs(u) >= kFlatArcLeastHalfTurn_rad - kFlatArcAngleSlack_rad &&
+        std::abs(u) <= kFlatArcMostHalfTurn_rad + kFlatArcAngleSlack_rad))
+    return std::nullopt;
+  if (!(std::abs(std::atan2(y, x) - u) <= kFlatArcAngleSlack_rad)) return std::nullopt;
+  if (!(std::abs(std::hypot(x, y) - length * std::sin(u) / u) <= kFlatArcChordSlack * length))
+    return std::nullopt;
   return Elastica{0, 0, 0, 2 * u / length, 0, 0, length};
 }
 
@@ -91,7 +90,7 @@ BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
 
 BladeFinding BladeBranch::start(const Relative& b) {
   const auto arc = flat_arc(b.x, b.y, b.theta, length_mm_);
-  if (!arc) return {BladeStatus::kNoFlatArc, 0.5 * std::abs(b.theta), 0.17};
+  if (!arc) return {BladeStatus::kNoFlatArc, 0.5 * std::abs(b.theta), kFlatArcMostHalfTurn_rad};
   shape_ = *arc;
   followed_ = {};
   started_ = true;
@@ -100,7 +99,7 @@ BladeFinding BladeBranch::start(const Relative& b) {
 
 BladeFinding BladeBranch::bend_to(const Relative& b) {
   const double chord = std::hypot(b.x, b.y);
-  if (chord >= kTaut * length_mm_ - limits_.rounding_mm) return pull_taut(b, chord);
+  if (chord >= elastica::kTautChord * length_mm_ - limits_.rounding_mm) return pull_taut(b, chord);
   const elastica::ClampPair to{{0, 0, 0}, {b.x, b.y, b.theta}};
   // From a straight blade the clamps' turn picks the side.
   const Elastica from = taut_ ? relaxed(b.x, b.y, b.theta, length_mm_).shape : shape_;
@@ -121,7 +120,7 @@ BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Rel
 // What the blade would have to be stretched by stays within what the clamps' positions are known to.
 BladeFinding BladeBranch::pull_taut(const Relative& b, double chord) {
   const Relaxed straight = relaxed(b.x, b.y, b.theta, length_mm_);
-  const double slack = (1 - kTaut) * length_mm_ + limits_.rounding_mm;
+  const double slack = (1 - elastica::kTautChord) * length_mm_ + limits_.rounding_mm;
   if (!(chord <= length_mm_ + slack)) return lose(BladeStatus::kOutOfReach, chord, length_mm_);
   const double wanted = chord + straight.shortening_mm;
   constexpr double kStretch = 4;  // times the slack: a blade under tension is shorter than a relaxed one

@@ -1,6 +1,7 @@
 #include "robot/blade/blade_check.hpp"
 
 #include "robot/blade/blade_section.hpp"
+#include "robot/blade/common_plane.hpp"
 #include "robot/pose/motion.hpp"
 
 namespace hotblade::robot {
@@ -9,8 +10,6 @@ namespace {
 
 BladeLimits limits_of(const AnnouncedBlade& blade, const BladeCheckOptions& options) {
   constexpr double kMicrometre = 1e-3;
-  // Between planes that are not parallel interpolated clamps leave their plane; more than that is no plan's.
-  constexpr double kOffPlane_mm = 0.05;
   // Half a count on each axis of both clamps.
   constexpr double kRounding_mm = 1.7320508075688772 * kMicrometre;
   BladeSection section;
@@ -19,7 +18,7 @@ BladeLimits limits_of(const AnnouncedBlade& blade, const BladeCheckOptions& opti
   section.youngs_modulus_mpa = blade.youngs_modulus_mpa;
   section.yield_strength_mpa = blade.yield_strength_mpa;
   section.safety = options.safety;
-  return {max_curvature_per_mm(section), options.min_margin, kOffPlane_mm, kRounding_mm};
+  return {max_curvature_per_mm(section), options.min_margin, kMaxOffPlane_mm, kRounding_mm};
 }
 
 LimitCode code_of(BladeStatus status) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "robot/pose/flat_arc.hpp"
+
 namespace hotblade::robot {
 namespace {
 
@@ -107,10 +109,7 @@ LimitCode LimitChecker::check_place(const Waypoint& w) const {
 
 LimitCode LimitChecker::check_first(const Waypoint& w) const {
   if (w.t_us != 0) return LimitCode::kTime;
-  constexpr double kMinTurn = 0.10, kMaxTurn = 0.17;  // rad, controller-protocol.md
-  // How far a start pose may be off: far below what a second stable shape would need (tenths of a radian),
-  // far above rounding. The chord then follows to l u du / 3.
-  constexpr double kAngleSlack_rad = 1e-3, kChordSlack = 1e-4;
+  constexpr double kAngleSlack_rad = kFlatArcAngleSlack_rad;
   const Eigen::Vector3d chord = w.b.p - w.a.p;
   const double length = chord.norm();
   if (length <= 0) return LimitCode::kStartPose;
@@ -125,8 +124,9 @@ LimitCode LimitChecker::check_first(const Waypoint& w) const {
       std::max(std::abs(c.dot(normal)), (normal - w.b.q * Eigen::Vector3d::UnitZ()).norm());
   const double u = (ua - ub) / 2, arc_chord = blade_length_mm_ * std::sin(u) / u;
   const bool flat = std::abs(ua + ub) <= 2 * kAngleSlack_rad && out_of_plane <= kAngleSlack_rad &&
-                    std::abs(u) >= kMinTurn - kAngleSlack_rad && std::abs(u) <= kMaxTurn + kAngleSlack_rad &&
-                    std::abs(length - arc_chord) <= kChordSlack * blade_length_mm_;
+                    std::abs(u) >= kFlatArcLeastHalfTurn_rad - kAngleSlack_rad &&
+                    std::abs(u) <= kFlatArcMostHalfTurn_rad + kAngleSlack_rad &&
+                    std::abs(length - arc_chord) <= kFlatArcChordSlack * blade_length_mm_;
   return flat ? LimitCode::kNone : LimitCode::kStartPose;
 }
 

@@ -10,6 +10,7 @@
 
 #include "elastica/blade/continuation.hpp"
 #include "elastica/blade/sensitivity.hpp"
+#include "elastica/blade/taut.hpp"
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/blade_path.hpp"
 #include "pipeline/plan/motion/blocks.hpp"
@@ -108,9 +109,9 @@ void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
 // A blade this close to straight, its clamps a few errors from pulling it taut, is moved by an error along it
 // to second order only: neither its sensitivity nor its distance to a snap say anything there.
 bool straight(const BladePose& pose, const MachineSettings& machine) {
-  constexpr double kStraight = 1e-5, kErrors = 10;  // of the length; of the clamps' errors
+  constexpr double kErrors = 10;  // of the clamps'
   const double slack = pose.blade.length - (pose.b.p - pose.a.p).norm();
-  return slack < std::max(kStraight * pose.blade.length, kErrors * machine.clamp_error_mm);
+  return slack < std::max(elastica::kNearlyTautSlack * pose.blade.length, kErrors * machine.clamp_error_mm);
 }
 
 // What the clamps' errors move the blade by: to first order, and as a straight strip where that says nothing.

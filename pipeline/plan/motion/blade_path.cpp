@@ -13,6 +13,7 @@
 #include "pipeline/plan/motion/travel.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "robot/pose/flat_arc.hpp"
 
 namespace hotblade::pipeline {
 
@@ -21,8 +22,10 @@ namespace {
 using elastica::Elastica;
 using elastica::MidState;
 
-// The flat arc every strip starts and ends with turns by 2 u; the controller accepts 0.10 <= |u| <= 0.17 rad.
+// Half of what the flat arc turns by that every strip starts and ends with.
 constexpr double kFlatHalfTurn = 0.13;
+static_assert(kFlatHalfTurn > robot::kFlatArcLeastHalfTurn_rad &&
+              kFlatHalfTurn < robot::kFlatArcMostHalfTurn_rad);
 
 // The blade at a place of the sweep: the rib there, extended.
 BladePlace place_at(const StripPlan& strip, const RibSpline& spline, double offset_mm) {

@@ -7,16 +7,12 @@
 
 namespace hotblade::pipeline {
 
-// Between non-parallel planes the interpolated clamps may leave a common plane by this much
-// (docs/controller-protocol.md).
-inline constexpr double kMaxOffPlaneMm = 0.05;
-
-// The largest distance of clamp B's position from clamp A's plane, or of what their normals' tilt makes over
-// the chord, mm.
+// Returns the distance of clamp B's position from clamp A's plane, or what their normals' tilt makes over the
+// chord where that is more, mm. robot::kMaxOffPlane_mm bounds it.
 [[nodiscard]] double off_plane_mm(const Pose& a, const Pose& b);
 
-// Half-way between each pose and the next, clamps interpolated as the controller does: positions linearly,
-// orientations by slerp. Its error is largest there.
+// Returns the largest of these half-way between each pose and the next, where the error of interpolating the
+// clamps is largest: positions linearly, orientations by slerp, as the controller does.
 [[nodiscard]] double off_plane_mm(std::span<const BladePose> poses);
 
 }  // namespace hotblade::pipeline

@@ -15,6 +15,7 @@
 #include "pipeline/plan/motion/clamp_plane.hpp"
 #include "pipeline/plan/motion/time_law.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "robot/blade/common_plane.hpp"
 
 namespace hotblade::pipeline {
 
@@ -266,7 +267,7 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   // Registers count time in u32 microseconds.
   constexpr double kLongest_s = 4294.0;
   limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
-  limit("distance of the clamps from a common plane", motion.off_plane_mm, kMaxOffPlaneMm, "mm",
+  limit("distance of the clamps from a common plane", motion.off_plane_mm, robot::kMaxOffPlane_mm, "mm",
         "lower motion.waypoint_s or motion.feed_mm_s");
   const auto at_least = [&](const std::string& name, double value, double bound, const char* unit,
                             const char* hint) {
