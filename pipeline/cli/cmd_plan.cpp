@@ -43,8 +43,8 @@ std::string strip_table(const PlanResult& result) {
       fmt::format("{:<6}{:>6}{:>9}{:>11}{:>11}{:>10}{:>9}{:>9}\n", "", "", "mm", "mm", "mm", "", "s", "s");
   for (const StripFacts& f : result.strips) {
     text += fmt::format("{:<6}{:>6}{:>9.0f}{:>11.3f}{:>11.0f}{:>10.1f}{:>9.1f}{:>9.1f}\n", f.id, f.ribs,
-                        f.blade_length_mm, f.deviation_max_mm, f.smallest_radius_mm, f.smallest_margin,
-                        f.cut_s, f.duration_s);
+                        f.blade_length_mm, f.deviation_max_mm, f.smallest_radius_mm(), f.smallest_margin,
+                        f.motion.cut_s, f.motion.duration_s);
   }
   return text;
 }

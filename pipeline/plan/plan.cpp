@@ -142,51 +142,47 @@ Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses) {
   return strip;
 }
 
-StripFacts facts_of(const StripPlan& plan, const BladeMotion& motion, const Settings& settings) {
+StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
+  const StripPlan& plan = posed.strip;
   StripFacts f;
   f.id = plan.id;
   f.ribs = plan.ribs.size();
   f.blade_length_mm = plan.blade_length_mm;
-  f.smallest_radius_mm = motion.largest_curvature_per_mm > 0 ? 1 / motion.largest_curvature_per_mm : 0;
-  f.smallest_margin = std::min(plan.smallest_margin, motion.smallest_margin);
-  f.clamp_clearance_mm = motion.smallest_clearance_mm;
+  f.motion = posed.motion.facts;
+  f.smallest_margin = std::min(plan.smallest_margin, f.motion.smallest_margin);
+  double steepest = 0;
   for (const RibFit& rib : plan.ribs) {
     f.projected_ribs += rib.projected ? 1 : 0;
     f.worst_fit_mm = std::max(f.worst_fit_mm, rib.deviation_mm);
     f.worst_bezier_mm = std::max(f.worst_bezier_mm, rib.bezier_deviation_mm);
     f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
+    steepest = std::max(steepest, rib.max_slope_rad);
   }
   if (plan.separate) {
     double own = 0;
     for (const RibFit& rib : plan.separate->ribs) own = std::max(own, rib.deviation_mm);
     f.joint_fit_mm = std::max(0.0, f.worst_fit_mm - own);
   }
-  f.seam_gap_mm = plan.seam_before.gap_mm;
-  f.seam_kink_deg = plan.seam_before.kink_deg;
-  f.clamp_acceleration_before_mm_s2 = plan.joint.acceleration_before_mm_s2;
-  f.clamp_acceleration_after_mm_s2 = plan.joint.acceleration_after_mm_s2;
-  f.duration_s = motion.duration_s;
-  f.cut_s = motion.cut_s;
-  f.slowest_feed_mm_s = motion.slowest_feed_mm_s;
-  f.largest_force_n = motion.largest_force_n;
-  f.largest_moment_n_mm = motion.largest_moment_n_mm;
-  f.largest_stress_mpa = motion.largest_stress_mpa;
-  f.droop_mm = motion.droop_mm;
-  f.in_plane_sag_mm = motion.in_plane_sag_mm;
-  f.clamp_error_mm = motion.clamp_error_mm;
-  f.smallest_fold_mm = motion.smallest_fold_mm;
-  f.smallest_straight_mm = motion.smallest_straight_mm;
-  f.rib_sensitivity_mm = motion.rib_sensitivity_mm;
-  double steepest = 0;
-  for (const RibFit& rib : plan.ribs) steepest = std::max(steepest, rib.max_slope_rad);
+  f.joint = plan.joint;
+  f.seam = plan.seam_before;
   // The twist tilts the section, whose edges move by half its width.
-  f.droop_error_mm = f.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * motion.twist_rad;
+  f.droop_error_mm =
+      f.motion.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * f.motion.twist_rad;
   f.stock_volume_mm3 = plan.block.size_mm.prod();
   f.plinth_mm = plan.block.height_above_table_mm(plan.design_to_cell);
   f.plane_turn_rad =
       plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
-  f.off_plane_mm = motion.off_plane_mm;
   return f;
+}
+
+PlannedStrip planned_strip(PosedStrip posed, const Settings& settings) {
+  PlannedStrip planned;
+  planned.facts = facts_of(posed, settings);
+  planned.refusals = std::move(posed.motion.refusals);
+  planned.warnings = std::move(posed.motion.warnings);
+  planned.strip = make_strip(posed.strip, std::move(posed.motion.poses));
+  planned.facts.foam_kept_share = foam_kept_share(planned.strip);
+  return planned;
 }
 
 DesignData design_data(const surface::DesignSurface& design, const Settings& settings) {
@@ -211,11 +207,6 @@ void check_interrupt(const PlanHooks& hooks) {
   if (hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
 }
 
-struct PosedStrip {
-  StripPlan strip;
-  BladeMotion motion;
-};
-
 // A strip that its blade would not get through as planned, by a shorter one where that one does.
 PosedStrip posed_shorter(PosedStrip posed, const Settings& settings) {
   std::optional<StripPlan> next;
@@ -232,14 +223,14 @@ PosedStrip posed_shorter(PosedStrip posed, const Settings& settings) {
 PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
   constexpr double kFarFromSnap = 10;  // times the smallest margin allowed
   PosedStrip posed{strip, move_blade(strip, settings)};
-  const bool far = posed.motion.smallest_margin >= kFarFromSnap * settings.blade.min_margin;
+  const bool far = posed.motion.facts.smallest_margin >= kFarFromSnap * settings.blade.min_margin;
   if (!strip.separate || (posed.motion.refusals.empty() && far)) return posed;
   StripPlan separate = *strip.separate;
   separate.id = strip.id;
   separate.seam_before = strip.seam_before;
   BladeMotion motion = move_blade(separate, settings);
   const std::size_t was = posed.motion.refusals.size(), is = motion.refusals.size();
-  if (is < was || (is == was && motion.smallest_margin > posed.motion.smallest_margin)) {
+  if (is < was || (is == was && motion.facts.smallest_margin > posed.motion.facts.smallest_margin)) {
     return {std::move(separate), std::move(motion)};
   }
   return posed;
@@ -248,29 +239,19 @@ PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
 // Strips are posed side by side and handed over in their order.
 void pose_strips(const StripLayout& layout, const Settings& settings, const PlanHooks& hooks,
                  PlanResult& result) {
-  struct Done {
-    Strip strip;
-    StripFacts facts;
-    std::vector<Refusal> refusals;
-    std::vector<std::string> warnings;
-  };
   const std::size_t count = layout.strips.size();
-  std::vector<Done> done(count);
+  std::vector<PlannedStrip> planned(count);
   std::mutex telling;
   std::size_t told = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     check_interrupt(hooks);
     PosedStrip posed = posed_shorter(pose_strip(layout.strips[i], settings), settings);
     posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
-    done[i].facts = facts_of(posed.strip, posed.motion, settings);
-    done[i].refusals = std::move(posed.motion.refusals);
-    done[i].warnings = std::move(posed.motion.warnings);
-    done[i].strip = make_strip(posed.strip, std::move(posed.motion.poses));
-    done[i].facts.foam_kept_share = foam_kept_share(done[i].strip);
+    planned[i] = planned_strip(std::move(posed), settings);
     const std::scoped_lock lock(telling);
     hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(++told) / static_cast<double>(count));
   });
-  for (Done& d : done) {
+  for (PlannedStrip& d : planned) {
     result.program.strips.push_back(std::move(d.strip));
     result.strips.push_back(std::move(d.facts));
     std::move(d.refusals.begin(), d.refusals.end(), std::back_inserter(result.refusals));
@@ -346,7 +327,7 @@ void judge(const Settings& settings, PlanResult& result) {
         {"design", "", "strips", 0, 1, "", "no chain of ribs was found: see the warnings"});
   }
   for (const StripFacts& f : result.strips) {
-    const double together = f.deviation_max_mm + f.droop_error_mm + f.in_plane_sag_mm;
+    const double together = f.deviation_max_mm + f.droop_error_mm + f.motion.in_plane_sag_mm;
     if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
       continue;
     result.refusals.push_back({f.id, "", "deviation with the sag of the blade under its weight", together,
@@ -392,10 +373,10 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
   PoseErrors share;
   for (const StripFacts& f : strips) {
     share.droop_mm = std::max(share.droop_mm, f.droop_error_mm);
-    share.in_plane_mm = std::max(share.in_plane_mm, f.in_plane_sag_mm);
-    share.clamp_mm = std::max(share.clamp_mm, f.clamp_error_mm);
+    share.in_plane_mm = std::max(share.in_plane_mm, f.motion.in_plane_sag_mm);
+    share.clamp_mm = std::max(share.clamp_mm, f.motion.clamp_error_mm);
     share.joint_fit_mm = std::max(share.joint_fit_mm, f.joint_fit_mm);
-    share.off_plane_mm = std::max(share.off_plane_mm, f.off_plane_mm);
+    share.off_plane_mm = std::max(share.off_plane_mm, f.motion.off_plane_mm);
   }
   return share;
 }

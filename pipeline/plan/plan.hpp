@@ -13,35 +13,41 @@
 
 namespace hotblade::pipeline {
 
+// A strip laid out, and the motion that cuts it.
+struct PosedStrip {
+  StripPlan strip;
+  BladeMotion motion;
+};
+
 // Facts of one strip for the report.
 struct StripFacts {
   std::string id;
   std::size_t ribs = 0, projected_ribs = 0;
-  double blade_length_mm = 0, smallest_radius_mm = 0, smallest_margin = 0, clamp_clearance_mm = 0;
+  double blade_length_mm = 0, smallest_margin = 0;  // the margin at the ribs and over the motion
   double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
   double joint_fit_mm = 0;  // of worst_fit_mm, what solving the ribs together added to their own fits
-  double seam_gap_mm = 0, seam_kink_deg = 0;  // largest, to the strip before along the ribs
+  JointFitReport joint;
+  SeamFacts seam;  // largest, to the strip before along the ribs
+  MotionFacts motion;
   double deviation_max_mm = 0;
-  // Of the ribs solved together (pipeline/plan/ribs/joint_fit.hpp).
-  double clamp_acceleration_before_mm_s2 = 0, clamp_acceleration_after_mm_s2 = 0;
-  double duration_s = 0, cut_s = 0, slowest_feed_mm_s = 0;
-  double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
-  double droop_mm = 0;         // largest sag out of the plane of the part that cuts
-  double droop_error_mm = 0;   // what droop and twist move the surface where it is steepest
-  double in_plane_sag_mm = 0;  // largest sag in the plane; 0 where rib planes are level
-  double clamp_error_mm = 0;   // what the clamps' errors of position and angle move the cut
-  // Smallest clamp errors that make the blade snap, or straight with no side to bow to
-  // (pipeline/plan/motion/clamp_margins.hpp); the smaller is margin_mm.
-  double smallest_fold_mm = 0, smallest_straight_mm = 0;
-  [[nodiscard]] double smallest_margin_mm() const {
-    return smallest_fold_mm < smallest_straight_mm ? smallest_fold_mm : smallest_straight_mm;
-  }
-  std::vector<std::array<double, 6>> rib_sensitivity_mm;  // as BladeMotion's
+  double droop_error_mm = 0;  // what droop and twist move the surface where it is steepest
   double stock_volume_mm3 = 0;
   double plinth_mm = 0;        // the block stands this far above the table
   double foam_kept_share = 0;  // of it that becomes the part (pipeline/verify/foam_share.hpp)
   double plane_turn_rad = 0;   // between the first and the last rib's plane; 0: they are parallel
-  double off_plane_mm = 0;     // how far the clamps leave a common plane between waypoints
+
+  // Returns the radius where the blade is bent most; 0 for a straight one.
+  [[nodiscard]] double smallest_radius_mm() const {
+    return motion.largest_curvature_per_mm > 0 ? 1 / motion.largest_curvature_per_mm : 0;
+  }
+};
+
+// A strip as it is handed out, with what is reported of it.
+struct PlannedStrip {
+  Strip strip;
+  StripFacts facts;
+  std::vector<Refusal> refusals;
+  std::vector<std::string> warnings;
 };
 
 // along_a, across_a, turn_a, along_b, across_b, turn_b.

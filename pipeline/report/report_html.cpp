@@ -60,7 +60,7 @@ std::string place(const Eigen::Vector3d& p) {
 
 double total_duration_s(const PlanResult& result) {
   double sum = 0;
-  for (const StripFacts& f : result.strips) sum += f.duration_s;
+  for (const StripFacts& f : result.strips) sum += f.motion.duration_s;
   return sum;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/report/report_plots.hpp"
@@ -19,29 +20,33 @@ std::string block(const StripRow& row) {
 }
 
 std::string radius(const StripRow& row) {
-  const double mm = row.facts.smallest_radius_mm;
+  const double mm = row.facts.smallest_radius_mm();
   return mm > 0 ? fmt::format("{:.0f}", mm) : "straight";
 }
 
 // Of the stress that yield strength and safety allow.
 std::string stress_share(const StripRow& row) {
   const double allowed = row.blade.yield_strength_mpa / row.blade.safety;
-  return allowed > 0 ? fmt::format("{:.0f}", 100 * row.facts.largest_stress_mpa / allowed) : "-";
+  return allowed > 0 ? fmt::format("{:.0f}", 100 * row.facts.motion.largest_stress_mpa / allowed) : "-";
 }
 
 std::string verdict(const StripRow& row) {
   return row.refusals > 0 ? fmt::format("{} over", row.refusals) : "ok";
 }
 
-// One figure of the facts with so many decimals.
-template <double StripFacts::*member, int decimals>
+// One figure of the facts, or of the motion's facts, with so many decimals.
+template <auto member, int decimals>
 std::string fixed(const StripRow& row) {
-  return fmt::format("{:.{}f}", row.facts.*member, decimals);
+  if constexpr (std::is_same_v<decltype(member), double MotionFacts::*>) {
+    return fmt::format("{:.{}f}", row.facts.motion.*member, decimals);
+  } else {
+    return fmt::format("{:.{}f}", row.facts.*member, decimals);
+  }
 }
 
 // Before the shape is lost; farther is not looked into.
 std::string clamps_may_err(const StripRow& row) {
-  const double mm = row.facts.smallest_margin_mm();
+  const double mm = row.facts.motion.smallest_margin_mm();
   return fmt::format("{}{:.2f}", mm >= kFarFromFoldMm ? ">= " : "", mm);
 }
 
@@ -49,7 +54,7 @@ std::string clamps_may_err(const StripRow& row) {
 std::string worst_sensitivity(const StripRow& row) {
   double most = 0;
   std::string name;
-  for (const auto& rib : row.facts.rib_sensitivity_mm) {
+  for (const auto& rib : row.facts.motion.rib_sensitivity_mm) {
     for (std::size_t i = 0; i < rib.size(); ++i) {
       if (!(rib[i] > most)) continue;
       most = rib[i];
@@ -62,31 +67,33 @@ std::string worst_sensitivity(const StripRow& row) {
 }
 
 using F = StripFacts;
+using M = MotionFacts;
 constexpr StripTable kCut = StripTable::kCut, kBlade = StripTable::kBlade;
 
 const auto kColumns = std::to_array<StripColumn>({
     {kCut, "ribs", "", [](const StripRow& r) { return fmt::format("{}", r.facts.ribs); }},
     {kCut, "deviation", "mm", fixed<&F::deviation_max_mm, 3>},
     {kCut, "rib fit", "mm", fixed<&F::worst_fit_mm, 3>},
-    {kCut, "kink at seam", "deg", fixed<&F::seam_kink_deg, 2>},
+    {kCut, "kink at seam", "deg",
+     [](const StripRow& r) { return fmt::format("{:.2f}", r.facts.seam.kink_deg); }},
     {kCut, "block", "mm", block},
     {kCut, "plinth", "mm", fixed<&F::plinth_mm, 0>},
     {kCut, "foam kept", "%",
      [](const StripRow& r) { return fmt::format("{:.0f}", 100 * r.facts.foam_kept_share); }},
-    {kCut, "slowest feed", "mm/s", fixed<&F::slowest_feed_mm_s, 2>},
-    {kCut, "time", "", [](const StripRow& r) { return duration(r.facts.duration_s); }},
+    {kCut, "slowest feed", "mm/s", fixed<&M::slowest_feed_mm_s, 2>},
+    {kCut, "time", "", [](const StripRow& r) { return duration(r.facts.motion.duration_s); }},
     {kCut, "verdict", "", verdict},
     {kBlade, "blade", "mm", fixed<&F::blade_length_mm, 0>},
     {kBlade, "smallest radius", "mm", radius},
     {kBlade, "stability margin", "", fixed<&F::smallest_margin, 1>},
     {kBlade, "clamps may err", "mm", clamps_may_err},
     {kBlade, "0.1 mm or 1 mrad moves", "mm", worst_sensitivity},
-    {kBlade, "clamp to foam", "mm", fixed<&F::clamp_clearance_mm, 1>},
-    {kBlade, "end force", "N", fixed<&F::largest_force_n, 1>},
-    {kBlade, "end moment", "N mm", fixed<&F::largest_moment_n_mm, 0>},
-    {kBlade, "bending stress", "MPa", fixed<&F::largest_stress_mpa, 0>},
+    {kBlade, "clamp to foam", "mm", fixed<&M::smallest_clearance_mm, 1>},
+    {kBlade, "end force", "N", fixed<&M::largest_force_n, 1>},
+    {kBlade, "end moment", "N mm", fixed<&M::largest_moment_n_mm, 0>},
+    {kBlade, "bending stress", "MPa", fixed<&M::largest_stress_mpa, 0>},
     {kBlade, "of the allowed", "%", stress_share},
-    {kBlade, "droop", "mm", fixed<&F::droop_mm, 3>},
+    {kBlade, "droop", "mm", fixed<&M::droop_mm, 3>},
 });
 
 // The place a refusal names starts with the strip's id, if it is about a strip.

@@ -87,22 +87,23 @@ PoseLoads pose_loads(const PoseCheck& c) {
 }
 
 void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
-  motion.smallest_clearance_mm = std::numeric_limits<double>::infinity();
-  motion.smallest_margin = std::numeric_limits<double>::infinity();
+  MotionFacts& facts = motion.facts;
+  facts.smallest_clearance_mm = std::numeric_limits<double>::infinity();
+  facts.smallest_margin = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < checks.size(); ++i) {
     const PoseCheck& c = checks[i];
     motion.poses[i].loads = pose_loads(c);
-    motion.smallest_margin = std::min(motion.smallest_margin, motion.poses[i].margin);
-    motion.largest_curvature_per_mm = std::max(motion.largest_curvature_per_mm, c.curvature);
-    motion.smallest_clearance_mm = std::min(motion.smallest_clearance_mm, c.clearance);
-    motion.largest_force_n = std::max(motion.largest_force_n, c.loads.force_n.norm());
-    motion.largest_moment_n_mm = std::max(
-        {motion.largest_moment_n_mm, std::abs(c.loads.moment_a_n_mm), std::abs(c.loads.moment_b_n_mm)});
-    motion.largest_stress_mpa = std::max(motion.largest_stress_mpa, c.loads.stress_mpa);
+    facts.smallest_margin = std::min(facts.smallest_margin, motion.poses[i].margin);
+    facts.largest_curvature_per_mm = std::max(facts.largest_curvature_per_mm, c.curvature);
+    facts.smallest_clearance_mm = std::min(facts.smallest_clearance_mm, c.clearance);
+    facts.largest_force_n = std::max(facts.largest_force_n, c.loads.force_n.norm());
+    facts.largest_moment_n_mm = std::max(
+        {facts.largest_moment_n_mm, std::abs(c.loads.moment_a_n_mm), std::abs(c.loads.moment_b_n_mm)});
+    facts.largest_stress_mpa = std::max(facts.largest_stress_mpa, c.loads.stress_mpa);
     if (!c.cuts) continue;
-    motion.droop_mm = std::max(motion.droop_mm, c.sag.droop_mm);
-    motion.twist_rad = std::max(motion.twist_rad, c.sag.twist_rad);
-    motion.in_plane_sag_mm = std::max(motion.in_plane_sag_mm, c.sag.in_plane_mm);
+    facts.droop_mm = std::max(facts.droop_mm, c.sag.droop_mm);
+    facts.twist_rad = std::max(facts.twist_rad, c.sag.twist_rad);
+    facts.in_plane_sag_mm = std::max(facts.in_plane_sag_mm, c.sag.in_plane_mm);
   }
 }
 
@@ -127,26 +128,26 @@ double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSe
 
 void weigh_clamp_errors(const StripPlan& strip, const MachineSettings& machine,
                         const std::vector<PoseMargin>& margins, BladeMotion& motion) {
-  motion.rib_sensitivity_mm.assign(strip.ribs.size(), {});
+  motion.facts.rib_sensitivity_mm.assign(strip.ribs.size(), {});
   for (std::size_t i = 0; i < motion.poses.size(); ++i) {
     const BladePose& pose = motion.poses[i];
     if (!pose.rib) continue;
-    motion.rib_sensitivity_mm[static_cast<std::size_t>(*pose.rib)] =
+    motion.facts.rib_sensitivity_mm[static_cast<std::size_t>(*pose.rib)] =
         elastica::sensitivity(pose.blade).displacement_mm;
-    motion.clamp_error_mm =
-        std::max(motion.clamp_error_mm, clamp_error_mm(pose, margins[i].straight_mm, machine));
+    motion.facts.clamp_error_mm =
+        std::max(motion.facts.clamp_error_mm, clamp_error_mm(pose, margins[i].straight_mm, machine));
   }
 }
 
 // Fills margin_mm of all poses and the smallest of them.
 std::vector<PoseMargin> weigh_margins(BladeMotion& motion) {
   std::vector<PoseMargin> margins = clamp_margins(motion.poses);
-  motion.smallest_fold_mm = motion.smallest_straight_mm = kFarFromFoldMm;
+  motion.facts.smallest_fold_mm = motion.facts.smallest_straight_mm = kFarFromFoldMm;
   for (std::size_t i = 0; i < margins.size(); ++i) {
     const PoseMargin& m = margins[i];
     motion.poses[i].margin_mm = std::min({m.fold_mm, m.straight_mm, kFarFromFoldMm});
-    motion.smallest_fold_mm = std::min(motion.smallest_fold_mm, m.fold_mm);
-    motion.smallest_straight_mm = std::min(motion.smallest_straight_mm, m.straight_mm);
+    motion.facts.smallest_fold_mm = std::min(motion.facts.smallest_fold_mm, m.fold_mm);
+    motion.facts.smallest_straight_mm = std::min(motion.facts.smallest_straight_mm, m.straight_mm);
   }
   return margins;
 }
@@ -274,7 +275,7 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
            elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
            "a shorter or thicker blade");
   }
-  if (motion.smallest_margin >= settings.blade.min_margin) return;
+  if (motion.facts.smallest_margin >= settings.blade.min_margin) return;
   const auto worst =
       std::min_element(motion.poses.begin(), motion.poses.end(),
                        [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
@@ -292,7 +293,7 @@ Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const robot::BladeSection section = blade_section(settings.blade);
-  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, block, section);
+  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, section);
   collect(checks, motion);
   const std::vector<PoseMargin> margins = weigh_margins(motion);
   weigh_clamp_errors(strip, settings.machine, margins, motion);

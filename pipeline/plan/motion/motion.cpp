@@ -267,7 +267,7 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   // Registers count time in u32 microseconds.
   constexpr double kLongest_s = 4294.0;
   limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
-  limit("distance of the clamps from a common plane", motion.off_plane_mm, robot::kMaxOffPlane_mm, "mm",
+  limit("distance of the clamps from a common plane", motion.facts.off_plane_mm, robot::kMaxOffPlane_mm, "mm",
         "lower motion.waypoint_s or motion.feed_mm_s");
   const auto at_least = [&](const std::string& name, double value, double bound, const char* unit,
                             const char* hint) {
@@ -279,7 +279,8 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   at_least("clamp height above the table", lowest, settings.stock.clearance_mm, "mm",
            "raise machine.plinth_mm");
   at_least(
-      "feed of the slowest blade point", motion.slowest_feed_mm_s, settings.motion.min_feed_mm_s, "mm/s",
+      "feed of the slowest blade point", motion.facts.slowest_feed_mm_s, settings.motion.min_feed_mm_s,
+      "mm/s",
       strip.planes.turns()
           ? "the blade would melt too wide there: move slice.fan_axis away or lower motion.min_feed_mm_s"
           : "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
@@ -324,12 +325,13 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   find_margins(motion.poses);
   round_times(motion.poses);
   mark_ribs(motion.poses, strip);
-  motion.duration_s = motion.poses.back().t;
+  motion.facts.duration_s = motion.poses.back().t;
   for (std::size_t i = 1; i < motion.poses.size(); ++i) {
-    if (motion.poses[i].phase == StripPhase::kCut) motion.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
+    if (motion.poses[i].phase == StripPhase::kCut)
+      motion.facts.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
-  motion.slowest_feed_mm_s = slowest_feed(motion.poses, !strip.formed.empty());
-  if (strip.planes.turns()) motion.off_plane_mm = off_plane_mm(motion.poses);
+  motion.facts.slowest_feed_mm_s = slowest_feed(motion.poses, !strip.formed.empty());
+  if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
   check_limits(strip, settings, motion);
   check_blade(strip, settings, motion);
   return motion;

@@ -14,33 +14,41 @@
 
 namespace hotblade::pipeline {
 
+// What the motion of a strip was measured to be, over all of its poses where nothing else is said.
+struct MotionFacts {
+  double duration_s = 0, cut_s = 0;
+  double off_plane_mm = 0;  // how far the clamps leave a common plane between waypoints, where planes turn
+  double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
+  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+  double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
+  // Weight moves the part that forms the design by this, over the poses that cut: out of the plane, about the
+  // blade, and in the plane, where that is not level.
+  double droop_mm = 0, twist_rad = 0, in_plane_sag_mm = 0;
+  double clamp_error_mm = 0;  // errors of the clamps (settings.machine) move the blade at the ribs, at worst
+  // The clamps may err this far before the shape is lost (pipeline/plan/motion/clamp_margins.hpp): before it
+  // snaps, and before it is straight and may bow to either side.
+  double smallest_fold_mm = 0, smallest_straight_mm = 0;
+  [[nodiscard]] double smallest_margin_mm() const {
+    return smallest_fold_mm < smallest_straight_mm ? smallest_fold_mm : smallest_straight_mm;
+  }
+  // Of each rib's pose, mm by each clamp coordinate for 0.1 mm or 1 mrad (elastica/blade/sensitivity.hpp);
+  // infinite where the blade is straight.
+  std::vector<std::array<double, 6>> rib_sensitivity_mm;
+};
+
+// A strip's motion: its poses, and what was measured of them.
 struct BladeMotion {
   std::vector<BladePose> poses;
-  double duration_s = 0, cut_s = 0;
+  MotionFacts facts;
   // How much higher than on the usual plinth the block has to stand for its clamps to stay clear of the
   // table, in whole cm, where machine.plinth_mm leaves it open. Poses lie in the design's frame and do not
   // change.
   double raise_mm = 0;
-  double off_plane_mm = 0;  // how far the clamps leave a common plane between waypoints, where planes turn
-  double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
-  // Over all poses.
-  double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
-  double largest_force_n = 0, largest_moment_n_mm = 0, largest_stress_mpa = 0;  // moment: at a clamp
-  // Over the poses that cut, of the part that forms the design.
-  double droop_mm = 0, twist_rad = 0, in_plane_sag_mm = 0;
-  double clamp_error_mm = 0;  // what errors of the clamps (settings.machine) move it at the ribs, at worst
-  // How far the clamps may err before the shape is lost, over all poses
-  // (pipeline/plan/motion/clamp_margins.hpp): before it snaps, and before it is straight and may bow to
-  // either side.
-  double smallest_fold_mm = 0, smallest_straight_mm = 0;
-  // Of each rib's pose, mm by each clamp coordinate for 0.1 mm or 1 mrad (elastica/blade/sensitivity.hpp);
-  // infinite where the blade is straight.
-  std::vector<std::array<double, 6>> rib_sensitivity_mm;
   std::vector<std::string> warnings;  // what the clamps do not decide
-
-  std::vector<Refusal> refusals;  // limits exceeded by the poses themselves, re-measured from them
+  std::vector<Refusal> refusals;      // limits exceeded by the poses themselves, re-measured from them
 };
 
+// Returns the motion of the blade through the strip: every stretch of its path timed and checked.
 [[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings);
 
 }  // namespace hotblade::pipeline

@@ -136,7 +136,7 @@ TEST_P(Border, OfACylinderIsReachedInOneStripOfFewRibsWithinTheErrorOfItsMesh) {
   EXPECT_EQ(result.verification.uncut_mm2, 0);
   EXPECT_LE(result.verification.deviation.max, 1.5 * error)
       << "at " << result.verification.deviation.at.transpose();
-  EXPECT_GE(result.strips[0].slowest_feed_mm_s, 3);
+  EXPECT_GE(result.strips[0].motion.slowest_feed_mm_s, 3);
 }
 
 // What the program says of a rib is the design's part of it alone.

@@ -10,6 +10,7 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/settings/error.hpp"
+#include "robot/blade/common_plane.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -112,13 +113,13 @@ TEST(FanPlan, ClampsShareAPlaneAtAndBetweenWaypoints) {
         const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
         const Pose a{(1 - t) * p.a.p + t * q.a.p, p.a.q.slerp(t, q.a.q)},
             b{(1 - t) * p.b.p + t * q.b.p, p.b.q.slerp(t, q.b.q)};
-        ASSERT_LT(off_plane_mm(a, b), kMaxOffPlaneMm);
+        ASSERT_LT(off_plane_mm(a, b), robot::kMaxOffPlane_mm);
       }
     }
   }
   for (const StripFacts& f : swept_fan().strips) {
-    EXPECT_GT(f.off_plane_mm, 0);
-    EXPECT_LT(f.off_plane_mm, kMaxOffPlaneMm);
+    EXPECT_GT(f.motion.off_plane_mm, 0);
+    EXPECT_LT(f.motion.off_plane_mm, robot::kMaxOffPlane_mm);
   }
 }
 
@@ -189,7 +190,7 @@ TEST(FanPlan, TheBladesWeightInTiltedPlanesIsBudgeted) {
   double in_plane = 0;
   for (const StripFacts& f : swept_fan().strips) {
     EXPECT_GT(f.plane_turn_rad, 0.1);
-    in_plane = std::max(in_plane, f.in_plane_sag_mm);
+    in_plane = std::max(in_plane, f.motion.in_plane_sag_mm);
   }
   EXPECT_GT(in_plane, 1e-3);
   for (const auto& [name, mm] : swept_fan().program.verification.budget_mm) {

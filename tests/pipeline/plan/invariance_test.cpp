@@ -110,7 +110,8 @@ void expect_same(const PlanResult& is, const PlanResult& was, double mm) {
     EXPECT_EQ(is.strips[i].blade_length_mm, was.strips[i].blade_length_mm);
     EXPECT_NEAR(is.strips[i].worst_fit_mm, was.strips[i].worst_fit_mm, mm);
     EXPECT_NEAR(is.strips[i].deviation_max_mm, was.strips[i].deviation_max_mm, mm);
-    EXPECT_NEAR(is.strips[i].duration_s, was.strips[i].duration_s, 1e-2 * was.strips[i].duration_s);
+    EXPECT_NEAR(is.strips[i].motion.duration_s, was.strips[i].motion.duration_s,
+                1e-2 * was.strips[i].motion.duration_s);
     ASSERT_EQ(is.program.strips[i].ribs.size(), was.program.strips[i].ribs.size());
     for (std::size_t r = 0; r < was.program.strips[i].ribs.size(); ++r) {
       const elastica::Elastica &e = is.program.strips[i].ribs[r].elastica,

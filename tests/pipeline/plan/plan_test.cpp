@@ -37,9 +37,9 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
   EXPECT_LT(result.verification.uncut_share(), 0.001);
   EXPECT_LE(result.strips.size(), GetParam().most_strips);
   for (const StripFacts& f : result.strips) {
-    EXPECT_GE(f.smallest_radius_mm, 1 / result.program.blade.max_curvature_per_mm);
+    EXPECT_GE(f.smallest_radius_mm(), 1 / result.program.blade.max_curvature_per_mm);
     EXPECT_GT(f.smallest_margin, 1);
-    EXPECT_GE(f.clamp_clearance_mm, 40);
+    EXPECT_GE(f.motion.smallest_clearance_mm, 40);
   }
 }
 
@@ -174,7 +174,8 @@ TEST(Plan, TakesALeadThatKeepsTheClampsClearWhenTheBladeWithdraws) {
   Settings settings = along_x();
   const PlanResult result = plan(half_tube(), settings, {});
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
-  for (const StripFacts& f : result.strips) EXPECT_GE(f.clamp_clearance_mm, settings.stock.clearance_mm);
+  for (const StripFacts& f : result.strips)
+    EXPECT_GE(f.motion.smallest_clearance_mm, settings.stock.clearance_mm);
 }
 
 TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {

@@ -95,7 +95,7 @@ TEST(MoveBlade, RunsThroughThePhasesInOrderAndHeatsOnlyWhenNeeded) {
 
 TEST(MoveBlade, StaysOnOneStableBranch) {
   for (const BladePose& pose : planned().motion.poses) EXPECT_GT(pose.margin, 1);
-  EXPECT_GT(planned().motion.smallest_margin, 1);
+  EXPECT_GT(planned().motion.facts.smallest_margin, 1);
 }
 
 TEST(MoveBlade, PassesThroughEveryRib) {
