@@ -50,14 +50,17 @@ struct PlannedStrip {
   std::vector<std::string> warnings;
 };
 
-// along_a, across_a, turn_a, along_b, across_b, turn_b.
+// Returns the name of a clamp's coordinate by its number: along_a, across_a, turn_a, along_b, across_b,
+// turn_b.
 [[nodiscard]] std::string clamp_coordinate_name(std::size_t coordinate);
 
+// What one stage of the plan took.
 struct StageTime {
   std::string stage;
   double seconds = 0, processor_s = 0;  // by the clock, and of all threads of the process
 };
 
+// A program with everything a report says of it.
 struct PlanResult {
   Program program;  // strips that could be planned; verification says passed or refused
   std::vector<StripFacts> strips;
@@ -78,7 +81,7 @@ struct PlanHooks {
   gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
 };
 
-// Plans with the design's health already checked (no blockers). Throws Error (kNotCuttable) when
+// Returns the plan of a design whose health was checked (no blockers). Throws Error (kNotCuttable) when
 // slice.fan_axis does not go with the design. Rib spacing is halved, at most three times, while the deviation
 // between the ribs is over the tolerance.
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,

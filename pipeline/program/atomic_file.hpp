@@ -13,14 +13,14 @@ namespace hotblade::pipeline {
 // exists and `force` is false, it is not a regular file, or it cannot be written (with the system's reason).
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes, bool force);
 
-// The same for a text made piece by piece, which is never held whole: `produce` hands each piece to its
-// argument. What it throws passes through, and no file is written.
+// Writes a text made piece by piece in the same way, without holding it whole: `produce` hands each piece to
+// its argument. What `produce` throws passes through, and no file is written.
 using WritePiece = std::function<void(std::string_view)>;
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const WritePiece&)>& produce, bool force);
 
-// The same in two steps, for a file that others have to wait for: written and synced at first, in its place
-// with place(). Nothing is left of one that was not placed. Throws as above.
+// Writes a file in two steps, for others that have to wait for it: the constructor writes and syncs it, and
+// place() puts it in its place. One that was not placed leaves nothing. Both throw as above.
 class StagedFile {
  public:
   StagedFile(const std::filesystem::path& path, const std::function<void(const WritePiece&)>& produce,
@@ -41,8 +41,8 @@ class StagedFile {
 // that its result is not lost.
 void expect_writable(const std::filesystem::path& path, bool force);
 
-// Makes the directory and its parents where missing. Throws Error (kFile) when that is not
-// possible or the path is something else than a directory.
+// Makes the directory and its parents where they are missing. Throws Error (kFile) when that is not possible
+// or the path is something else than a directory.
 void ensure_directory(const std::filesystem::path& path);
 
 }  // namespace hotblade::pipeline

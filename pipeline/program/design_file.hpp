@@ -9,12 +9,13 @@
 
 namespace hotblade::pipeline {
 
-// Where the design lies: beside the program under its own name, or where run.json beside the program says
-// that it was when it was planned. Absent when there is no such file.
+// Returns the path of the program's design: beside the program under its own name, or where run.json beside
+// the program says that it was when it was planned; nothing when neither is there.
 [[nodiscard]] std::optional<std::filesystem::path> design_at_hand(const std::filesystem::path& program_file,
                                                                   const Program& program);
 
-// Reads it. Throws Error: kFile when unreadable, kBadInput for no design, or another one than the program's.
+// Returns the design read as the program's plan read it. Throws Error: kFile when it cannot be read,
+// kBadInput when it is no design or another one than the program's.
 [[nodiscard]] surface::DesignSurface read_design_of(const Program& program,
                                                     const std::filesystem::path& file);
 

@@ -27,17 +27,20 @@ class JsonNode {
 
   JsonNode(const Json& value, const std::string& file) : value_(value), file_(file) {}
 
-  // A temporary parent would be gone before its child is used.
+  // Return the value under a key or at a place; the parent has to be no temporary, which would be gone before
+  // its child is used.
   [[nodiscard]] JsonNode field(const char* key) const&;
   [[nodiscard]] JsonNode item(std::size_t index) const&;
   JsonNode field(const char* key) const&& = delete;
   JsonNode item(std::size_t index) const&& = delete;
 
-  // An object with exactly these keys, in any order.
+  // Throws unless the value is an object with exactly these keys, in any order.
   void expect_keys(std::span<const char* const> keys) const;
-  // The number of items of an array that has at least `least` of them, and exactly `least` when `exact`.
+  // Returns the number of items of an array that has at least `least` of them, exactly `least` when `exact`.
   [[nodiscard]] std::size_t items(std::size_t least, bool exact = false) const;
 
+  // Return the value as what they name, checked; one_of() a word among the choices, numbers() at least
+  // `least` numbers in the range.
   [[nodiscard]] bool is_null() const { return value_.is_null(); }
   [[nodiscard]] double number() const;
   [[nodiscard]] double number(Range range) const;
@@ -48,13 +51,14 @@ class JsonNode {
   [[nodiscard]] std::vector<double> numbers(std::size_t least, Range range) const;
   [[nodiscard]] const Json& json() const { return value_; }
 
+  // Throws Error (kBadInput) that names the value's place.
   [[noreturn]] void fail(const std::string& what_and_hint) const;
 
  private:
   JsonNode(const Json& value, const JsonNode& parent, const char* key, std::size_t index)
       : value_(value), file_(parent.file_), parent_(&parent), key_(key), index_(index) {}
   [[nodiscard]] std::string place() const;
-  // The value as the file has it, shortened for a message.
+  // Returns the value as the file has it, shortened for a message.
   [[nodiscard]] std::string shown() const;
 
   const Json& value_;
@@ -64,13 +68,13 @@ class JsonNode {
   std::size_t index_ = 0;
 };
 
-// Parses JSON text; a key given twice in one object is an error, as is anything after the value. Throws
-// Error (kBadInput) and `file:line: what`.
+// Returns the tree of a JSON text. Throws Error (kBadInput) with `file:line: what`, also for a key given
+// twice in one object and for anything after the value.
 [[nodiscard]] nlohmann::ordered_json parse_json(const std::string& text, const std::string& file);
 
-// The same for a text that need not become one tree: `take` is asked of every finished item of the array
-// under the root's key `array`, and of every value that is finished under a root's key before; items that it
-// takes (true) are left out of the result.
+// Looks at the parts of a text that need not become one tree: `take` is asked of every finished item of the
+// array under the root's key `array`, and what it takes (true) is left out of the result; `see` is shown
+// every value that is finished under a key of the root.
 struct JsonTaker {
   const char* array;
   std::function<bool(const JsonNode::Json& item)> take;

@@ -20,6 +20,7 @@ namespace hotblade::pipeline {
 
 using robot::Pose;
 
+// A planned rib: the section's target, the Bezier and the elastica that stand for it.
 struct Rib {
   std::string id;
   Frame frame;
@@ -28,7 +29,7 @@ struct Rib {
   double lambda_residual = 0;
   elastica::Elastica elastica;
   double l2 = 0, h1 = 0, hausdorff_mm = 0;  // Bezier against elastica
-  double design_deviation_mm = 0;           // elastica against target, max
+  double design_deviation_mm = 0;           // largest distance of the elastica from the target
 };
 
 // What a pose asks of the blade and the clamps (robot/blade/blade_section.hpp).
@@ -48,20 +49,22 @@ inline constexpr std::array kStripPhases{StripPhase::kForm,    StripPhase::kPreh
 // Returns the word that programs have for it.
 [[nodiscard]] const char* name(StripPhase phase);
 
+// Where the blade and its clamps are at one time of a strip.
 struct BladePose {
   double t = 0;  // s from the strip's start
   StripPhase phase = StripPhase::kForm;
   bool heat = false;
   Frame frame;
-  elastica::Elastica blade;  // whole blade, clamp A to clamp B, in the frame's plane
-  std::optional<std::array<double, 2>> foam;
-  Pose a, b;  // design frame
-  double margin = 0;
-  std::optional<double> margin_mm;  // absent: not computed
-  std::optional<PoseLoads> loads;   // absent: not computed
-  std::optional<int> rib;
+  elastica::Elastica blade;                   // whole blade, clamp A to clamp B, in the frame's plane
+  std::optional<std::array<double, 2>> foam;  // arc lengths of the part that forms the design
+  Pose a, b;                                  // design frame
+  double margin = 0;                          // smallest eigenvalue of the second variation times length^2
+  std::optional<double> margin_mm;            // the clamps may err this far; absent: not computed
+  std::optional<PoseLoads> loads;             // absent: not computed
+  std::optional<int> rib;                     // index of the rib that this pose cuts
 };
 
+// One block and the motion that cuts it.
 struct Strip {
   std::string id;
   double blade_length_mm = 0;
@@ -71,6 +74,7 @@ struct Strip {
   std::vector<BladePose> poses;
 };
 
+// How far the cut is from the design, mm; `at` is the place of the largest.
 struct Deviation {
   double max = 0, p99 = 0, rms = 0, mean = 0;
   Eigen::Vector3d at{0, 0, 0};
@@ -90,12 +94,14 @@ struct Verification {
   std::vector<std::string> not_checked;
 };
 
+// The blade a program is made for.
 struct BladeData {
   std::vector<double> free_lengths_mm;
   double width_mm = 0, thickness_mm = 0, youngs_modulus_mpa = 0, yield_strength_mpa = 0, safety = 0;
   double max_curvature_per_mm = 0, kerf_mm = 0, density_kg_m3 = 0;
 };
 
+// The design a program was planned from, and how it was read.
 struct DesignData {
   std::string file, sha256, source_units;
   double scale_to_mm = 1;
@@ -115,17 +121,18 @@ struct Program {
   std::vector<std::string> overrides;  // what was refused and run all the same; empty: nothing
 };
 
-// Canonical JSON text: fixed key order, shortest round-trip numbers, one pose or rib a line.
+// Returns the canonical JSON text: fixed key order, shortest round-trip numbers, one pose or rib a line.
 [[nodiscard]] std::string to_json(const Program& program);
 
-// Parses and checks every number for finiteness, range and size. Throws Error (kBadInput) and
-// `file: where: what (value, limit): hint`.
+// Returns the program of a text, every number checked for finiteness, range and size. Throws Error
+// (kBadInput) with `file: where: what (value, limit): hint`.
 [[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name);
 
-// Reads a program file. Throws Error: kFile when it cannot be read, kBadInput when it is not a program.
+// Returns the program of a file. Throws Error: kFile when it cannot be read, kBadInput when it is not a
+// program.
 [[nodiscard]] Program read_program(const std::filesystem::path& file);
 
-// The controller's waypoints of one strip: its poses in the cell frame, times rounded to microseconds.
+// Returns the controller's waypoints of a strip: its poses in the cell frame, times rounded to microseconds.
 [[nodiscard]] std::vector<robot::Waypoint> waypoints(const Strip& strip);
 
 }  // namespace hotblade::pipeline

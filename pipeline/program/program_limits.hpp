@@ -31,14 +31,14 @@ inline bool is_unit(double norm) {
 inline bool is_square(double dot) {
   return std::abs(dot) <= kUnitError;
 }
-// A pose's blade against the strip's.
+// Returns whether a pose's blade is as long as the strip's.
 inline bool is_blade_length(double length, double blade_length) {
   return std::abs(length - blade_length) <= blade_length * kLengthErrorRel;
 }
 inline bool within_reach(double chord, double blade_length) {
   return chord <= blade_length * (1 + kLengthErrorRel);
 }
-// Arc lengths of the part that forms the design's surface.
+// Returns the range of arc lengths in which a blade may form the design's surface.
 inline Range foam_range(double blade_length) {
   const double slack = blade_length * kLengthErrorRel;
   return {-slack, blade_length + slack};

@@ -11,9 +11,10 @@
 
 namespace hotblade::pipeline {
 
-// The poses of a strip with this blade and so many ribs, if `text` begins with the items of their array laid
-// out as to_json() does it, and each holds all that parse_program() asks of it; `text` then goes on behind
-// the closing bracket. Nothing otherwise: reading the tree tells what is wrong, or takes another layout.
+// Returns the poses of a strip with this blade and so many ribs, if `text` begins with the items of their
+// array laid out as to_json() does it and each holds all that parse_program() asks of it, and moves `text` on
+// behind the closing bracket. Returns nothing otherwise: reading the tree tells what is wrong, or takes
+// another layout.
 [[nodiscard]] std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
                                                                std::size_t ribs);
 

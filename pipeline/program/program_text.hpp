@@ -12,10 +12,10 @@ struct ProgramFrame {
   std::string before, after;
 };
 
-// All but the strips.
+// Returns all but the strips.
 [[nodiscard]] ProgramFrame program_frame(const Program& program);
 
-// One strip.
+// Returns the text of one strip.
 [[nodiscard]] std::string to_json(const Strip& strip);
 
 }  // namespace hotblade::pipeline

@@ -9,7 +9,8 @@
 
 namespace hotblade::pipeline {
 
-// Throw as surface::read_obj() does. A program's design is read as it was when it was planned.
+// Return the design of an OBJ file, as settings say or as the program's plan read it. Throw as
+// surface::read_obj() does.
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file,
                                                  const DesignSettings& settings);
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file, const Program& program);

@@ -20,32 +20,34 @@ struct StripJobs {
   std::vector<robot::Job> jobs;
 };
 
-// Reads a program and encodes its strips; `overridden` lets a program pass that was not verified. Throws
+// Returns a program with its strips encoded; `overridden` lets a program pass that was not verified. Throws
 // Error: kFile when unreadable, kBadInput for no program or a waypoint no register holds, kNotCuttable when
 // not passed.
 [[nodiscard]] StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden);
 
-// How long a strip takes, s.
+// Returns how long a strip takes, s.
 [[nodiscard]] double duration_s(const robot::Job& job);
 
-// What [machine] and [motion] allow. The envelope is centred on the table in x and y and starts at z = 0.
+// Returns what [machine] and [motion] allow. The envelope is centred on the table in x and y and starts at z
+// = 0.
 [[nodiscard]] robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSettings& machine);
 // Returns the limits of the machine that a program was planned for, as its settings say.
 [[nodiscard]] robot::MotionLimits planned_limits(const Program& program);
 
-// The blade's limits a program was planned for.
+// Returns the limits of the blade that a program was planned for.
 [[nodiscard]] robot::BladeCheckOptions planned_blade(const Program& program);
 
+// An address on the network; loopback() says whether it is this host's own.
 struct HostPort {
   std::string host;
   std::uint16_t port = 0;
   [[nodiscard]] bool loopback() const;
 };
-// "127.0.0.1:1502", "cell.local:502", "[::1]:1502". Throws Error (kBadSettings); `option` is for its
-// message.
+// Returns the address that "127.0.0.1:1502", "cell.local:502" or "[::1]:1502" spell. Throws Error
+// (kBadSettings), which names the option.
 [[nodiscard]] HostPort parse_host_port(const std::string& text, const std::string& option);
 
-// Seconds as "1:02:03" or "2:03".
+// Returns seconds as "1:02:03" or "2:03".
 [[nodiscard]] std::string clock_text(double seconds);
 
 }  // namespace hotblade::pipeline

@@ -5,7 +5,7 @@
 
 namespace hotblade::pipeline {
 
-// "X.Y.Z", from the project's CMakeLists.txt.
+// Returns "X.Y.Z", from the project's CMakeLists.txt.
 [[nodiscard]] std::string version();
 
 }  // namespace hotblade::pipeline

@@ -22,6 +22,7 @@ struct DryRunOptions {
   std::function<bool()> interrupted;
 };
 
+// How one strip was streamed, and the proof of what was executed of it.
 struct StripDryRun {
   std::string strip;
   double planned_s = 0;
@@ -37,8 +38,9 @@ struct DryRunReport {
   [[nodiscard]] bool holds() const;
 };
 
-// Streams one strip after the other, as fast as data comes, then compares the log with the plan. Throws
-// Error (kFile) when the log cannot be written, kController when the simulator cannot be started.
+// Streams one strip after the other, as fast as data comes, and returns the comparison of the log with the
+// plan. Throws Error (kFile) when the log cannot be written, kController when the simulator cannot be
+// started.
 [[nodiscard]] DryRunReport dry_run(const std::vector<robot::Job>& jobs, const DryRunOptions& options);
 
 }  // namespace hotblade::pipeline

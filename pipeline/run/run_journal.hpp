@@ -11,6 +11,7 @@
 
 namespace hotblade::pipeline {
 
+// The run under way, as the controller knows it.
 struct RunJournal {
   std::uint64_t job = 0;
   std::uint32_t run = 0, token = 0;
@@ -18,13 +19,14 @@ struct RunJournal {
 
 class RunJournalFile {
  public:
-  // PROGRAM.HOST-PORT.resume
+  // Names the file PROGRAM.HOST-PORT.resume.
   RunJournalFile(const std::filesystem::path& program, const HostPort& controller);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  // nullopt when there is none. Throws Error (kBadInput) for a file that is none.
+  // Returns the run that the file tells of; nothing when there is no file. Throws Error (kBadInput) for a
+  // file that is none.
   [[nodiscard]] std::optional<RunJournal> read() const;
-  // Whole, on disk before it returns. Throws Error (kFile).
+  // Writes the file whole; it is on disk before this returns. Throws Error (kFile).
   void write(const RunJournal& journal) const;
   void remove() const;
 

@@ -16,7 +16,7 @@
 namespace hotblade::pipeline {
 
 // The motion of one strip as it was executed: poses in the design frame, with `foam` where the hot blade
-// forms the design; phases, ribs and margins are empty.
+// forms the design. The log knows no phases, ribs or margins: those stand at their defaults.
 struct ExecutedStrip {
   std::vector<BladePose> poses;
   std::vector<std::size_t> after;  // of every pose: the program's pose at or before it on the path
@@ -24,9 +24,9 @@ struct ExecutedStrip {
   double executed_s = 0;           // motion clock at the last pose
 };
 
-// The strips of a program, in its order, out of an execution log. The proof comes first: every waypoint once,
-// in order, byte for byte, hash chain equal. Throws Error: kFile when the log cannot be read, kBadInput when
-// it is no log, of another program, incomplete, or without shapes, with the reason.
+// Returns the strips of a program, in its order, out of an execution log. The proof comes first: every
+// waypoint once, in order, byte for byte, hash chain equal. Throws Error: kFile when the log cannot be read,
+// kBadInput when it is no log, of another program, incomplete, or without shapes, with the reason.
 [[nodiscard]] std::vector<ExecutedStrip> read_executed(const StripJobs& work,
                                                        const std::filesystem::path& log_file);
 
@@ -46,12 +46,13 @@ struct AsCutReport {
   [[nodiscard]] double budget_sum_mm() const;
 };
 
+// Returns the measure of an executed motion against the design, with its error budget.
 [[nodiscard]] AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& executed,
                                  const surface::DesignSurface& design, const VerifyOptions& options);
 
-// As one JSON object: deviation, uncut area, worst place, budget, counts.
+// Returns one JSON object: deviation, uncut area, worst place, budget, counts.
 [[nodiscard]] std::string to_json(const AsCutReport& report, const VerifyOptions& options);
-// For people, one fact a line.
+// Returns text for people, one fact a line.
 [[nodiscard]] std::string describe(const AsCutReport& report, const VerifyOptions& options);
 
 }  // namespace hotblade::pipeline

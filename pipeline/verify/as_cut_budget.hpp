@@ -27,11 +27,12 @@ struct AsCutBudget {
       0;  // largest of executed blade against the planned motion, where it was compared
 };
 
+// Returns the budget's lines, each measured on its own from the program, the log and the design.
 [[nodiscard]] AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStrip>& executed,
                                         const surface::DesignSurface& design, double half_band_mm,
                                         const VerifyOptions& options);
 
-// How far a place on the path, s, lies between two poses of the program, 0 to 1.
+// Returns how far a place on the path, s, lies between two poses of the program, 0 to 1.
 [[nodiscard]] double share_of_step(const BladePose& from, const BladePose& to, double path_s);
 
 }  // namespace hotblade::pipeline

@@ -11,7 +11,7 @@
 
 namespace hotblade::pipeline {
 
-// What weight and the clamps' errors move the surface, the largest of all strips, mm.
+// How far weight and the clamps' errors move the surface, the largest of all strips, mm.
 struct PoseErrors {
   double droop_mm = 0;      // by droop and twist out of the plane
   double in_plane_mm = 0;   // by the first-order change of the shape in a tilted plane
@@ -20,12 +20,12 @@ struct PoseErrors {
   double off_plane_mm = 0;  // between waypoints whose planes are not parallel
 };
 
-// Height of the mesh's chords over the surface it stands for, from the angle between neighbouring faces: 99%
-// of the edges stay below; creases are the design's own.
+// Returns the height of the mesh's chords over the surface it stands for, from the angle between neighbouring
+// faces: 99% of the edges stay below; creases are the design's own.
 [[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh);
 
-// Lines: mesh, fit, joint_fit, between_ribs, interpolation, quantisation, gravity_droop, gravity_in_plane,
-// clamp_error.
+// Returns the budget's lines, name and mm, in this order: mesh, fit, joint_fit, between_ribs, interpolation,
+// quantisation, gravity_droop, gravity_in_plane, clamp_error.
 [[nodiscard]] std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSurface& design,
                                                                        const Program& program,
                                                                        const PoseErrors& errors);

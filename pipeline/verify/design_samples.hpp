@@ -15,10 +15,11 @@ struct DesignSamples {
   std::vector<double> areas;  // that the points stand for; of a face they add up to its own
 };
 
-// Refers to the mesh. A needle makes samples in proportion to its length, not to the square of it.
+// Makes the samples of a mesh, which it refers to. A needle makes samples in proportion to its length, not to
+// the square of it.
 class DesignSampler {
  public:
-  // Rows across each face and points along each row at most `sample_mm` > 0 apart (std::logic_error).
+  // Keeps rows across each face and points along each row at most `sample_mm` > 0 apart (std::logic_error).
   DesignSampler(const MeshView& mesh, double sample_mm);
 
   [[nodiscard]] std::size_t count() const { return first_.back(); }

@@ -17,21 +17,22 @@ struct DeviationHistogram {
   std::size_t beyond = 0;
 };
 
-// Distances in, statistics out; sums run in the order of the samples, so they do not depend on threads.
+// Collects distances and returns their statistics; sums run in the order of the samples, so they do not
+// depend on threads.
 class DeviationStatistics {
  public:
   void reserve(std::size_t samples) { all_.reserve(samples); }
   void add(double distance, const Eigen::Vector3d& at);
 
-  // The largest of all and its place, mean and root of the mean square; percentiles() has the 99 %. Zeros
-  // without samples.
+  // Returns the largest of all and its place, the mean and the root of the mean square; percentiles() has the
+  // 99 %. Zeros without samples.
   [[nodiscard]] Deviation result() const;
 
-  // The deviation that each percentage of the samples, 0 to 100 and rising (std::logic_error), stays within;
-  // zeros without samples.
+  // Returns the deviation that each percentage of the samples, 0 to 100 and rising (std::logic_error), stays
+  // within; zeros without samples.
   [[nodiscard]] std::vector<double> percentiles(std::span<const double> percents);
 
-  // Thirty bins up to the tolerance and half as many more.
+  // Returns thirty bins up to the tolerance and half as many more.
   [[nodiscard]] DeviationHistogram histogram(double tolerance_mm) const;
 
  private:

@@ -11,13 +11,13 @@ namespace hotblade::pipeline {
 
 class NearCells {
  public:
-  // Cells of edge `near_mm` > 0 around finite points (std::logic_error).
+  // Marks the cells of edge `near_mm` > 0 around finite points (std::logic_error).
   NearCells(std::span<const Eigen::Vector3d> points, double near_mm);
 
-  // True wherever a point lies within near_mm; may be true up to 2 sqrt(3) near_mm away.
+  // Returns true wherever a point lies within near_mm, and perhaps up to 2 sqrt(3) near_mm away.
   [[nodiscard]] bool holds(const Eigen::Vector3d& p) const;
-  // The same of many, on all cores allowed: 1 or 0 for each. Spans of one size (std::logic_error); quicker
-  // where points that follow each other share a cell.
+  // Writes 1 or 0 for each of many points, on all cores allowed. Spans of one size (std::logic_error);
+  // quicker where points that follow each other share a cell.
   void hold(std::span<const Eigen::Vector3d> points, std::span<char> held) const;
 
  private:

@@ -10,11 +10,12 @@
 
 namespace hotblade::pipeline {
 
-// Half of what a blade melts across a surface of this unit normal, mm: the width stands along the normal of
-// the plane the blade bends in.
+// Returns half of what a blade melts across a surface of this unit normal, mm: the width stands along the
+// normal of the plane the blade bends in.
 [[nodiscard]] double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
                                   const Eigen::Vector3d& plane_normal);
 
+// A surface with what made each of its vertices.
 struct SweptSurface {
   std::vector<Eigen::Vector3d> vertices;       // mm, design frame
   std::vector<Eigen::Vector3d> normals;        // unit, towards the waste
@@ -25,9 +26,9 @@ struct SweptSurface {
   std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
 };
 
-// Grid over poses that form the design (those with a foam interval), about `sample_mm` apart along and across
-// the blade. Waste is on the left of the blade, A to B, in its frame (docs/program.md). Throws
-// std::logic_error when sample_mm is not positive.
+// Returns a grid over the poses that form the design (those with a foam interval), about `sample_mm` apart
+// along and across the blade. Waste is on the left of the blade, A to B, in its frame (docs/program.md).
+// Throws std::logic_error when sample_mm is not positive.
 [[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);
 
 }  // namespace hotblade::pipeline

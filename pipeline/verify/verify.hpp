@@ -58,7 +58,7 @@ struct VerifyReport {
   bool within_tolerance = false;       // deviation and uncut share both
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip
-  // Every strip's blade takes the program's shapes.
+  // Returns whether every strip's blade takes the program's shapes and is led by its clamps.
   [[nodiscard]] bool holds() const;
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
 };
@@ -66,16 +66,17 @@ struct VerifyReport {
 // More is a program whose clamps and blade do not belong together; less is rounding.
 inline constexpr double kClampMismatchMm = 1e-3;
 
-// A cut surface against the design: everything of verify() but the shapes and the clamps. A touch counts, by
-// the edge of its melted band, where it reaches into the kept side of what its own strip forms; on the waste
-// side it does no harm. What is no longer needed of a large cut is given up on the way.
+// Measures a cut surface against the design: everything of verify() but the shapes and the clamps. A touch
+// counts, by the edge of its melted band, where it reaches into the kept side of what its own strip forms; on
+// the waste side it does no harm. What is no longer needed of a large cut is given up on the way.
 [[nodiscard]] VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
                                    const surface::DesignSurface& design, const VerifyOptions& options);
 
+// Measures what a program cuts against the design, and finds its blades again from their clamps.
 [[nodiscard]] VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                                   const VerifyOptions& options);
 
-// What no stage of this version looks at; said in every program and report.
+// Returns what no stage of this version looks at, as every program and report says it.
 [[nodiscard]] std::vector<std::string> not_checked();
 
 }  // namespace hotblade::pipeline

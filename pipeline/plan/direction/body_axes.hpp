@@ -15,26 +15,27 @@ struct BodyAxes {
   std::array<Eigen::Vector3d, 3> axes;  // principal axes of the area, widest first, right-handed
 };
 
-// Axes whose extents are equal to a percent are set by the vertex farthest from the third axis.
+// Returns the axes of a design; those whose extents are equal to a percent are set by the vertex farthest
+// from the third axis.
 [[nodiscard]] BodyAxes body_axes(const surface::TriangleMesh& mesh);
 
-// One of n and -n: the one along which the area's third moment is positive, or else, for an area without
-// skewness, the one whose first component above half the largest is positive.
+// Returns one of n and -n: the one along which the area's third moment is positive, or else, for an area
+// without skewness, the one whose first component above half the largest is positive.
 [[nodiscard]] Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
                                          const Eigen::Vector3d& n);
 
-// Unit vectors over the hemisphere, at most 30 degrees from the nearest: every 15 degrees in the plane of the
-// two widest axes, every 45 degrees half-way up, and the narrowest axis.
+// Returns unit vectors over the hemisphere, at most 30 degrees from the nearest: every 15 degrees in the
+// plane of the two widest axes, every 45 degrees half-way up, and the narrowest axis.
 [[nodiscard]] std::vector<Eigen::Vector3d> hemisphere(const BodyAxes& body);
 
-// Directions square to the longest runs of equal heading among the border's edges, seen along the narrowest
-// axis: planes across them hold a straight border whole. At most two, the longer run first, each with a tenth
-// of the border's length at least.
+// Returns directions square to the longest runs of equal heading among the border's edges, seen along the
+// narrowest axis: planes across them hold a straight border whole. At most two, the longer run first, each
+// with a tenth of the border's length at least.
 [[nodiscard]] std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh,
                                                          const BodyAxes& body);
 
-// The direction whose planes the surface is the least steep to: |sin slope| squared, over the area, is
-// smallest. Nothing where another direction is as good, as on a sphere or a plane.
+// Returns the direction whose planes the surface is the least steep to: |sin slope| squared, over the area,
+// is smallest. Returns nothing where another direction is as good, as on a sphere or a plane.
 [[nodiscard]] std::optional<Eigen::Vector3d> least_steep(const surface::TriangleMesh& mesh);
 
 }  // namespace hotblade::pipeline

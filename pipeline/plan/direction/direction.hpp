@@ -10,13 +10,13 @@
 
 namespace hotblade::pipeline {
 
-// kAll plans every candidate, which the search saves where a bound says that it cannot be the best: for
-// checks of the search itself.
+// Which candidates are planned coarsely: kBounded leaves out those that a bound says cannot be the best, kAll
+// leaves out none, for checks of the search itself.
 enum class DirectionSearch { kBounded, kAll };
 
-// Best first: those planned coarsely, then those whose bound was no better than the best plan. Scores that
-// differ by 0.05 at most are equal; of equals the one named first is taken. The best direction is then
-// refined in its neighbourhood. With slice.direction or slice.fan_axis set that one alone
+// Returns the ranking, best first: those planned coarsely, then those whose bound was no better than the best
+// plan. Scores that differ by 0.05 at most are equal; of equals the one named first is taken. The best
+// direction is then refined in its neighbourhood. With slice.direction or slice.fan_axis set that one alone
 // is scored. Throws surface::FanError for a slice.fan_axis that does not go with the design. Candidates are
 // the body's own, so turning the input turns the answer; where its axes are not told apart by the area (a
 // square, a circle) the farthest vertex does. n and -n are one direction: the sense is that of the area's
@@ -25,7 +25,8 @@ enum class DirectionSearch { kBounded, kAll };
                                                           const Settings& settings,
                                                           DirectionSearch search = DirectionSearch::kBounded);
 
-// Of a ranking, by index: the best of those planned coarsely that is not nearly one that was refused.
+// Returns the index in a ranking of the best of those planned coarsely that is not nearly one that was
+// refused.
 [[nodiscard]] std::optional<std::size_t> next_direction(const std::vector<DirectionScore>& ranking);
 
 }  // namespace hotblade::pipeline

@@ -10,6 +10,7 @@
 
 namespace hotblade::pipeline {
 
+// One family of planes and what it promises.
 struct DirectionScore {
   Eigen::Vector3d normal;
   std::optional<surface::FanAxis> fan{};  // planes turn about it; `normal` is that of the middle one
@@ -37,15 +38,16 @@ struct DirectionTrial {
   std::vector<double> section_mm{};  // of the sweep that each rib stands for, chain by chain
 };
 
-// `score` is at most that of plan_coarsely. `normal` is that of parallel planes. Throws surface::FanError for
-// an axis that does not go with the design.
+// Return the sections of a family of planes and its score, which is at most that of plan_coarsely(). `normal`
+// is that of parallel planes. Throw surface::FanError for an axis that does not go with the design.
 [[nodiscard]] DirectionTrial try_direction(const surface::DesignSurface& design,
                                            const Eigen::Vector3d& normal, const Settings& settings);
 [[nodiscard]] DirectionTrial try_fan(const surface::DesignSurface& design, const surface::FanAxis& axis,
                                      const Settings& settings);
 
-// Lays the trial's sections out in strips. Strips whose clamps would touch the table are not served. A plan
-// that takes so many strips that its score would not be below `most` is given up: the trial's score then.
+// Lays the trial's sections out in strips and returns their score. Strips whose clamps would touch the table
+// are not served. A plan that takes so many strips that its score would not be below `most` is given up: the
+// trial's score then.
 [[nodiscard]] DirectionScore plan_coarsely(const DirectionTrial& trial, const Settings& settings,
                                            double most = std::numeric_limits<double>::infinity());
 

@@ -10,16 +10,17 @@
 
 namespace hotblade::pipeline {
 
-// Axes as seen from the body: the point is the foot of the body's centre, the direction a unit vector whose
-// sense is that of with_sense; they move and turn with the design. Borders first, as they say it most
+// Returns axes as seen from the body: the point is the foot of the body's centre, the direction a unit vector
+// whose sense is that of with_sense; they move and turn with the design. Borders first, as they say it most
 // exactly. No two agree to 2 degrees and 2 % of the body's size. Whether planes can turn about them is not
 // asked here. `sides` are the border's (long_sides).
 [[nodiscard]] std::vector<surface::FanAxis> fan_axes(const surface::TriangleMesh& mesh, const BodyAxes& body,
                                                      const std::vector<BorderRun>& sides);
 
-// Axes of the rotations under which the surface moves least along its normals: eigenvectors of the normals'
-// line complex (Pottmann, Wallner 2001, "Computational Line Geometry", 4.1 and 6.3; a pitch is left out). At
-// most three, best first; those that move it by more than a quarter of the way its points go are none.
+// Returns the axes of the rotations under which the surface moves least along its normals: eigenvectors of
+// the normals' line complex (Pottmann, Wallner 2001, "Computational Line Geometry", 4.1 and 6.3; a pitch is
+// left out). At most three, best first; those that move it by more than a quarter of the way its points go
+// are none.
 [[nodiscard]] std::vector<surface::FanAxis> revolution_axes(const surface::TriangleMesh& mesh,
                                                             const BodyAxes& body);
 

@@ -12,6 +12,7 @@
 
 namespace hotblade::pipeline {
 
+// The blade chosen for a strip, and what it comes to at the ribs.
 struct BladeChoice {
   double length_mm = 0, share_a = 0.5;
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
@@ -19,6 +20,7 @@ struct BladeChoice {
       0;  // the larger of both clamps and all ribs: the moment there over the stiffness
 };
 
+// The choice, or why there is none.
 struct BladeReport {
   std::optional<BladeChoice> choice;
   // The limit that stopped the candidate that came furthest, when there is no choice; its details say which
@@ -37,9 +39,11 @@ struct FreeParts {
   // none.
   double depth_mm = 0;
 };
+// Returns what a blade's free parts do.
 [[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
                                            const Block& block);
-// Blade `i` of some by kBladeSamples points of all their length, and as many of their foam intervals.
+// Returns the same of blade `i` of some, by kBladeSamples points of all their length and as many of their
+// foam intervals.
 inline constexpr std::size_t kBladeSamples = 97;
 [[nodiscard]] FreeParts examine_free_parts(const elastica::PartPoints& whole,
                                            const elastica::PartPoints& foam, std::size_t i,
@@ -47,7 +51,8 @@ inline constexpr std::size_t kBladeSamples = 97;
 // Deeper is a cut into the part; less is the sampling of the blade's curve.
 inline constexpr double kFreePartDepthMm = 0.1;
 
-// The blade hangs as in a block that lies with its middle plane level, sweep downwards.
+// Returns the blade for a strip's ribs. It hangs as in a block that lies with its middle plane level, sweep
+// downwards.
 [[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes,
                                        const Block& block, const Settings& settings);
 

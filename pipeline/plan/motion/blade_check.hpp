@@ -6,7 +6,7 @@
 
 namespace hotblade::pipeline {
 
-// Gravity along a frame's x, y and x cross y, for a strip on the table: a unit vector.
+// Returns gravity along a frame's x, y and x cross y, for a strip on the table: a unit vector.
 [[nodiscard]] Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame);
 
 // Fills the loads of motion.poses and the extremes of `motion`, and adds a refusal for each limit that a pose

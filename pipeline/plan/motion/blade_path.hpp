@@ -28,6 +28,7 @@ struct BladePlace {
   bool in_foam = false;
   double rib0 = 0, rib1 = 0;
 };
+// Returns the shapes at these places.
 [[nodiscard]] std::vector<BladeShape> shapes_of(std::span<const BladePlace> places);
 
 // A stretch of the path that starts and ends at rest; `place` takes [0, 1].
@@ -37,7 +38,7 @@ struct Stretch {
   int samples = 0;  // that resolve it
   std::function<BladePlace(double)> place;
 };
-// On all cores allowed; each shape depends on its own parameter alone.
+// Returns the shapes at these parameters, on all cores allowed; each depends on its own parameter alone.
 [[nodiscard]] std::vector<BladeShape> shapes_at(const Stretch& stretch, std::span<const double> parameters);
 
 // Heights along the sweep where the phases of the middle stretch meet.
@@ -45,13 +46,14 @@ struct SweepMarks {
   double start_mm = 0, first_rib_mm = 0, last_rib_mm = 0, end_mm = 0;
 };
 
+// The stretches of a strip, one after the other.
 struct BladePath {
   std::vector<Stretch>
       stretches;  // form, approach, cutting (lead_in, cut, lead_out), retract, unform, travel
   SweepMarks marks;
 };
 
-// The path refers to `strip`, which must outlive it.
+// Returns the path of a strip, which it refers to: the strip has to outlive it.
 [[nodiscard]] BladePath make_path(const StripPlan& strip, const Settings& settings);
 
 }  // namespace hotblade::pipeline

@@ -17,22 +17,23 @@ namespace hotblade::pipeline {
 inline constexpr double kFarFromFoldMm = 20;
 inline constexpr double kMarginShare = 0.7;
 
-// Both of a pose; the smaller is its margin_mm. kFarFromFoldMm stands for that much or more.
+// How far the clamps may err at a pose; the smaller is its margin_mm. kFarFromFoldMm stands for that much or
+// more.
 struct PoseMargin {
   double fold_mm = 0;      // the blade snaps to another shape
   double straight_mm = 0;  // the blade is straight, and may bow to either side
 };
 
-// The margins of all poses. The same whatever the number of threads.
+// Returns the margins of all poses, the same whatever the number of threads.
 [[nodiscard]] std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses);
 
-// What both clamps err by at their worst, as margins count errors: of position, and of angle times half the
-// blade's length.
+// Returns what both clamps err by at their worst, as margins count errors: of position, and of angle times
+// half the blade's length.
 [[nodiscard]] double worst_clamp_error_mm(const MachineSettings& machine, double blade_length_mm);
 
-// The smallest margin to a fold that a strip may have: blade.min_margin_mm, or twice the worst error of the
-// clamps where that is 0. Once would be a shape that the errors given can lose; twice leaves as much again
-// for what is not counted: the blade's stiffness, weight and heat.
+// Returns the smallest margin to a fold that a strip may have: blade.min_margin_mm, or twice the worst error
+// of the clamps where that is 0. Once would be a shape that the errors given can lose; twice leaves as much
+// again for what is not counted: the blade's stiffness, weight and heat.
 [[nodiscard]] double smallest_margin_mm(const Settings& settings, double blade_length_mm);
 
 }  // namespace hotblade::pipeline

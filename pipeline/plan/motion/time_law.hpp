@@ -25,8 +25,8 @@ struct TimeLaw {
   std::vector<double> sigma;
 };
 
-// `samples` lie at even path parameters; at least 3. A path that does not move gives duration 0 and sigma {0,
-// 1}.
+// Returns the fastest law for samples at even path parameters, at least 3. A path that does not move gives
+// duration 0 and sigma {0, 1}.
 [[nodiscard]] TimeLaw fastest_time_law(const std::vector<PathSample>& samples, const MotionSettings& limits);
 
 }  // namespace hotblade::pipeline

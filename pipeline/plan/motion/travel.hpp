@@ -13,14 +13,14 @@
 
 namespace hotblade::pipeline {
 
-// A stretch that carries the blade, bent as in `from`, to the place of `home`; both are flat arcs in air,
-// `from` behind the block and clear of it on the waste side, `home` before it. Nothing where no
+// Returns a stretch that carries the blade, bent as in `from`, to the place of `home`; both are flat arcs in
+// air, `from` behind the block and clear of it on the waste side, `home` before it. Returns nothing where no
 // such way keeps the whole blade clear of the stock by settings.stock.clearance_mm.
 [[nodiscard]] std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from,
                                                  const BladeShape& home, const Settings& settings);
 
-// The least distance of the blade, its width across the plane included, from the stock: between points of the
-// blade at most 2 mm apart, less what lies between them.
+// Returns a lower bound of the blade's distance from the block, its width across the plane included, mm: the
+// least of points of the blade at most 2 mm apart, less what lies between them.
 [[nodiscard]] double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame,
                                         const Block& block, double width_mm);
 

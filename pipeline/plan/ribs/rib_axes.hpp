@@ -12,11 +12,12 @@ struct RibAxes {
   surface::PlaneFamily planes;
   Eigen::Vector3d sweep{0, 0, 0}, x{0, 0, 0}, y{0, 0, 0};
 
-  // Axes x, y there; origin on the line along the sweep through the planes' centre, or on the fan's axis.
+  // Returns the plane at an offset: axes x, y there; origin on the line along the sweep through the planes'
+  // centre, or on the fan's axis.
   [[nodiscard]] Frame plane(double offset_mm) const;
-  // Of a frame with these axes, wherever its origin lies in its plane.
+  // Returns the offset of a frame with these axes, wherever its origin lies in its plane.
   [[nodiscard]] double offset(const Frame& frame) const;
-  // How far the point (u, v) moves for each mm of offset: 1 for parallel planes, less inside a fan.
+  // Returns how far the point (u, v) moves for each mm of offset: 1 for parallel planes, less inside a fan.
   [[nodiscard]] double rate(const Eigen::Vector2d& q) const;
 };
 

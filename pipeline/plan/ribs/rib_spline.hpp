@@ -11,10 +11,11 @@ namespace hotblade::pipeline {
 
 class RibSpline {
  public:
-  // At least 2 ribs, offsets strictly ascending.
+  // Takes at least 2 ribs, offsets strictly ascending.
   explicit RibSpline(std::span<const RibFit> ribs);
 
-  // Before the first and behind the last rib the end shape is kept.
+  // Return the shape at an offset, whole or as the state at its middle; before the first and behind the last
+  // rib that of the end.
   [[nodiscard]] elastica::Elastica at(double offset_mm) const;
   [[nodiscard]] elastica::MidState mid_at(double offset_mm) const;
 

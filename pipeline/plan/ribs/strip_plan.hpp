@@ -33,15 +33,16 @@ struct StripPlan : RibAxes {
   SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
-  // Between sections no less than what the ones around it form, and never nothing.
+  // Returns what is formed at an offset: between sections no less than what the ones around it form, and
+  // never nothing.
   [[nodiscard]] DesignPart formed_at(double offset_mm) const;
 
-  // Where the blade's plane is on its way through the block and out of it: planes of a fan go on straight,
-  // along their normals, soon before the first and behind the last rib.
+  // Returns where the blade's plane is on its way through the block and out of it: planes of a fan go on
+  // straight, along their normals, soon before the first and behind the last rib.
   [[nodiscard]] Frame swept_plane(double offset_mm) const;
 };
 
-// The blade of a rib: its elastica extended along itself to the strip's blade length.
+// Returns the blade of a rib: its elastica extended along itself to the strip's blade length.
 [[nodiscard]] elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm,
                                           double share_a);
 

@@ -18,7 +18,7 @@
 
 namespace hotblade::pipeline {
 
-// Of a rib, by arc length or by share of it: what the design says. The rest is waste.
+// The part of a rib, by arc length or by share of it, that the design says. The rest is waste.
 struct DesignPart {
   double first = 0, last = 1;
 };
@@ -34,7 +34,8 @@ struct RibTarget {
   std::optional<DesignPart>
       own;  // on `s`, of a rib that goes on past the design's border (pipeline/plan/ribs/complete.hpp)
 
-  // What of the share [u0, u1] the design says, in shares of that; first == last where it says nothing.
+  // Returns what of the share [u0, u1] the design says, in shares of that; first == last where it says
+  // nothing.
   [[nodiscard]] DesignPart own_of(double u0, double u1) const;
 };
 
@@ -65,19 +66,21 @@ inline constexpr double kMaxSlopeRad = 1.0471975511965976;  // 60 degrees
 struct AreaRate {
   double area_mm = 0, leaning_mm = 0;
 };
+// Returns the area rate of one piece of a section.
 [[nodiscard]] AreaRate area_rate(const surface::SectionPiece& piece, const surface::PlaneFamily& planes,
                                  double offset_mm);
 
 // Sections hardly see what is steeper: they stand for no more area than at this slope.
 inline constexpr double kUnseenSlopeRad = 1.4835298641951802;  // 85 degrees
 
+// Returns the targets of all chains of a slicing.
 [[nodiscard]] TargetReport make_targets(const surface::RibGraph& graph, const Settings& settings);
 
-// Width of the melted band in mm where the surface normal has component `along` (|sin slope|) on the plane
-// normal.
+// Returns the width of the melted band in mm where the surface normal has component `along` (|sin slope|) on
+// the plane normal.
 [[nodiscard]] double melted_band_mm(const Settings& settings, double along);
 
-// n points evenly spaced by arc length over the shares [u0, u1] of the rib's length.
+// Returns n points evenly spaced by arc length over the shares [u0, u1] of the rib's length.
 [[nodiscard]] std::vector<Eigen::Vector2d> resample(const RibTarget& rib, double u0, double u1, int n);
 
 }  // namespace hotblade::pipeline

@@ -10,8 +10,8 @@ namespace hotblade::pipeline {
 // Ribs of sections of unequal width are completed to a common one (pipeline/plan/ribs/complete.hpp), unless
 // fewer strips, or as many with fewer ribs, cut the sections as they are.
 //
-// Strips of these sections of the chain, at most `most_more` more than they need at the least, without names;
-// or one refusal. `sections`: at least two, offsets ascending.
+// Returns the strips of these sections of the chain, at most `most_more` more than they need at the least,
+// without names; or one refusal. `sections`: at least two, offsets ascending.
 [[nodiscard]] StripLayout lay_out_run(const ChainTarget& chain, std::span<const RibTarget> sections,
                                       const Settings& settings, std::size_t most_more);
 

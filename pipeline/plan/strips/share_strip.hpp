@@ -21,21 +21,21 @@ struct Attempt {
 // The search for split lines asks only whether a share serves; a strip's ribs are smoothed as well.
 enum class Purpose { kSearch, kStrip };
 
-// The strip of a share's fits, or what stands against it.
+// Returns the strip of a share's fits, or what stands against it.
 [[nodiscard]] Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, Purpose purpose,
                                 const Settings& settings);
 
-// The strip of these ribs and the blade chosen for them, without a name.
+// Returns the strip of these ribs and the blade chosen for them, without a name.
 [[nodiscard]] StripPlan make_strip_plan(const RibAxes& axes, const std::vector<RibFit>& ribs,
                                         const BladeChoice& blade, const Settings& settings);
 
-// Whether the strip's block fits the stock, turned any way.
+// Returns whether the strip's block fits the stock, turned any way.
 [[nodiscard]] bool fits_stock(const StripPlan& strip, const Settings& settings);
 
-// How far a rib's elastica may be off its target.
+// Returns how far a rib's elastica may be off its target, mm.
 [[nodiscard]] double allowed_mm(const Settings& settings);
 
-// Index of the rib with the largest deviation.
+// Returns the index of the rib with the largest deviation.
 [[nodiscard]] std::size_t worst_rib(const std::vector<RibFit>& ribs);
 
 }  // namespace hotblade::pipeline

@@ -8,8 +8,8 @@
 
 namespace hotblade::pipeline {
 
-// Deviation in mm with which one strip cuts the share [u0, u1] of all ribs, 0 <= u0 < u1 <= 1; nothing when
-// no strip serves.
+// Returns the deviation in mm with which one strip cuts the share [u0, u1] of all ribs, 0 <= u0 < u1 <= 1;
+// nothing when no strip serves.
 using ShareTest = std::function<std::optional<double>(double u0, double u1)>;
 
 struct SplitOptions {
@@ -23,10 +23,11 @@ struct Split {
   double deviation_mm = 0;       // the largest of the shares between `lines`
 };
 
-// A share of a serving share is taken to serve. Then going as far as possible from either end gives the
-// fewest pieces and, for every line, the window that it must lie in; dynamic programming over a few places in
-// each window finds the lines whose largest deviation is smallest. Each share is tested at most once and in
-// the order of its place, so the result depends on the test alone. O(pieces (log steps + 25)) tests.
+// Returns the split lines. A share of a serving share is taken to serve. Then going as far as possible from
+// either end gives the fewest pieces and, for every line, the window that it must lie in; dynamic programming
+// over a few places in each window finds the lines whose largest deviation is smallest. Each share is tested
+// at most once and in the order of its place, so the result depends on the test alone. O(pieces (log steps +
+// 25)) tests.
 [[nodiscard]] Split split_ribs(const ShareTest& test, const SplitOptions& options);
 
 }  // namespace hotblade::pipeline

@@ -15,6 +15,7 @@ struct LaidOutRun {
   std::size_t strips = 0;                      // 0: refused
 };
 
+// The strips of a design before motion.
 struct StripLayout {
   std::vector<StripPlan> strips;
   std::vector<LaidOutRun> runs;  // in the order of their strips
@@ -22,25 +23,27 @@ struct StripLayout {
   std::vector<std::string> warnings;
 };
 
-// Ribs stand on as many of the sections as keep the surface between them near the design. They are split at
-// shares of arc length common to all ribs of a run of sections: the fewest strips, and of those the lines
-// with the smallest deviation (pipeline/plan/strips/split.hpp). Strips side by side share end points and
-// tangents where their deviations allow it (pipeline/plan/ribs/seams.hpp). Runs are laid out on all cores
-// allowed; the result is the same. `most_more` is how many strips a run may take beyond its least, and a
-// fan's chain in runs: what needs more is refused, as with fit.max_splits.
+// Returns the strips of the targets. Ribs stand on as many of the sections as keep the surface between them
+// near the design. They are split at shares of arc length common to all ribs of a run of sections: the fewest
+// strips, and of those the lines with the smallest deviation (pipeline/plan/strips/split.hpp). Strips side by
+// side share end points and tangents where their deviations allow it (pipeline/plan/ribs/seams.hpp). Runs are
+// laid out on all cores allowed; the result is the same. `most_more` is how many strips a run may take beyond
+// its least, and a fan's chain in runs: what needs more is refused, as with fit.max_splits.
 [[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings,
                                          std::size_t most_more = 1000);
 
-// The runs that a layout of these targets has at the least, with `strips` 0: exactly these where planes are
-// parallel; a fan may be cut into more.
+// Returns the runs that a layout of these targets has at the least, with `strips` 0: exactly these where
+// planes are parallel; a fan may be cut into more.
 [[nodiscard]] std::vector<LaidOutRun> least_runs(const TargetReport& targets, const Settings& settings);
 
-// Strips that a run needs for the length of its longest rib alone: no layout of it has fewer.
+// Returns the number of strips that a run needs for the length of its longest rib alone: no layout of it has
+// fewer.
 [[nodiscard]] std::size_t least_strips(const ChainTarget& chain, const LaidOutRun& run,
                                        const Settings& settings);
 
-// The strip cut by a shorter blade than its own: the calmest fits that one serves, which are less calm then
-// but held more firmly. Nothing where no shorter blade serves. The strip's joint solution is given up.
+// Returns the strip cut by a shorter blade than its own: the calmest fits that one serves, which are less
+// calm then but held more firmly. Returns nothing where no shorter blade serves. The strip's joint solution
+// is given up.
 [[nodiscard]] std::optional<StripPlan> with_shorter_blade(const StripPlan& strip, const Settings& settings);
 
 }  // namespace hotblade::pipeline
