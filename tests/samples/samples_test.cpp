@@ -38,7 +38,7 @@ TEST(SampleBump, IsCutWithinEveryToleranceAskedFor) {
     settings.design.tolerance_mm = tolerance_mm;
     const pipeline::PlanResult result = pipeline::plan(design, settings, {});
     for (const pipeline::Refusal& r : result.refusals) ADD_FAILURE() << tolerance_mm << ": " << describe(r);
-    EXPECT_EQ(result.program.verification.status, "passed");
+    EXPECT_EQ(result.program.verification.status, pipeline::VerificationStatus::kPassed);
     EXPECT_LE(result.verification.deviation.max, tolerance_mm);
     std::size_t ribs = 0;
     for (const pipeline::StripFacts& f : result.strips) ribs += f.ribs;
