@@ -197,12 +197,6 @@ DesignData design_data(const surface::DesignSurface& design, const Settings& set
           design.health.bbox_mm};
 }
 
-BladeData blade_data(const BladeSettings& b) {
-  return {b.free_lengths_mm,    b.width_mm, b.thickness_mm,          b.youngs_modulus_mpa,
-          b.yield_strength_mpa, b.safety,   max_curvature_per_mm(b), b.kerf_mm,
-          b.density_kg_m3};
-}
-
 void check_interrupt(const PlanHooks& hooks) {
   if (hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
 }
@@ -433,7 +427,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   Program& program = result.program;
   program.created_by = "hotblade " + version();
   program.design = design_data(design, settings);
-  program.blade = blade_data(settings.blade);
+  program.blade = settings.blade;
   program.settings = settings;
   Stopwatch watch(result.times);
   hooks.progress("direction", 0.05);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pipeline/preview/view_model.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -19,10 +20,10 @@ double largest_curvature(const elastica::Elastica& curve) {
   return most;
 }
 
-std::string radius_line(double curvature, const BladeData& blade) {
+std::string radius_line(double curvature, const robot::Blade& blade) {
   constexpr double kStraightMm = 1e5;  // a hundred metres: nobody reads more of it
   const double radius = curvature > 1 / kStraightMm ? 1 / curvature : kStraightMm;
-  const double share = 100 * curvature / (blade.max_curvature_per_mm * blade.safety);
+  const double share = 100 * curvature / robot::max_curvature_per_mm(blade, 1);
   if (radius >= kStraightMm) return "smallest radius over 100 m";
   return fmt::format("smallest radius {:.0f} mm ({:.0f} % yield)", radius, share);
 }
@@ -48,7 +49,7 @@ void add_deviation(const ViewModel& model, const Belongs& belongs, Card& card) {
                            : "deviation: nothing is cut here");
 }
 
-void add_worst(Card& card, const std::vector<const BladePose*>& poses, const BladeData& blade) {
+void add_worst(Card& card, const std::vector<const BladePose*>& poses, const robot::Blade& blade) {
   double curvature = 0, stress = 0, force = 0, margin = poses.front()->margin;
   bool loads = false;
   std::optional<double> margin_mm;

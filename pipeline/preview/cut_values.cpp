@@ -1,4 +1,5 @@
 #include "pipeline/preview/cut_values.hpp"
+#include "robot/blade/blade_section.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +48,7 @@ ColorScale scale_over(const std::string& title, const std::vector<double>& value
 
 // Curvature at which the blade's surface yields: what a plan allows times the safety it keeps.
 Coloring curvature_coloring(const Program& program, const CutSurface& surface) {
-  const double yield = program.blade.max_curvature_per_mm * program.blade.safety;
+  const double yield = robot::max_curvature_per_mm(program.blade, 1);
   Coloring out;
   for (const double curvature : surface.curvature_per_mm) out.values.push_back(100 * curvature / yield);
   const double most = *std::max_element(out.values.begin(), out.values.end());

@@ -13,6 +13,7 @@
 #include "pipeline/program/block.hpp"
 #include "pipeline/program/frame.hpp"
 #include "pipeline/settings/settings.hpp"
+#include "robot/blade/blade.hpp"
 #include "robot/pose/pose.hpp"
 #include "robot/pose/waypoint.hpp"
 
@@ -94,13 +95,6 @@ struct Verification {
   std::vector<std::string> not_checked;
 };
 
-// The blade a program is made for.
-struct BladeData {
-  std::vector<double> free_lengths_mm;
-  double width_mm = 0, thickness_mm = 0, youngs_modulus_mpa = 0, yield_strength_mpa = 0, safety = 0;
-  double max_curvature_per_mm = 0, kerf_mm = 0, density_kg_m3 = 0;
-};
-
 // The design a program was planned from, and how it was read.
 struct DesignData {
   std::string file, sha256, source_units;
@@ -115,7 +109,7 @@ struct Program {
   std::string created_by;
   DesignData design;
   Settings settings;  // the resolved configuration it was planned with
-  BladeData blade;
+  robot::BladeSet blade;
   std::vector<Strip> strips;
   Verification verification;
   std::vector<std::string> overrides;  // what was refused and run all the same; empty: nothing

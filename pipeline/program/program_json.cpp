@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pipeline/program/program_text.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -118,12 +119,13 @@ void write_settings(Text& out, const Settings& settings) {
   out.raw("\"settings\": ").raw(to_json(settings).dump()).raw(",\n");
 }
 
-void write_blade(Text& out, const BladeData& blade) {
+void write_blade(Text& out, const robot::BladeSet& blade) {
   out.raw("\"blade\": {\"free_lengths_mm\":").vector(blade.free_lengths_mm);
   out.field(",\"width_mm\":", blade.width_mm).field(",\"thickness_mm\":", blade.thickness_mm);
   out.field(",\"youngs_modulus_mpa\":", blade.youngs_modulus_mpa);
   out.field(",\"yield_strength_mpa\":", blade.yield_strength_mpa).field(",\"safety\":", blade.safety);
-  out.field(",\"max_curvature_per_mm\":", blade.max_curvature_per_mm).field(",\"kerf_mm\":", blade.kerf_mm);
+  out.field(",\"max_curvature_per_mm\":", robot::max_curvature_per_mm(blade))
+      .field(",\"kerf_mm\":", blade.kerf_mm);
   out.field(",\"density_kg_m3\":", blade.density_kg_m3).raw("},\n");
 }
 

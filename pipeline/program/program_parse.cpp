@@ -15,6 +15,7 @@
 #include "pipeline/program/program_scan.hpp"
 #include "pipeline/program/program_settings.hpp"
 #include "pipeline/settings/error.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -132,11 +133,11 @@ DesignData design_of(const JsonNode& node) {
   return design;
 }
 
-BladeData blade_of(const JsonNode& node) {
+robot::BladeSet blade_of(const JsonNode& node) {
   node.expect_keys(std::array{"free_lengths_mm", "width_mm", "thickness_mm", "youngs_modulus_mpa",
                               "yield_strength_mpa", "safety", "max_curvature_per_mm", "kerf_mm",
                               "density_kg_m3"});
-  BladeData blade;
+  robot::BladeSet blade;
   const JsonNode lengths = node.field("free_lengths_mm");
   blade.free_lengths_mm = lengths.numbers(1, kPositive);
   for (std::size_t i = 1; i < blade.free_lengths_mm.size(); ++i) {
@@ -150,9 +151,14 @@ BladeData blade_of(const JsonNode& node) {
   blade.youngs_modulus_mpa = number(node, "youngs_modulus_mpa", kPositive);
   blade.yield_strength_mpa = number(node, "yield_strength_mpa", kPositive);
   blade.safety = number(node, "safety", kPositive);
-  blade.max_curvature_per_mm = number(node, "max_curvature_per_mm", kPositive);
   blade.kerf_mm = number(node, "kerf_mm", kPositive);
   blade.density_kg_m3 = number(node, "density_kg_m3", kPositive);
+  const JsonNode written = node.field("max_curvature_per_mm");
+  const double curvature = written.number(kPositive), follows = robot::max_curvature_per_mm(blade);
+  if (std::abs(curvature - follows) > kUnitError * follows) {
+    written.fail(fmt::format("does not follow from the yield strength ({}, {}): plan the program again",
+                             curvature, follows));
+  }
   return blade;
 }
 
@@ -252,7 +258,7 @@ Block block_of(const JsonNode& node) {
   return {frame(node.field("frame")), vector<3>(node, "size_mm", kPositive)};
 }
 
-double blade_length_of(const JsonNode& node, const BladeData& blade) {
+double blade_length_of(const JsonNode& node, const robot::BladeSet& blade) {
   const double length = node.number(kPositive);
   for (const double free_length : blade.free_lengths_mm) {
     if (length == free_length) return length;
@@ -277,7 +283,7 @@ std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
 }
 
 // All of a strip but its poses.
-Strip strip_head_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
+Strip strip_head_of(const JsonNode& node, const robot::BladeSet& blade, std::set<std::string>& ids) {
   node.expect_keys(std::array{"id", "blade_length_mm", "design_to_cell", "stock", "ribs", "poses"});
   const auto expect_new = [&](const JsonNode& owner, const std::string& id) {
     const JsonNode field = owner.field("id");
@@ -300,7 +306,7 @@ Strip strip_head_of(const JsonNode& node, const BladeData& blade, std::set<std::
   return strip;
 }
 
-Strip strip_of(const JsonNode& node, const BladeData& blade, std::set<std::string>& ids) {
+Strip strip_of(const JsonNode& node, const robot::BladeSet& blade, std::set<std::string>& ids) {
   Strip strip = strip_head_of(node, blade, ids);
   strip.poses = poses_of(node.field("poses"), strip);
   return strip;
@@ -364,7 +370,7 @@ class StripTaker {
 
  private:
   const std::string& file_name_;
-  std::optional<BladeData> blade_;
+  std::optional<robot::BladeSet> blade_;
   std::vector<Strip> strips_;
   std::set<std::string> ids_;
 };
@@ -379,6 +385,8 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips) {
   program.design = design_of(root.field("design"));
   program.settings = settings_of(root.field("settings"));
   program.blade = blade_of(root.field("blade"));
+  // The blade's own section has no use for it.
+  program.blade.poisson_ratio = program.settings.blade.poisson_ratio;
   program.strips = std::move(strips);
   const JsonNode left = root.field("strips");
   const std::size_t left_count = left.items(program.strips.empty() ? 1 : 0);
@@ -407,8 +415,8 @@ bool take(std::string_view& left, std::string_view word) {
 }
 
 // One strip as to_json() writes it: its poses, nearly all of the text, without a tree.
-std::optional<Strip> scanned_strip(std::string_view& left, const BladeData& blade, std::set<std::string>& ids,
-                                   const std::string& file_name) {
+std::optional<Strip> scanned_strip(std::string_view& left, const robot::BladeSet& blade,
+                                   std::set<std::string>& ids, const std::string& file_name) {
   const auto head = take_to(left, "],\n\"poses\":[");
   if (!head) return std::nullopt;
   const nlohmann::ordered_json json = parse_json(std::string(*head) + "]}", file_name);
@@ -449,7 +457,7 @@ std::optional<Program> scanned_program(const std::string& text, const std::strin
   left.remove_suffix(after.size());
   const nlohmann::ordered_json frame = parse_json(fmt::format("{}{}", *before, after), file_name);
   const JsonNode root(frame, file_name);
-  const BladeData blade = blade_of(root.field("blade"));
+  const robot::BladeSet blade = blade_of(root.field("blade"));
   std::set<std::string> ids;
   std::vector<Strip> found;
   do {

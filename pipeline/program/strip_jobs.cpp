@@ -21,18 +21,6 @@ robot::Sha256 hash_of(const std::filesystem::path& file) {
   return robot::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-// mm to um, MPa to whole MPa; AnnouncedBlade takes what fits 32 bits.
-std::uint32_t scaled(double value, double scale) {
-  return static_cast<std::uint32_t>(std::clamp(std::round(value * scale), 0.0, 4294967295.0));
-}
-
-robot::AnnouncedBlade blade_of(const Program& program, const Strip& strip) {
-  constexpr double kMicrometres = 1000;
-  return {scaled(strip.blade_length_mm, kMicrometres), scaled(program.blade.width_mm, kMicrometres),
-          scaled(program.blade.thickness_mm, kMicrometres), scaled(program.blade.youngs_modulus_mpa, 1),
-          scaled(program.blade.yield_strength_mpa, 1)};
-}
-
 void require_passed(const std::filesystem::path& file, const Program& program, bool overridden) {
   if (overridden || program.verification.status == VerificationStatus::kPassed) return;
   throw Error(ErrorKind::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
@@ -49,8 +37,8 @@ StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overri
   const robot::Sha256 hash = hash_of(program_file);
   for (const Strip& strip : result.program.strips) {
     try {
-      result.jobs.push_back(
-          robot::make_job(hash, strip.id, waypoints(strip), blade_of(result.program, strip)));
+      const robot::ClampedBlade blade{result.program.blade, strip.blade_length_mm};
+      result.jobs.push_back(robot::make_job(hash, strip.id, waypoints(strip), blade));
     } catch (const robot::JobError& error) {
       throw Error(ErrorKind::kBadInput, program_file.string() + ": " + error.what());
     }

@@ -136,7 +136,7 @@ std::string duration(double seconds) {
 
 std::string strips_section(const PlanResult& result) {
   if (result.strips.empty()) return "";
-  const BladeData& b = result.program.blade;
+  const robot::BladeSet& b = result.program.blade;
   return "<h2>Strips</h2>\n" + table(result, kCut) +
          "<p class=\"note\">Deviation: of the cut from the design within the strip; the largest of the page "
          "also "

@@ -14,7 +14,7 @@ namespace hotblade::pipeline {
 struct StripRow {
   const StripFacts& facts;
   const Strip& strip;
-  const BladeData& blade;
+  const robot::Blade& blade;
   std::size_t refusals = 0;  // that name the strip
 };
 

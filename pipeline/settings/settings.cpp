@@ -351,13 +351,4 @@ void validate(const Settings& settings) {
   check(settings, {});
 }
 
-robot::BladeSection blade_section(const BladeSettings& b) {
-  return {b.width_mm,           b.thickness_mm, b.youngs_modulus_mpa, b.poisson_ratio,
-          b.yield_strength_mpa, b.safety,       b.density_kg_m3};
-}
-
-double max_curvature_per_mm(const BladeSettings& blade) {
-  return robot::max_curvature_per_mm(blade_section(blade));
-}
-
 }  // namespace hotblade::pipeline

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "robot/blade/blade_section.hpp"
+#include "robot/blade/blade.hpp"
 
 namespace hotblade::pipeline {
 
@@ -52,12 +52,10 @@ struct FitSettings {
   int max_splits = 12;         // along a rib
 };
 
-struct BladeSettings {
-  std::vector<double> free_lengths_mm{400, 600, 800, 1000, 1200, 1500};
-  double width_mm = 8, thickness_mm = 0.5;
-  double youngs_modulus_mpa = 190000, poisson_ratio = 0.3, yield_strength_mpa = 1010, safety = 1.5;
-  double density_kg_m3 = 7900;
-  double kerf_mm = 1.0;     // melted band of a blade that moves square to its width, thickness included
+struct BladeSettings : robot::BladeSet {
+  // Spring steel of 8 x 0.5 mm (docs/blade.md).
+  BladeSettings()
+      : BladeSet{{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0}, {400, 600, 800, 1000, 1200, 1500}} {}
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
   // The smallest accepted clamp error that snaps the blade; 0 takes it from the machine's errors.
   double min_margin_mm = 0;
@@ -137,11 +135,5 @@ void validate(const Settings& settings);
 // All settings, as program.json keeps them.
 [[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);
 [[nodiscard]] std::string to_toml(const Settings& settings);  // commented, round-trips through resolve
-
-[[nodiscard]] robot::BladeSection blade_section(const BladeSettings& blade);
-
-// The largest curvature that the blade may take, 1/mm, by its bending strain: 2 yield / (safety E
-// thickness).
-[[nodiscard]] double max_curvature_per_mm(const BladeSettings& blade);
 
 }  // namespace hotblade::pipeline

@@ -44,7 +44,7 @@ class RibMeasure {
   }
 
  private:
-  const BladeData& blade_;
+  const robot::Blade& blade_;
   const surface::TriangleMesh& mesh_;
   gpu::MeshDistance to_design_;
 };

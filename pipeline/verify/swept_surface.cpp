@@ -167,7 +167,7 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
 
 }  // namespace
 
-double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
+double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
                     const Eigen::Vector3d& plane_normal) {
   return 0.5 * (blade.kerf_mm + blade.width_mm * std::abs(normal.dot(plane_normal)));
 }

@@ -12,7 +12,7 @@ namespace hotblade::pipeline {
 
 // Returns half of what a blade melts across a surface of this unit normal, mm: the width stands along the
 // normal of the plane the blade bends in.
-[[nodiscard]] double half_band_mm(const BladeData& blade, const Eigen::Vector3d& normal,
+[[nodiscard]] double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
                                   const Eigen::Vector3d& plane_normal);
 
 // A surface with what made each of its vertices.

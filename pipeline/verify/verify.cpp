@@ -52,12 +52,10 @@ double clamp_mismatch_mm(const Program& program) {
 }
 
 std::vector<BranchReport> follow_branches(const Program& program, double min_margin) {
-  const BladeData& b = program.blade;
-  const robot::BladeSection section{b.width_mm,           b.thickness_mm, b.youngs_modulus_mpa, 0,
-                                    b.yield_strength_mpa, b.safety,       b.density_kg_m3};
+  const double sharpest = robot::max_curvature_per_mm(program.blade);
   std::vector<BranchReport> branches(program.strips.size());
   tbb::parallel_for(std::size_t{0}, branches.size(), [&](std::size_t i) {
-    branches[i] = follow_branch(program.strips[i], {robot::max_curvature_per_mm(section), min_margin});
+    branches[i] = follow_branch(program.strips[i], {sharpest, min_margin});
   });
   return branches;
 }

@@ -8,17 +8,11 @@ namespace hotblade::robot {
 
 namespace {
 
-BladeLimits limits_of(const AnnouncedBlade& blade, const BladeCheckOptions& options) {
+BladeLimits limits_of(const ClampedBlade& blade, const BladeCheckOptions& options) {
   constexpr double kMicrometre = 1e-3;
   // Half a count on each axis of both clamps.
   constexpr double kRounding_mm = 1.7320508075688772 * kMicrometre;
-  BladeSection section;
-  section.width_mm = blade.width_um * kMicrometre;
-  section.thickness_mm = blade.thickness_um * kMicrometre;
-  section.youngs_modulus_mpa = blade.youngs_modulus_mpa;
-  section.yield_strength_mpa = blade.yield_strength_mpa;
-  section.safety = options.safety;
-  return {max_curvature_per_mm(section), options.min_margin, kMaxOffPlane_mm, kRounding_mm};
+  return {max_curvature_per_mm(blade, options.safety), options.min_margin, kMaxOffPlane_mm, kRounding_mm};
 }
 
 LimitCode code_of(BladeStatus status) {
@@ -43,8 +37,8 @@ LimitCode code_of(BladeStatus status) {
 
 }  // namespace
 
-BladeCheck::BladeCheck(const AnnouncedBlade& blade, const BladeCheckOptions& options)
-    : on_(options.equilibrium), branch_(blade.length_mm(), limits_of(blade, options)) {}
+BladeCheck::BladeCheck(const ClampedBlade& blade, const BladeCheckOptions& options)
+    : on_(options.equilibrium), branch_(blade.length_mm, limits_of(blade, options)) {}
 
 LimitCode BladeCheck::next(const Waypoint& w) {
   if (!on_) return LimitCode::kNone;

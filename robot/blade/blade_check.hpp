@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "elastica/curve/elastica.hpp"
-#include "robot/blade/announced_blade.hpp"
+#include "robot/blade/blade.hpp"
 #include "robot/blade/blade_branch.hpp"
 #include "robot/pose/limits.hpp"
 #include "robot/pose/waypoint.hpp"
@@ -27,7 +27,7 @@ struct BladeMargins {
 class BladeCheck {
  public:
   BladeCheck() = default;  // checks nothing
-  BladeCheck(const AnnouncedBlade& blade, const BladeCheckOptions& options);
+  BladeCheck(const ClampedBlade& blade, const BladeCheckOptions& options);
 
   [[nodiscard]] bool checks() const { return on_; }
   // The next waypoint of a stream, and the pose halfway to it: between two waypoints in one plane each the

@@ -29,20 +29,24 @@ double bending_stiffness_n_mm2(const BladeSection& s) {
   return s.youngs_modulus_mpa * s.width_mm * std::pow(s.thickness_mm, 3) / 12;
 }
 
-elastica::StiffnessRatios stiffness_ratios(const BladeSection& s) {
+elastica::StiffnessRatios stiffness_ratios(const Blade& s) {
   const double r = s.thickness_mm / s.width_mm;
   const double shape = 1 - 0.63 * r * (1 - std::pow(r, 4) / 12);
   // G J / B = E / (2 (1 + nu)) w t^3 / 3 / (E w t^3 / 12).
   return {1 / (r * r), 2 / (1 + s.poisson_ratio) * shape};
 }
 
-double weight_n_mm(const BladeSection& s) {
+double weight_n_mm(const Blade& s) {
   constexpr double kCubicMetrePerMm3 = 1e-9;
   return s.density_kg_m3 * kCubicMetrePerMm3 * s.width_mm * s.thickness_mm * kGravity_m_s2;
 }
 
-double max_curvature_per_mm(const BladeSection& s) {
-  return 2 * s.yield_strength_mpa / (s.safety * s.youngs_modulus_mpa * s.thickness_mm);
+double max_curvature_per_mm(const BladeSection& s, double safety) {
+  return 2 * s.yield_strength_mpa / (safety * s.youngs_modulus_mpa * s.thickness_mm);
+}
+
+double max_curvature_per_mm(const Blade& blade) {
+  return max_curvature_per_mm(blade, blade.safety);
 }
 
 BladeLoads blade_loads(const elastica::Elastica& blade, const BladeSection& section) {
@@ -64,34 +68,34 @@ BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, doubl
   return loads;
 }
 
-BladeSag blade_sag(const elastica::Elastica& blade, const BladeSection& section, const Eigen::Vector3d& down,
+BladeSag blade_sag(const elastica::Elastica& shape, const Blade& blade, const Eigen::Vector3d& down,
                    double s0, double s1) {
   const SagPlace place{down, s0, s1};
-  return blade_sags({&blade, 1}, section, {&place, 1}).front();
+  return blade_sags({&shape, 1}, blade, {&place, 1}).front();
 }
 
-std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> blades, const BladeSection& section,
+std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, const Blade& blade,
                                  std::span<const SagPlace> places) {
-  if (blades.size() != places.size()) throw std::logic_error("a sag is asked for at one place of each blade");
-  const double load = weight_n_mm(section) / bending_stiffness_n_mm2(section);
+  if (shapes.size() != places.size()) throw std::logic_error("a sag is asked for at one place of each blade");
+  const double load = weight_n_mm(blade) / bending_stiffness_n_mm2(blade);
   std::vector<elastica::DroopLoad> loads;
-  for (std::size_t i = 0; i < blades.size(); ++i) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
     const SagPlace& place = places[i];
     if (!(place.s0 <= place.s1))
       throw std::logic_error("the part of a blade that sags ends before it starts");
-    const NodeRange range = nodes(blades[i].length, place.s0, place.s1);
+    const NodeRange range = nodes(shapes[i].length, place.s0, place.s1);
     loads.push_back({load * place.down.z(), range.first, range.last});
   }
-  std::vector<elastica::DroopReach> reach(blades.size());
-  elastica::droops(blades, loads, stiffness_ratios(section), reach);
+  std::vector<elastica::DroopReach> reach(shapes.size());
+  elastica::droops(shapes, loads, stiffness_ratios(blade), reach);
   std::vector<BladeSag> sags;
-  for (std::size_t i = 0; i < blades.size(); ++i) {
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
     BladeSag& sag = sags.emplace_back(BladeSag{reach[i].shift, reach[i].twist, 0, reach[i].stable});
     // Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
     constexpr double kLevel = 1e-9;
     const Eigen::Vector2d in_plane = places[i].down.head<2>();
     if (in_plane.norm() <= kLevel) continue;
-    const elastica::PlaneShift shift = elastica::plane_shift(blades[i], load * in_plane);
+    const elastica::PlaneShift shift = elastica::plane_shift(shapes[i], load * in_plane);
     for (std::size_t k = loads[i].first; k <= loads[i].last; ++k)
       sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[k].norm());
   }

@@ -1,7 +1,4 @@
-// The blade as a part of the machine: its section and material, what bending loads it with, and how it hangs.
-//
-// N, mm, MPa, rad. A rectangular section of width (along the normal of the plane it bends in) times
-// thickness.
+// What bending loads the blade with, and how it hangs, from its section and material. N, mm, MPa, rad.
 #pragma once
 
 #include <span>
@@ -9,31 +6,28 @@
 
 #include "elastica/blade/gravity.hpp"
 #include "elastica/curve/elastica.hpp"
+#include "robot/blade/blade.hpp"
 
 namespace hotblade::robot {
 
 inline constexpr double kGravity_m_s2 = 9.80665;
 
-struct BladeSection {
-  double width_mm = 0, thickness_mm = 0;
-  double youngs_modulus_mpa = 0, poisson_ratio = 0;
-  double yield_strength_mpa = 0, safety = 1;
-  double density_kg_m3 = 0;
-};
-
-// B = E width thickness^3 / 12: bending in the plane, N mm^2.
+// Returns B = E width thickness^3 / 12, the stiffness against bending in the plane, N mm^2.
 [[nodiscard]] double bending_stiffness_n_mm2(const BladeSection& section);
 
-// Over B. Upright bending: (width / thickness)^2. Torsion: G J with G = E / (2 (1 + nu)) and Saint-Venant's
+// Returns the stiffness against upright bending and torsion over B. Upright bending: (width / thickness)^2.
+// Torsion: G J with G = E / (2 (1 + nu)) and Saint-Venant's
 // J = width thickness^3 / 3 (1 - 0.63 r (1 - r^4 / 12)), r = thickness / width <= 1 (Timoshenko and Goodier,
 // Theory of Elasticity, art. 109: within 0.5 %).
-[[nodiscard]] elastica::StiffnessRatios stiffness_ratios(const BladeSection& section);
+[[nodiscard]] elastica::StiffnessRatios stiffness_ratios(const Blade& blade);
 
-// Weight per length, N/mm.
-[[nodiscard]] double weight_n_mm(const BladeSection& section);
+// Returns the blade's weight per length, N/mm.
+[[nodiscard]] double weight_n_mm(const Blade& blade);
 
-// Largest curvature within yield: bending stress E thickness / 2 |kappa| stays below yield / safety, 1/mm.
-[[nodiscard]] double max_curvature_per_mm(const BladeSection& section);
+// Returns the largest curvature at which the bending stress E thickness / 2 |kappa| stays below yield /
+// safety, 1/mm.
+[[nodiscard]] double max_curvature_per_mm(const BladeSection& section, double safety);
+[[nodiscard]] double max_curvature_per_mm(const Blade& blade);
 
 // What the clamps hold and what the blade bears. The force is the same all along an elastica: clamp B pushes
 // the blade with `force_n`, clamp A with its opposite. Moments turn the blade's end about the plane's normal,
@@ -45,7 +39,7 @@ struct BladeLoads {
   double smallest_radius_mm = 0;  // infinity for a straight blade
 };
 [[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, const BladeSection& section);
-// The same where the curvature at clamp B and the largest |curvature| are known.
+// Returns the same where the curvature at clamp B and the largest |curvature| are known.
 [[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm,
                                      double sharpest_per_mm, const BladeSection& section);
 
@@ -58,7 +52,7 @@ struct BladeSag {
 };
 // `down` is the unit vector of gravity in the elastica's axes and the plane's normal; s0 <= s1 are arc
 // lengths, mm.
-[[nodiscard]] BladeSag blade_sag(const elastica::Elastica& blade, const BladeSection& section,
+[[nodiscard]] BladeSag blade_sag(const elastica::Elastica& shape, const Blade& blade,
                                  const Eigen::Vector3d& down, double s0, double s1);
 
 // Where and under what gravity a blade's sag is asked for, as above.
@@ -66,9 +60,9 @@ struct SagPlace {
   Eigen::Vector3d down{0, 0, -1};
   double s0 = 0, s1 = 0;
 };
-// blade_sag of many blades at once (elastica/blade/blade_batch.hpp), to 1e-9 of its size. One place for each
-// blade (std::logic_error).
-[[nodiscard]] std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> blades,
-                                               const BladeSection& section, std::span<const SagPlace> places);
+// Returns blade_sag of many shapes at once (elastica/blade/blade_batch.hpp), to 1e-9 of its size. Throws
+// std::logic_error unless there is one place for each shape.
+[[nodiscard]] std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, const Blade& blade,
+                                               std::span<const SagPlace> places);
 
 }  // namespace hotblade::robot

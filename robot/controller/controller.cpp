@@ -18,9 +18,10 @@ bool same(const protocol::Command& a, const protocol::Command& b) {
 }
 
 // A blade that can exist: 10 mm to 10 m long, thinner than wide, wide below its length.
-bool plausible(const AnnouncedBlade& blade) {
-  return blade.length_um >= 10000 && blade.length_um <= 10000000 && blade.thickness_um > 0 &&
-         blade.thickness_um <= blade.width_um && blade.width_um < blade.length_um &&
+bool plausible(const ClampedBlade& blade) {
+  constexpr double kShortest_mm = 10, kLongest_mm = 10000;
+  return blade.length_mm >= kShortest_mm && blade.length_mm <= kLongest_mm && blade.thickness_mm > 0 &&
+         blade.thickness_mm <= blade.width_mm && blade.width_mm < blade.length_mm &&
          blade.youngs_modulus_mpa > 0 && blade.yield_strength_mpa > 0;
 }
 
@@ -40,7 +41,7 @@ protocol::Ident Controller::ident() const {
   ident.watchdog_ms = options_.watchdog_ms;
   ident.lease_ms = options_.lease_ms;
   ident.max_waypoints = options_.max_waypoints;
-  ident.blade_length_um = loaded_ ? job_.blade.length_um : 0;
+  ident.blade_length_mm = loaded_ ? job_.blade.length_mm : 0;
   return ident;
 }
 
@@ -176,11 +177,10 @@ Result Controller::open_new(const protocol::Command& c) {
   return Result::kOk;
 }
 
-void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
-                      const AnnouncedBlade& blade) {
+void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count, const ClampedBlade& blade) {
   std::vector<protocol::RawWaypoint> raw;
   raw.reserve(count);
-  const LimitChecker checker(options_.limits, blade.length_mm());
+  const LimitChecker checker(options_.limits, blade.length_mm);
   const BladeCheck shape(blade, options_.blade);
   job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker, shape, shape};
   chain_.restart(job);

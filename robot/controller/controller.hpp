@@ -84,7 +84,7 @@ class Controller {
   struct Loaded {
     std::uint64_t id = 0;
     std::uint32_t run = 0, count = 0;
-    AnnouncedBlade blade;
+    ClampedBlade blade;
     std::vector<protocol::RawWaypoint> raw;  // everything accepted; room for `count` reserved
     std::uint32_t accepted_crc = 0;
     LimitChecker acceptance;  // of the stream as accepted; `execution` follows the motion
@@ -103,7 +103,7 @@ class Controller {
   protocol::Result dispatch(const protocol::Command& c, Connection from);
   protocol::Result open(const protocol::Command& c, Connection from);
   protocol::Result open_new(const protocol::Command& c);
-  void load(std::uint64_t job, std::uint32_t run, std::uint32_t count, const AnnouncedBlade& blade);
+  void load(std::uint64_t job, std::uint32_t run, std::uint32_t count, const ClampedBlade& blade);
   void give_token(const char* why);
   protocol::Result act(const protocol::Command& c);
   protocol::Result start();

@@ -88,8 +88,9 @@ class JournalReader {
     };
     journal_.run = word("run");
     journal_.count = word("planned");
-    journal_.blade = {word("length_um"), word("width_um"), word("thickness_um"), word("youngs_modulus_mpa"),
-                      word("yield_strength_mpa")};
+    protocol::BladeWords blade;
+    for (std::size_t i = 0; i < blade.size(); ++i) blade[i] = word(protocol::kBladeWordNames[i]);
+    journal_.blade = protocol::decode_blade(blade);
   }
 
   void take_executed(const Line& line, std::uint64_t id) {

@@ -29,7 +29,7 @@ struct ControllerJournal {
   bool loaded = false;  // the job is open; otherwise it is the last one, for whoever asks
   std::uint64_t job = 0;
   std::uint32_t run = 0, count = 0;
-  AnnouncedBlade blade;
+  ClampedBlade blade;
   std::vector<protocol::RawWaypoint> executed;
   Sha256 chain{};               // over them
   std::uint64_t motion_us = 0;  // the motion clock

@@ -76,16 +76,14 @@ void put_pose(std::string& out, const Pose& pose) {
 }
 
 // What a restarted controller has to know to go on.
-void put_blade(std::string& out, const AnnouncedBlade& blade) {
-  const std::array<std::pair<const char*, std::uint32_t>, 5> fields{
-      {{",\"length_um\":", blade.length_um},
-       {",\"width_um\":", blade.width_um},
-       {",\"thickness_um\":", blade.thickness_um},
-       {",\"youngs_modulus_mpa\":", blade.youngs_modulus_mpa},
-       {",\"yield_strength_mpa\":", blade.yield_strength_mpa}}};
-  for (const auto& [key, value] : fields) {
-    out += key;
-    put(out, value);
+void put_blade(std::string& out, const ClampedBlade& blade) {
+  // It came through registers, so it fits them again.
+  const protocol::BladeWords words = protocol::encode_blade(blade).value();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    out += ",\"";
+    out += protocol::kBladeWordNames[i];
+    out += "\":";
+    put(out, words[i]);
   }
 }
 

@@ -46,7 +46,7 @@ struct JobEvent {
   protocol::Fault fault = protocol::Fault::kNone;
   std::uint16_t fault_detail = 0;
   std::uint32_t fault_sequence = 0;
-  AnnouncedBlade blade = {};
+  ClampedBlade blade = {};
 };
 
 class ExecutionSink {

@@ -90,8 +90,9 @@ const Sha256& Chain::add(const protocol::RawWaypoint& raw) {
 }
 
 Job make_job(const Sha256& program_sha256, const std::string& strip, std::span<const Waypoint> waypoints,
-             const AnnouncedBlade& blade) {
+             const ClampedBlade& blade) {
   if (waypoints.empty()) throw JobError("strip " + strip + ": no waypoints");
+  if (!protocol::encode_blade(blade)) throw JobError("strip " + strip + ": blade does not fit the registers");
   Job job;
   job.strip = strip;
   job.blade = blade;

@@ -42,7 +42,7 @@ class Chain {
   bool first_ = true;
 };
 
-// A waypoint that no register can hold: `waypoint 17: ...`.
+// A waypoint or a blade that no register can hold: `strip S001: waypoint 17: ...`.
 struct JobError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -51,14 +51,14 @@ struct Job {
   std::uint64_t id = 0;
   std::string strip;
   std::vector<protocol::RawWaypoint> raw;
-  AnnouncedBlade blade;
+  ClampedBlade blade;
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(raw.size()); }
 };
 
 // id = the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id (UTF-8) and the waypoint
-// bytes. Throws JobError for a waypoint that cannot be encoded and for an empty strip.
+// bytes. Throws JobError for a waypoint or a blade that cannot be encoded and for an empty strip.
 [[nodiscard]] Job make_job(const Sha256& program_sha256, const std::string& strip,
-                           std::span<const Waypoint> waypoints, const AnnouncedBlade& blade);
+                           std::span<const Waypoint> waypoints, const ClampedBlade& blade);
 
 }  // namespace hotblade::robot

@@ -276,7 +276,7 @@ std::array<std::uint16_t, kIdentSize> encode_ident(const Ident& ident) {
   w.u32(ident.watchdog_ms);
   w.u32(ident.lease_ms);
   w.u32(ident.max_waypoints);
-  w.u32(ident.blade_length_um);
+  w.scaled(ident.blade_length_mm, kMilli);
   return registers;
 }
 
@@ -303,7 +303,7 @@ Ident decode_ident(std::span<const std::uint16_t, kIdentSize> registers) {
   ident.watchdog_ms = r.u32();
   ident.lease_ms = r.u32();
   ident.max_waypoints = r.u32();
-  ident.blade_length_um = r.u32();
+  ident.blade_length_mm = r.scaled(kMilli);
   return ident;
 }
 
@@ -374,7 +374,43 @@ bool ident_intact(std::span<const std::uint16_t, kIdentSize> block) {
   return block_intact(block) || (without && blank);
 }
 
+namespace {
+
+// The fields of BladeWords, in their order, and what a word counts: so many to the mm or MPa.
+struct BladeField {
+  double ClampedBlade::*place;
+  double scale;
+};
+constexpr std::array<BladeField, kBladeWordNames.size()> kBladeFields{
+    {{&ClampedBlade::length_mm, kMilli},
+     {&ClampedBlade::width_mm, kMilli},
+     {&ClampedBlade::thickness_mm, kMilli},
+     {&ClampedBlade::youngs_modulus_mpa, 1},
+     {&ClampedBlade::yield_strength_mpa, 1}}};
+
+}  // namespace
+
+std::optional<BladeWords> encode_blade(const ClampedBlade& blade) {
+  BladeWords words{};
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const double value = std::round(blade.*kBladeFields[i].place * kBladeFields[i].scale);
+    // A NaN fails both comparisons.
+    if (!(value >= 0 && value <= std::numeric_limits<std::uint32_t>::max())) return std::nullopt;
+    words[i] = static_cast<std::uint32_t>(value);
+  }
+  return words;
+}
+
+ClampedBlade decode_blade(const BladeWords& words) {
+  ClampedBlade blade;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    blade.*kBladeFields[i].place = words[i] / kBladeFields[i].scale;
+  return blade;
+}
+
 std::array<std::uint16_t, kCommandSize> encode_command(const Command& c) {
+  const auto blade = encode_blade(c.blade);
+  if (!blade) throw std::logic_error("encode_command: the blade does not fit the registers");
   std::array<std::uint16_t, kCommandSize> registers{};
   Writer w(registers);
   w.u32(c.nonce);
@@ -382,10 +418,8 @@ std::array<std::uint16_t, kCommandSize> encode_command(const Command& c) {
   w.u64(c.job_id);
   w.u32(c.run);
   w.u32(c.token);
-  for (const std::uint32_t v : {c.waypoint_count, c.blade.length_um, c.blade.width_um, c.blade.thickness_um,
-                                c.blade.youngs_modulus_mpa, c.blade.yield_strength_mpa}) {
-    w.u32(v);
-  }
+  w.u32(c.waypoint_count);
+  for (const std::uint32_t word : *blade) w.u32(word);
   w.u32(crc32_registers(w.written()));
   return registers;
 }
@@ -400,11 +434,9 @@ DecodedCommand decode_command(std::span<const std::uint16_t, kCommandSize> regis
   c.run = r.u32();
   c.token = r.u32();
   c.waypoint_count = r.u32();
-  c.blade.length_um = r.u32();
-  c.blade.width_um = r.u32();
-  c.blade.thickness_um = r.u32();
-  c.blade.youngs_modulus_mpa = r.u32();
-  c.blade.yield_strength_mpa = r.u32();
+  BladeWords blade;
+  for (std::uint32_t& word : blade) word = r.u32();
+  c.blade = decode_blade(blade);
   const std::uint32_t crc = crc32_registers(r.consumed());
   result.crc_ok = r.u32() == crc;
   return result;

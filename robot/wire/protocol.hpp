@@ -11,7 +11,7 @@
 #include <optional>
 #include <span>
 
-#include "robot/blade/announced_blade.hpp"
+#include "robot/blade/blade.hpp"
 #include "robot/pose/limits.hpp"
 #include "robot/pose/waypoint.hpp"
 
@@ -121,7 +121,7 @@ struct Ident {
   std::uint32_t boot_id = 0;
   MotionLimits limits;
   std::uint32_t watchdog_ms = 0, lease_ms = 0, max_waypoints = 0;
-  std::uint32_t blade_length_um = 0;  // of the open job; 0 without one
+  double blade_length_mm = 0;  // of the open job; 0 without one
 };
 [[nodiscard]] std::array<std::uint16_t, kIdentSize> encode_ident(const Ident& ident);
 [[nodiscard]] Ident decode_ident(std::span<const std::uint16_t, kIdentSize> registers);
@@ -152,14 +152,23 @@ void seal_block(std::span<std::uint16_t> block);
 // Whether an IDENT may be believed: its CRC holds, or it says that it has none, and both registers are 0.
 [[nodiscard]] bool ident_intact(std::span<const std::uint16_t, kIdentSize> block);
 
+// The blade of OPEN in whole um and MPa, in the order of its registers; logs write each under its name.
+inline constexpr std::array kBladeWordNames{"length_um", "width_um", "thickness_um", "youngs_modulus_mpa",
+                                            "yield_strength_mpa"};
+using BladeWords = std::array<std::uint32_t, kBladeWordNames.size()>;
+// Returns nullopt for a number that is negative, not finite or above 2^32 - 1 um or MPa.
+[[nodiscard]] std::optional<BladeWords> encode_blade(const ClampedBlade& blade);
+[[nodiscard]] ClampedBlade decode_blade(const BladeWords& words);
+
 struct Command {
   std::uint32_t nonce = 0;
   Op op = Op::kHold;
   std::uint64_t job_id = 0;
   std::uint32_t run = 0, token = 0;
   std::uint32_t waypoint_count = 0;  // OPEN only, as blade
-  AnnouncedBlade blade;
+  ClampedBlade blade;
 };
+// Throws std::logic_error for a blade that encode_blade does not take.
 [[nodiscard]] std::array<std::uint16_t, kCommandSize> encode_command(const Command& command);
 
 struct DecodedCommand {

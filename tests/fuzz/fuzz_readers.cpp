@@ -107,7 +107,7 @@ std::string small_program() {
   program.design.source_units = "mm";
   program.design.keep = pipeline::Keep::kBelow;
   program.design.sha256 = std::string(64, '0');
-  program.blade = {{600}, 8, 0.5, 190000, 1010, 1.5, 0.014, 1, 7900};
+  program.blade = {{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0}, {600}};
   program.verification.status = "passed";
   program.verification.tolerance_mm = 1;
   return to_json(program);

@@ -10,6 +10,7 @@
 
 #include "elastica/blade/stability.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
@@ -94,8 +95,7 @@ struct PlacedRib {
 double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
                     const BladeSettings& settings) {
   const RibFit& rib = placed.rib;
-  const robot::BladeSag sag =
-      robot::blade_sag(blade, blade_section(settings), placed.down, s0, s0 + rib.elastica.length);
+  const robot::BladeSag sag = robot::blade_sag(blade, settings, placed.down, s0, s0 + rib.elastica.length);
   if (!sag.stable) return std::numeric_limits<double>::infinity();
   return sag.droop_mm * std::sin(rib.max_slope_rad) + 0.5 * settings.width_mm * sag.twist_rad +
          sag.in_plane_mm;

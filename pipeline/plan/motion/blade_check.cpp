@@ -16,6 +16,7 @@
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
@@ -50,13 +51,13 @@ struct PoseBlock {
 };
 
 PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip,
-                     const robot::BladeSection& section) {
+                     const robot::Blade& blade) {
   PoseCheck c;
   const BladePose& pose = some.poses[i];
   const robot::SagPlace& part = some.sag_places[i];
   c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
-  c.loads = robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature,
-                               section);
+  c.loads =
+      robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature, blade);
   c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.block);
   c.cuts = pose.foam.has_value();
   const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
@@ -67,14 +68,14 @@ PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& stri
 }
 
 std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const StripPlan& strip,
-                                   const robot::BladeSection& section) {
+                                   const robot::Blade& blade) {
   std::vector<PoseCheck> checks(poses.size());
   in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
     const std::span<const BladePose> all(poses);
     const PoseBlock some(all.subspan(from, to - from), strip);
-    const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, section, some.sag_places);
+    const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, blade, some.sag_places);
     for (std::size_t i = from; i < to; ++i) {
-      checks[i] = check_pose(some, i - from, strip, section);
+      checks[i] = check_pose(some, i - from, strip, blade);
       checks[i].sag = sags[i - from];
     }
   });
@@ -218,7 +219,7 @@ std::size_t first_by(const std::vector<PoseCheck>& checks, Before before) {
 }
 
 // Limits are written so that a value that is not a number is refused.
-void refuse_bending(const std::vector<PoseCheck>& checks, const BladeSettings& blade, Refuser& refuse) {
+void refuse_bending(const std::vector<PoseCheck>& checks, const robot::Blade& blade, Refuser& refuse) {
   const std::size_t i =
       first_by(checks, [](const auto& a, const auto& b) { return a.curvature > b.curvature; });
   if (checks[i].curvature <= max_curvature_per_mm(blade)) return;
@@ -266,13 +267,13 @@ void refuse_near_folds(const std::vector<PoseMargin>& margins, const BladeMotion
          "machine.clamp_error_rad)");
 }
 
-void refuse_instability(const std::vector<PoseCheck>& checks, const robot::BladeSection& section,
+void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade& blade,
                         const Settings& settings, const BladeMotion& motion, Refuser& refuse) {
   const std::size_t tipped =
       first_by(checks, [](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
   if (!checks[tipped].sag.stable) {
     refuse(tipped, "margin against tipping out of the plane",
-           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(section)), 0, "",
+           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(blade)), 0, "",
            "a shorter or thicker blade");
   }
   if (motion.facts.smallest_margin >= settings.blade.min_margin) return;
@@ -292,8 +293,8 @@ Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
 }
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
-  const robot::BladeSection section = blade_section(settings.blade);
-  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, section);
+  const robot::Blade& blade = settings.blade;
+  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, blade);
   collect(checks, motion);
   const std::vector<PoseMargin> margins = weigh_margins(motion);
   weigh_clamp_errors(strip, settings.machine, margins, motion);
@@ -301,7 +302,7 @@ void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& 
   Refuser refuse(strip, motion);
   refuse_bending(checks, settings.blade, refuse);
   refuse_places(checks, settings.stock, refuse);
-  refuse_instability(checks, section, settings, motion, refuse);
+  refuse_instability(checks, blade, settings, motion, refuse);
   refuse_near_folds(margins, motion, settings, refuse);
 }
 

@@ -9,6 +9,7 @@
 
 #include "pipeline/report/emit.hpp"
 #include "pipeline/verify/budget.hpp"
+#include "robot/blade/blade_section.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -37,7 +38,7 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
   EXPECT_LT(result.verification.uncut_share(), 0.001);
   EXPECT_LE(result.strips.size(), GetParam().most_strips);
   for (const StripFacts& f : result.strips) {
-    EXPECT_GE(f.smallest_radius_mm(), 1 / result.program.blade.max_curvature_per_mm);
+    EXPECT_GE(f.smallest_radius_mm(), 1 / robot::max_curvature_per_mm(result.program.blade));
     EXPECT_GT(f.smallest_margin, 1);
     EXPECT_GE(f.motion.smallest_clearance_mm, 40);
   }

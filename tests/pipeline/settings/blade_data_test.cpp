@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "pipeline/settings/settings.hpp"
+#include "robot/blade/blade_section.hpp"
 
 #include "tests/paths.hpp"
 

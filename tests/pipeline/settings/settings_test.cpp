@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "pipeline/settings/error.hpp"
+#include "robot/blade/blade_section.hpp"
 
 #include "tests/paths.hpp"
 

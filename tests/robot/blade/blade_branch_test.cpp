@@ -172,7 +172,7 @@ TEST(BladeCheck, NamesTheLimitOfEveryFinding) {
   EXPECT_EQ(after(apart), LimitCode::kBladeReach);
   EXPECT_EQ(BladeCheck(sample_blade(), {true, 1, 100}).next(start), LimitCode::kBladeMargin);
   // E t kappa / 2 is 71 MPa at half a turn of 0.6 rad.
-  AnnouncedBlade soft = sample_blade();
+  ClampedBlade soft = sample_blade();
   soft.yield_strength_mpa = 30;
   BladeCheck yields(soft, options);
   EXPECT_EQ(yields.next(start), LimitCode::kNone);

@@ -11,7 +11,7 @@ namespace {
 using elastica::Elastica;
 
 // 8 x 0.5 mm of spring steel.
-constexpr BladeSection kSpring{8, 0.5, 190000, 0.3, 1010, 1.5, 7900};
+constexpr Blade kSpring{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1};
 
 TEST(BladeSection, StiffnessAndWeightAreThoseWorkedOutByHand) {
   EXPECT_NEAR(bending_stiffness_n_mm2(kSpring), 15833.33, 0.01);  // 190000 * 8 * 0.125 / 12
@@ -22,7 +22,7 @@ TEST(BladeSection, StiffnessAndWeightAreThoseWorkedOutByHand) {
 
 TEST(BladeSection, TorsionOfASquareBarIsSaintVenants) {
   // J = 0.1406 a^4 (Timoshenko and Goodier, table in art. 109), so G J / B = 0.1406 * 12 / (2 (1 + nu)).
-  const BladeSection square{2, 2, 200000, 0.3, 1000, 1, 7900};
+  const Blade square{{2, 2, 200000, 1000}, 0.3, 1, 7900, 3};
   EXPECT_NEAR(stiffness_ratios(square).torsion, 0.1406 * 12 / 2.6, 0.005 * 0.65);
 }
 
@@ -77,7 +77,7 @@ TEST(BladeSag, CountsOnlyThePartAskedFor) {
 
 TEST(BladeSag, InAnUprightPlaneIsMillimetres) {
   // A 20 x 0.5 mm strip, elasto-gravity length 371 mm: bending in a vertical plane it sags by millimetres.
-  const BladeSection strip{20, 0.5, 190000, 0.3, 1010, 1.5, 7900};
+  const Blade strip{{20, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1};
   const Elastica arch{0, 0, 0.7, -1.4 / 1500, 0, 0, 1500};
   const BladeSag upright = blade_sag(arch, strip, {0, -1, 0}, 0, 1500);
   EXPECT_GT(upright.in_plane_mm, 1);

@@ -62,7 +62,7 @@ class ControllerTest : public ::testing::Test {
             run,
             with_token,
             op == Op::kOpen ? job.size() : 0,
-            op == Op::kOpen ? job.blade : AnnouncedBlade{}};
+            op == Op::kOpen ? job.blade : ClampedBlade{}};
   }
   Result send(const protocol::Command& c, Controller::Connection from = kOwner) {
     const auto result = controller->command({c, true}, from, now_ms * 1000);
@@ -277,7 +277,7 @@ TEST_F(ControllerTest, CommandsOutOfPlaceAreRefused) {
 
 TEST_F(ControllerTest, AnImpossibleBladeIsNotOpened) {
   auto c = make(Op::kOpen, 0);
-  c.blade.thickness_um = 0;
+  c.blade.thickness_mm = 0;
   EXPECT_EQ(send(c), Result::kLimit);
   c = make(Op::kOpen, 0);
   c.waypoint_count = 0;
@@ -554,9 +554,9 @@ TEST_F(ControllerTest, IdentSaysWhatMayBeDone) {
   options.blade.equilibrium = false;
   EXPECT_EQ(Controller(options).ident().capabilities & protocol::kCapEquilibrium, 0);
   EXPECT_NE(ident.capabilities & protocol::kCapSimulator, 0);
-  EXPECT_EQ(ident.blade_length_um, 0u);
+  EXPECT_EQ(ident.blade_length_mm, 0);
   ASSERT_EQ(open(), Result::kOk);
-  EXPECT_EQ(controller->ident().blade_length_um, 800000u);
+  EXPECT_EQ(controller->ident().blade_length_mm, 800);
 }
 
 }  // namespace

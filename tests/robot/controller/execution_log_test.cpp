@@ -148,6 +148,7 @@ TEST(Job, IdDependsOnProgramStripAndWaypoints) {
   moved[3].a.p.x() = 1e9;
   EXPECT_THROW((void)make_job(sha256({}), "S001", moved, blade), JobError);
   EXPECT_THROW((void)make_job(sha256({}), "S001", {}, blade), JobError);
+  EXPECT_THROW((void)make_job(sha256({}), "S001", waypoints, {blade, -1}), JobError);
 }
 
 TEST(Chain, MatchesTheHashOfItsDefinition) {

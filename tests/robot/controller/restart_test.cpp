@@ -166,7 +166,7 @@ TEST_F(Restart, GoesOnWithWhatWasExecutedAndNothingElse) {
   EXPECT_EQ(after.job_id, job_.id);
   EXPECT_EQ(after.run, run_);
   EXPECT_EQ(after.token, before.token);
-  EXPECT_EQ(controller_->ident().blade_length_um, job_.blade.length_um);
+  EXPECT_EQ(controller_->ident().blade_length_mm, job_.blade.length_mm);
   EXPECT_EQ(send(Op::kResume), Result::kState) << "nobody knows yet where the path goes on";
   resume();
   wait(10500);

@@ -232,8 +232,7 @@ TEST(Window, MoreThanFourWaypointsAreTheCallersMistake) {
 }
 
 TEST(Command, MatchesGoldenRegistersBothWays) {
-  const Command open{
-      0xDEADBEEF, Op::kOpen, 0x0123456789ABCDEF, 3, 0, 12345, {800000, 8000, 500, 190000, 1010}};
+  const Command open{0xDEADBEEF, Op::kOpen, 0x0123456789ABCDEF, 3, 0, 12345, {{8, 0.5, 190000, 1010}, 800}};
   EXPECT_EQ(as_vector(encode_command(open)), golden("command_open"));
   EXPECT_EQ(as_vector(encode_command({1, Op::kStart, 0x0123456789ABCDEF, 3, 9, 0, {}})),
             golden("command_start"));
@@ -247,6 +246,44 @@ TEST(Command, MatchesGoldenRegistersBothWays) {
   EXPECT_EQ(back.command.token, 0u);
   EXPECT_EQ(back.command.waypoint_count, 12345u);
   EXPECT_EQ(back.command.blade, open.blade);
+}
+
+TEST(BladeWords, AreWholeMicrometresAndMegapascalsBothWays) {
+  const ClampedBlade blade{{8, 0.5, 190000, 1010}, 800};
+  EXPECT_EQ(encode_blade(blade), (BladeWords{800000, 8000, 500, 190000, 1010}));
+  EXPECT_EQ(decode_blade({800000, 8000, 500, 190000, 1010}), blade);
+  // Every word comes back from the mm and MPa it stands for; every blade within half a unit.
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::uint32_t> any;
+  for (int round = 0; round < 10000; ++round) {
+    BladeWords words{};
+    for (auto& word : words) word = any(random) >> (any(random) % 32);
+    EXPECT_EQ(encode_blade(decode_blade(words)), words);
+  }
+  std::uniform_real_distribution<double> size(0, 5000);
+  for (int round = 0; round < 10000; ++round) {
+    const ClampedBlade sent{{size(random), size(random), size(random), size(random)}, size(random)};
+    const ClampedBlade got = decode_blade(encode_blade(sent).value());
+    EXPECT_NEAR(got.length_mm, sent.length_mm, 0.5001e-3);
+    EXPECT_NEAR(got.width_mm, sent.width_mm, 0.5001e-3);
+    EXPECT_NEAR(got.thickness_mm, sent.thickness_mm, 0.5001e-3);
+    EXPECT_NEAR(got.youngs_modulus_mpa, sent.youngs_modulus_mpa, 0.5);
+    EXPECT_NEAR(got.yield_strength_mpa, sent.yield_strength_mpa, 0.5);
+  }
+}
+
+TEST(BladeWords, WhatNoRegisterHoldsIsNoBlade) {
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kLargest_mm = 4294967.295;
+  EXPECT_TRUE(encode_blade({{8, 0.5, 190000, 1010}, kLargest_mm}));
+  for (const double length :
+       {-1.0, kLargest_mm + 0.001, kNotANumber, std::numeric_limits<double>::infinity()})
+    EXPECT_FALSE(encode_blade({{8, 0.5, 190000, 1010}, length})) << length;
+  EXPECT_FALSE(encode_blade({{8, 0.5, -1, 1010}, 800}));
+  EXPECT_FALSE(encode_blade({{8, 0.5, 190000, 5e9}, 800}));
+  Command open;
+  open.blade.width_mm = kNotANumber;
+  EXPECT_THROW((void)encode_command(open), std::logic_error);
 }
 
 TEST(Status, MatchesGoldenRegistersBothWays) {
@@ -289,7 +326,7 @@ TEST(Ident, MatchesGoldenRegistersBothWays) {
   EXPECT_EQ(ident.watchdog_ms, 2000u);
   EXPECT_EQ(ident.lease_ms, 5000u);
   EXPECT_EQ(ident.max_waypoints, 1000000u);
-  EXPECT_EQ(ident.blade_length_um, 800000u);
+  EXPECT_EQ(ident.blade_length_mm, 800);
   EXPECT_EQ(as_vector(encode_ident(ident)), block);
 }
 

@@ -12,8 +12,8 @@
 namespace hotblade::robot::testing {
 
 inline constexpr double kBladeLength_mm = 800;
-inline AnnouncedBlade sample_blade() {
-  return {800000, 8000, 500, 190000, 1010};
+inline ClampedBlade sample_blade() {
+  return {{8, 0.5, 190000, 1010}, kBladeLength_mm};
 }
 
 // Clamps of a circular arc with end tangents +-u to the chord, turned by `yaw` about the cell's z axis.
