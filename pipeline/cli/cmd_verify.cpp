@@ -41,7 +41,7 @@ void print_branches(const Program& program, const VerifyReport& report) {
   for (std::size_t i = 0; i < report.branches.size(); ++i) {
     const BranchReport& b = report.branches[i];
     const Strip& strip = program.strips[i];
-    if (b.status == BranchStatus::kHeld) {
+    if (b.held()) {
       std::cout << fmt::format(
           "{}  blade held on one branch: within {:.4f} mm of the plan, margin at least {:.1f}, radius at "
           "least {:.0f} "

@@ -317,19 +317,16 @@ void plan_with_closer_fits(const surface::DesignSurface& design, Settings& setti
 void judge(const Settings& settings, PlanResult& result) {
   const VerifyReport& v = result.verification;
   if (result.program.strips.empty() && result.refusals.empty()) {
-    result.refusals.push_back(
-        {"design", "", "strips", 0, 1, "", "no chain of ribs was found: see the warnings"});
+    result.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
   }
   for (const StripFacts& f : result.strips) {
     const double together = f.deviation_max_mm + f.droop_error_mm + f.motion.in_plane_sag_mm;
     if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
       continue;
-    result.refusals.push_back({f.id, "", "deviation with the sag of the blade under its weight", together,
-                               settings.design.tolerance_mm, "mm",
-                               "a shorter or wider blade, or another slice.direction"});
+    result.refusals.push_back({f.id, "", Limit::kDeviationWithSag, together, settings.design.tolerance_mm});
   }
   for (std::size_t i = 0; i < v.branches.size(); ++i) {
-    if (v.branches[i].status != BranchStatus::kHeld)
+    if (!v.branches[i].held())
       result.refusals.push_back(branch_refusal(result.program.strips[i], v.branches[i]));
   }
   if (v.deviation.max > settings.design.tolerance_mm) {
@@ -339,16 +336,12 @@ void judge(const Settings& settings, PlanResult& result) {
             ? "design"
             : result.strips[static_cast<std::size_t>(worst - v.strip_max_mm.begin())].id;
     const Eigen::Vector3d& at = v.deviation.at;
-    result.refusals.push_back(
-        {fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()), "", "deviation",
-         v.deviation.max, settings.design.tolerance_mm, "mm",
-         "a larger tolerance, closer ribs (slice.spacing_mm) or another slice.direction"});
+    result.refusals.push_back({fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()),
+                               "", Limit::kDeviation, v.deviation.max, settings.design.tolerance_mm});
   }
   if (v.uncut_share() > settings.design.max_uncut_share) {
     result.refusals.push_back(
-        {"design", "", "uncut share of the area", 100 * v.uncut_share(),
-         100 * settings.design.max_uncut_share, "%",
-         "another slice.direction, a trimmed design or a larger design.max_uncut_share"});
+        {"design", "", Limit::kUncutShare, 100 * v.uncut_share(), 100 * settings.design.max_uncut_share});
   }
 }
 

@@ -38,8 +38,8 @@ Json vector_json(const Eigen::Vector3d& v) {
 }
 
 Json refusal_json(const Refusal& r) {
-  return {{"strip", r.strip},     {"rib", r.rib},          {"limit", r.limit}, {"value", r.value},
-          {"bound", r.bound},     {"unit", r.unit},        {"hint", r.hint},   {"place", r.place},
+  return {{"strip", r.strip},     {"rib", r.rib},          {"limit", limit_text(r)}, {"value", r.value},
+          {"bound", r.bound},     {"unit", unit(r)},       {"hint", hint(r)},        {"place", r.place},
           {"details", r.details}, {"message", describe(r)}};
 }
 

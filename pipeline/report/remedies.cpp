@@ -20,7 +20,7 @@ using Needed = double (*)(double now, const Refusal& refusal);
 enum class Demand { kLarger, kSmaller };  // which of two needed values is the more demanding
 
 struct Rule {
-  const char* limit;    // the refusal's limit starts with this
+  Limit limit;          // of the refusal
   const char* section;  // of the settings
   const char* key;
   const char* unit;
@@ -51,23 +51,25 @@ constexpr const char* kFeed = "clamp speeds go with the feed";
 
 // The bound of every deviation is a share of the tolerance, so the ratio holds for all of them.
 const auto kRules = std::to_array<Rule>({
-    {"deviation", "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
-    {"sag of the blade", "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
+    {Limit::kDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
+    {Limit::kRibDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
+    {Limit::kDeviationWithSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
+    {Limit::kSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
      "weight may use up a share of the tolerance; a shorter blade or more splits serve too"},
-    {"uncut share", "design", "max_uncut_share", "", Demand::kLarger, 0.001, 10,
+    {Limit::kUncutShare, "design", "max_uncut_share", "", Demand::kLarger, 0.001, 10,
      [](double, const Refusal& r) { return 0.01 * r.value; },
      "the share of the design that no strip reaches: only if it may stay uncut"},
-    {"radius of a rib", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
-    {"blade radius", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
-    {"bending stress", "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_inverse_ratio,
+    {Limit::kRibRadius, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
+    {Limit::kBladeYield, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
+    {Limit::kBendingStress, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_inverse_ratio,
      kThickness},
-    {"feed of the slowest", "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
+    {Limit::kSlowestFeed, "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
      "the slowest point of the blade; slower foam melts wider, which is not modelled"},
-    {"clamp speed", "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
-    {"clamp angular speed", "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio,
-     kFeed},
-    {"duration", "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio, "the time of the cut"},
-    {"clamp height", "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,
+    {Limit::kSpeed, "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
+    {Limit::kAngularSpeed, "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
+    {Limit::kDuration, "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio,
+     "the time of the cut"},
+    {Limit::kClampHeight, "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,
      [](double now, const Refusal& r) { return now + r.bound - r.value; },
      "the block stands higher, and with it the clamps"},
 });
@@ -104,7 +106,7 @@ class Collector {
     if (!std::isfinite(r.value) || !std::isfinite(r.bound)) return;
     if (add_list(r)) return;
     for (const Rule& rule : kRules) {
-      if (r.limit.rfind(rule.limit, 0) != 0) continue;
+      if (r.limit != rule.limit) continue;
       const Json* now = setting(rule.section, rule.key);
       if (now == nullptr || !now->is_number()) return;
       const double is = now->get<double>(), needed = rounded(rule.needed(is, r), rule);
@@ -128,13 +130,13 @@ class Collector {
 
   // Settings that hold lists; true where the refusal is about one.
   bool add_list(const Refusal& r) {
-    if (r.limit == "block edge") {
+    if (r.limit == Limit::kBlockEdge) {
       if (setting("stock", "max_size_mm") != nullptr)
         merge("stock.max_size_mm", with_unit(r.bound, "mm") + " for this edge", std::ceil(r.value), "mm",
               Demand::kLarger, "the edge of the block this strip needs; or allow more splits");
       return true;
     }
-    const bool length = r.limit == "rib length", clearance = r.limit.rfind("clamp clearance", 0) == 0;
+    const bool length = r.limit == Limit::kRibLength, clearance = r.limit == Limit::kClampClearance;
     if (!length && !clearance) return false;
     const Json* lengths = setting("blade", "free_lengths_mm");
     if (lengths == nullptr || lengths->empty()) return true;

@@ -100,8 +100,8 @@ std::string refusals_section(const PlanResult& result) {
         "<tr><td class=\"l\">{} {}</td><td class=\"l\">{}</td><td class=\"bad\">{:.4g} {}</td><td>{:.4g} "
         "{}</td>"
         "<td class=\"l\">{}</td></tr>\n",
-        escaped(r.strip), escaped(r.rib), escaped(r.limit), r.value, escaped(r.unit), r.bound,
-        escaped(r.unit), escaped(r.hint));
+        escaped(r.strip), escaped(r.rib), escaped(limit_text(r)), r.value, escaped(unit(r)), r.bound,
+        escaped(unit(r)), escaped(hint(r)));
   }
   return html + "</table>\n";
 }

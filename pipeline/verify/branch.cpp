@@ -76,7 +76,7 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchR
       const double off = block.off_mm[i];
       if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
       if (off <= kShapeMismatchMm) continue;  // not a number goes on to be found
-      report.status = BranchStatus::kElsewhere;
+      report.limit = Limit::kPlannedShape;
       report.pose = from + i;
       report.value = off;
       report.bound = kShapeMismatchMm;
@@ -85,70 +85,20 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchR
   }
 }
 
-BranchStatus status_of(robot::BladeStatus status) {
-  switch (status) {
-    case robot::BladeStatus::kNoFlatArc:
-      return BranchStatus::kNoFlatArc;
-    case robot::BladeStatus::kOutOfPlane:
-      return BranchStatus::kOutOfPlane;
-    case robot::BladeStatus::kOutOfReach:
-      return BranchStatus::kOutOfReach;
-    case robot::BladeStatus::kSnapped:
-      return BranchStatus::kSnapped;
-    case robot::BladeStatus::kYields:
-      return BranchStatus::kYields;
-    case robot::BladeStatus::kUnsafe:
-      return BranchStatus::kUnsafe;
-    case robot::BladeStatus::kHeld:
-      break;
-  }
-  return BranchStatus::kHeld;
-}
-
-// The limit of a finding, its unit and what to do.
-struct BranchLimit {
-  const char *name, *unit, *hint;
-};
-
-BranchLimit limit_of(BranchStatus status) {
-  switch (status) {
-    case BranchStatus::kNoFlatArc:
-      return {"half turn of the flat arc at the start", "rad",
-              "a strip starts at a flat arc of 0.10 to 0.17 rad"};
-    case BranchStatus::kOutOfPlane:
-      return {"distance of clamp B from clamp A's plane", "mm", "both clamps of a waypoint lie in one plane"};
-    case BranchStatus::kSnapped:
-      return {"stability margin, the blade snaps through", "", "a shorter blade or more splits"};
-    case BranchStatus::kOutOfReach:
-      return {"distance between the clamps", "mm", "the blade is pulled taut: a longer blade"};
-    case BranchStatus::kElsewhere:
-      return {"distance of the blade from the planned shape", "mm",
-              "the clamps lead the blade to another shape than the plan's"};
-    case BranchStatus::kYields:
-      return {"blade radius", "mm", "the blade would yield: a thinner blade or more splits"};
-    case BranchStatus::kUnsafe:
-      return {"stability margin", "", "the blade could snap through: a shorter blade or more splits"};
-    case BranchStatus::kHeld:
-      break;
-  }
-  return {"held", "", ""};
-}
-
 }  // namespace
 
 Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
-  const BranchLimit limit = limit_of(report.status);
-  Refusal refusal{strip.id, "", limit.name, report.value, report.bound, limit.unit, limit.hint};
+  Refusal refusal{strip.id, "", report.limit, report.value, report.bound};
   if (report.pose >= strip.poses.size()) return refusal;
   const BladePose& pose = strip.poses[report.pose];
   refusal.rib = rib_at(strip, report.pose);
-  refusal.limit += fmt::format(", in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  refusal.when = fmt::format(", in phase {} at {:.2f} s", name(pose.phase), pose.t);
   return refusal;
 }
 
 BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   BranchReport report;
-  if (strip.poses.empty()) report.status = BranchStatus::kNoFlatArc;
+  if (strip.poses.empty()) report.limit = Limit::kStartPose;
   report.smallest_margin = std::numeric_limits<double>::infinity();
   robot::BladeBranch blade(strip.blade_length_mm,
                            {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
@@ -157,7 +107,7 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
     const robot::BladeFinding finding = blade.move_to(strip.poses[i].a, strip.poses[i].b);
     followed.push_back({blade.shape(), blade.margin(), blade.taut()});
     if (finding.held()) continue;
-    report.status = status_of(finding.status);
+    report.limit = finding.limit;
     report.pose = i;
     report.value = finding.value;
     report.bound = finding.bound;

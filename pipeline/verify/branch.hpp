@@ -18,29 +18,21 @@ struct BranchOptions {
   double min_margin = 0;            // smallest accepted stability margin
 };
 
-enum class BranchStatus {
-  kHeld,        // one stable branch from the flat arc to the end, the program's own, within yield
-  kNoFlatArc,   // waypoint 0 is no flat arc: which shape the blade has there is not known
-  kOutOfPlane,  // the two clamps of a waypoint do not lie in one plane
-  kSnapped,     // the shape is lost between two waypoints
-  kOutOfReach,  // the clamps are farther apart than the blade reaches
-  kElsewhere,   // the blade is not where the program says
-  kYields,
-  kUnsafe,  // stable, with less than the smallest accepted margin
-};
-
+// What was found of a strip: kNone when the blade stays on one stable branch from the flat arc to the end,
+// the program's own, within yield; a limit of robot/blade/blade_branch.hpp; or kPlannedShape, when the blade
+// is not where the program says.
 struct BranchReport {
-  BranchStatus status = BranchStatus::kHeld;
+  Limit limit = Limit::kNone;
   std::size_t pose = 0;         // of the finding; 0 when held
-  double value = 0, bound = 0;  // the amount and its limit, in the unit of branch_refusal()
+  double value = 0, bound = 0;  // the amount and its limit, in the unit of the limit
   double mismatch_mm = 0;  // largest distance of the blade from where the program says, as far as followed
   double smallest_margin = 0;  // of the shapes found, as often as robot/blade/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
-  [[nodiscard]] bool held() const { return status == BranchStatus::kHeld; }
+  [[nodiscard]] bool held() const { return limit == Limit::kNone; }
   std::size_t taut_poses = 0;  // pulled straight, where the clamps decide the shape to second order only
 };
 
-// A finding that is not kHeld as a refusal: strip, rib, limit by phase and time, amount.
+// Returns a finding that is not kNone as a refusal: strip, rib, limit by phase and time, amount.
 [[nodiscard]] Refusal branch_refusal(const Strip& strip, const BranchReport& report);
 
 // More is another shape than the program's; less is rounding of poses and the registers' micrometre.

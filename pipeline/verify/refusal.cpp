@@ -8,14 +8,26 @@ std::string rib_id(const std::string& strip, std::size_t index) {
   return fmt::format("{}R{:03}", strip, index + 1);
 }
 
+std::string limit_text(const Refusal& r) {
+  return info(r.limit).name + r.when;
+}
+
+std::string unit(const Refusal& r) {
+  return info(r.limit).unit;
+}
+
+std::string hint(const Refusal& r) {
+  return r.hint.empty() ? info(r.limit).hint : r.hint;
+}
+
 std::string describe_amount(const Refusal& r) {
-  const std::string unit = r.unit.empty() ? "" : " " + r.unit;
-  return fmt::format("{} {:.4g}{} (limit {:.4g}{})", r.limit, r.value, unit, r.bound, unit);
+  const std::string in_unit = unit(r).empty() ? "" : " " + unit(r);
+  return fmt::format("{} {:.4g}{} (limit {:.4g}{})", limit_text(r), r.value, in_unit, r.bound, in_unit);
 }
 
 std::string describe(const Refusal& r) {
   const std::string place = r.place.empty() ? "" : " " + r.place;
-  return fmt::format("{}{}: {}: {}", r.rib.empty() ? r.strip : r.rib, place, describe_amount(r), r.hint);
+  return fmt::format("{}{}: {}: {}", r.rib.empty() ? r.strip : r.rib, place, describe_amount(r), hint(r));
 }
 
 }  // namespace hotblade::pipeline

@@ -4,28 +4,37 @@
 #include <string>
 #include <vector>
 
+#include "robot/pose/limit.hpp"
+
 namespace hotblade::pipeline {
+
+using robot::Limit;
 
 struct Refusal {
   std::string strip;  // S003, or a place in the design when no strip exists yet
   std::string rib;    // S003R012, or empty when the whole strip is meant
-  std::string limit;  // what was exceeded: deviation, radius, margin, clearance, ...
-  double value = 0;   // measured
-  double bound = 0;   // allowed
-  std::string unit;
-  std::string hint;     // what would make it cuttable
+  Limit limit = Limit::kNone;
+  double value = 0;     // measured, in the limit's unit
+  double bound = 0;     // allowed
+  std::string hint{};   // what would make it cuttable here; empty: the limit's own hint
   std::string place{};  // in words where it helps: `at (x, y, z)` in the design frame
+  std::string when{};   // phase and time, as they follow the limit's name: ` in phase cut at 12.00 s`
   // The same for each candidate that was tried, one line each: which limit stopped which blade length.
   std::vector<std::string> details{};
 };
 
-// S003R012: rib `index` (from 0) of a strip.
+// Returns the name of rib `index` (from 0) of a strip, S003R012.
 [[nodiscard]] std::string rib_id(const std::string& strip, std::size_t index);
 
-// `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): hint`
+// Return the refusal's limit by name, phase and time; its unit, empty where it has none; what would help.
+[[nodiscard]] std::string limit_text(const Refusal& refusal);
+[[nodiscard]] std::string unit(const Refusal& refusal);
+[[nodiscard]] std::string hint(const Refusal& refusal);
+
+// Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): hint`.
 [[nodiscard]] std::string describe(const Refusal& refusal);
 
-// `radius 55.2 mm (limit 70.5 mm)`.
+// Returns `radius 55.2 mm (limit 70.5 mm)`.
 [[nodiscard]] std::string describe_amount(const Refusal& refusal);
 
 }  // namespace hotblade::pipeline

@@ -338,8 +338,7 @@ class CutMeasurement {
 }  // namespace
 
 bool VerifyReport::holds() const {
-  return std::all_of(branches.begin(), branches.end(),
-                     [](const BranchReport& b) { return b.status == BranchStatus::kHeld; });
+  return std::all_of(branches.begin(), branches.end(), [](const BranchReport& b) { return b.held(); });
 }
 
 VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,

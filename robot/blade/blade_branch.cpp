@@ -71,15 +71,15 @@ BladeBranch::Relative BladeBranch::relative(const Pose& a, const Pose& b) const 
   return {d.x(), d.y(), unwrapped, std::max(std::abs(d.z()), d.norm() * normal.head<2>().norm())};
 }
 
-BladeFinding BladeBranch::lose(BladeStatus status, double value, double bound) {
-  return lost_ = {status, value, bound};
+BladeFinding BladeBranch::lose(Limit limit, double value, double bound) {
+  return lost_ = {limit, value, bound};
 }
 
 BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
   if (lost()) return lost_;
   const Relative to = relative(a, b);
   if (!(to.off_plane_mm <= limits_.off_plane_mm))
-    return {BladeStatus::kOutOfPlane, to.off_plane_mm, limits_.off_plane_mm};
+    return {Limit::kBladePlane, to.off_plane_mm, limits_.off_plane_mm};
   if (!started_) {
     if (const BladeFinding first = start(to); !first.held()) return first;
   }
@@ -90,7 +90,7 @@ BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
 
 BladeFinding BladeBranch::start(const Relative& b) {
   const auto arc = flat_arc(b.x, b.y, b.theta, length_mm_);
-  if (!arc) return {BladeStatus::kNoFlatArc, 0.5 * std::abs(b.theta), kFlatArcMostHalfTurn_rad};
+  if (!arc) return {Limit::kStartPose, 0.5 * std::abs(b.theta), kFlatArcMostHalfTurn_rad};
   shape_ = *arc;
   followed_ = {};
   started_ = true;
@@ -113,18 +113,18 @@ BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Rel
   shape_ = way.shape.elastica;
   if (way.status == elastica::FollowStatus::kFollowed) return {};
   if (way.status == elastica::FollowStatus::kOutOfReach)
-    return lose(BladeStatus::kOutOfReach, std::hypot(b.x, b.y), length_mm_);
-  return lose(BladeStatus::kSnapped, elastica::stability_margin(shape_), limits_.min_margin);
+    return lose(Limit::kBladeReach, std::hypot(b.x, b.y), length_mm_);
+  return lose(Limit::kBladeSnap, elastica::stability_margin(shape_), limits_.min_margin);
 }
 
 // What the blade would have to be stretched by stays within what the clamps' positions are known to.
 BladeFinding BladeBranch::pull_taut(const Relative& b, double chord) {
   const Relaxed straight = relaxed(b.x, b.y, b.theta, length_mm_);
   const double slack = (1 - elastica::kTautChord) * length_mm_ + limits_.rounding_mm;
-  if (!(chord <= length_mm_ + slack)) return lose(BladeStatus::kOutOfReach, chord, length_mm_);
+  if (!(chord <= length_mm_ + slack)) return lose(Limit::kBladeReach, chord, length_mm_);
   const double wanted = chord + straight.shortening_mm;
   constexpr double kStretch = 4;  // times the slack: a blade under tension is shorter than a relaxed one
-  if (!(wanted <= length_mm_ + kStretch * slack)) return lose(BladeStatus::kOutOfReach, wanted, length_mm_);
+  if (!(wanted <= length_mm_ + kStretch * slack)) return lose(Limit::kBladeReach, wanted, length_mm_);
   shape_ = straight.shape;
   followed_ = {};
   taut_ = true;
@@ -156,9 +156,9 @@ BladeFinding BladeBranch::check_limits() {
   const double most = limits_.max_curvature_per_mm * (1 + kCurvatureSlack);
   if (!(curvature_bound(shape_) <= most)) {
     const double curvature = largest_curvature_per_mm();
-    if (!(curvature <= most)) return {BladeStatus::kYields, 1 / curvature, 1 / limits_.max_curvature_per_mm};
+    if (!(curvature <= most)) return {Limit::kBladeYield, 1 / curvature, 1 / limits_.max_curvature_per_mm};
   }
-  if (!(margin_ >= limits_.min_margin)) return {BladeStatus::kUnsafe, margin_, limits_.min_margin};
+  if (!(margin_ >= limits_.min_margin)) return {Limit::kBladeMargin, margin_, limits_.min_margin};
   return {};
 }
 

@@ -9,6 +9,7 @@
 
 #include "elastica/blade/continuation.hpp"
 #include "elastica/curve/elastica.hpp"
+#include "robot/pose/limit.hpp"
 #include "robot/pose/pose.hpp"
 
 namespace hotblade::robot {
@@ -20,22 +21,17 @@ struct BladeLimits {
   double rounding_mm = 0;   // of a clamp's position: from this close to its length the blade counts as taut
 };
 
-enum class BladeStatus {
-  kHeld,
-  kNoFlatArc,   // the first pose is no flat arc: which shape the blade has there is not known
-  kOutOfPlane,  // the clamps do not lie in one plane
-  kOutOfReach,  // the clamps are farther apart than the blade reaches
-  kSnapped,     // the branch ends or loses stability on the way from the pose before
-  kYields,
-  kUnsafe,  // stable, with less than the smallest margin
-};
-
-// What was found, and the amount against its limit: half turn (rad), distance from the plane (mm), chord
-// (mm), margin, radius (mm), margin.
+// What was found, with the amount and its bound in the limit's unit: kNone, or
+// kStartPose    the first pose is no flat arc: which shape the blade has there is not known;
+// kBladePlane   the clamps do not lie in one plane;
+// kBladeReach   the clamps are farther apart than the blade reaches;
+// kBladeSnap    the branch ends or loses stability on the way from the pose before;
+// kBladeYield   it is bent beyond the largest curvature;
+// kBladeMargin  it is stable, with less than the smallest margin.
 struct BladeFinding {
-  BladeStatus status = BladeStatus::kHeld;
+  Limit limit = Limit::kNone;
   double value = 0, bound = 0;
-  [[nodiscard]] bool held() const { return status == BladeStatus::kHeld; }
+  [[nodiscard]] bool held() const { return limit == Limit::kNone; }
 };
 
 // Plain data, cheap to copy: try on a copy, keep the copy when it holds. Never allocates after construction
@@ -54,7 +50,7 @@ class BladeBranch {
   // sixteenth pose.
   BladeFinding move_to(const Pose& a, const Pose& b);
 
-  [[nodiscard]] bool lost() const { return lost_.status != BladeStatus::kHeld; }
+  [[nodiscard]] bool lost() const { return lost_.limit != Limit::kNone; }
   // Clamp A to clamp B, in the axes of clamp A: from the origin along x.
   [[nodiscard]] const elastica::Elastica& shape() const { return shape_; }
   // The blade is pulled straight within the clamps' rounding: its force along the chord cannot be known, and
@@ -76,7 +72,7 @@ class BladeBranch {
   BladeFinding pull_taut(const Relative& b, double chord);
   BladeFinding follow_by(const elastica::FollowReport& way, const Relative& b);
   BladeFinding check_limits();
-  BladeFinding lose(BladeStatus status, double value, double bound);
+  BladeFinding lose(Limit limit, double value, double bound);
 
   BladeLimits limits_;
   double length_mm_ = 0;

@@ -15,38 +15,17 @@ BladeLimits limits_of(const ClampedBlade& blade, const BladeCheckOptions& option
   return {max_curvature_per_mm(blade, options.safety), options.min_margin, kMaxOffPlane_mm, kRounding_mm};
 }
 
-LimitCode code_of(BladeStatus status) {
-  switch (status) {
-    case BladeStatus::kNoFlatArc:
-      return LimitCode::kStartPose;
-    case BladeStatus::kOutOfPlane:
-      return LimitCode::kBladePlane;
-    case BladeStatus::kOutOfReach:
-      return LimitCode::kBladeReach;
-    case BladeStatus::kSnapped:
-      return LimitCode::kBladeSnap;
-    case BladeStatus::kYields:
-      return LimitCode::kBladeYield;
-    case BladeStatus::kUnsafe:
-      return LimitCode::kBladeMargin;
-    case BladeStatus::kHeld:
-      break;
-  }
-  return LimitCode::kNone;
-}
-
 }  // namespace
 
 BladeCheck::BladeCheck(const ClampedBlade& blade, const BladeCheckOptions& options)
     : on_(options.equilibrium), branch_(blade.length_mm, limits_of(blade, options)) {}
 
-LimitCode BladeCheck::next(const Waypoint& w) {
-  if (!on_) return LimitCode::kNone;
+Limit BladeCheck::next(const Waypoint& w) {
+  if (!on_) return Limit::kNone;
   if (started_) {
     constexpr double kHalfway = 0.5;
-    const LimitCode between =
-        move_to(interpolate(last_a_, w.a, kHalfway), interpolate(last_b_, w.b, kHalfway));
-    if (between != LimitCode::kNone) return between;
+    const Limit between = move_to(interpolate(last_a_, w.a, kHalfway), interpolate(last_b_, w.b, kHalfway));
+    if (between != Limit::kNone) return between;
   }
   started_ = true;
   last_a_ = w.a;
@@ -54,8 +33,8 @@ LimitCode BladeCheck::next(const Waypoint& w) {
   return move_to(w.a, w.b);
 }
 
-LimitCode BladeCheck::move_to(const Pose& a, const Pose& b) {
-  return on_ ? code_of(branch_.move_to(a, b).status) : LimitCode::kNone;
+Limit BladeCheck::move_to(const Pose& a, const Pose& b) {
+  return on_ ? branch_.move_to(a, b).limit : Limit::kNone;
 }
 
 std::optional<elastica::Elastica> BladeCheck::shape() const {

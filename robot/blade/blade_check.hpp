@@ -32,9 +32,9 @@ class BladeCheck {
   [[nodiscard]] bool checks() const { return on_; }
   // The next waypoint of a stream, and the pose halfway to it: between two waypoints in one plane each the
   // interpolated clamps are farthest out of one about there. The way in between is followed for snaps.
-  [[nodiscard]] LimitCode next(const Waypoint& waypoint);
+  [[nodiscard]] Limit next(const Waypoint& waypoint);
   // Any pose on the way, forwards or backwards.
-  [[nodiscard]] LimitCode move_to(const Pose& a, const Pose& b);
+  [[nodiscard]] Limit move_to(const Pose& a, const Pose& b);
 
   // The blade at the last pose, clamp A to clamp B, in the axes of clamp A; absent when it is not known.
   [[nodiscard]] std::optional<elastica::Elastica> shape() const;

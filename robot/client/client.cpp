@@ -28,20 +28,19 @@ constexpr int kMaxFruitless = 100;       // answers without progress, one after 
 // else.
 constexpr int kMaxExceptions = 10;
 
-std::string limit_text(LimitCode code, const MotionLimits& l) {
+std::string limit_text(Limit code, const MotionLimits& l) {
   const auto number = [](double value) {
     std::string text = std::to_string(value);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.back() == '.') text.pop_back();
     return text;
   };
-  std::string text = describe(code);
-  if (code == LimitCode::kSpeed) text += " (limit " + number(l.speed_mm_s) + " mm/s)";
-  if (code == LimitCode::kAcceleration) text += " (limit " + number(l.accel_mm_s2) + " mm/s^2)";
-  if (code == LimitCode::kAngularSpeed) text += " (limit " + number(l.angular_rad_s) + " rad/s)";
-  if (code == LimitCode::kAngularAcceleration)
-    text += " (limit " + number(l.angular_accel_rad_s2) + " rad/s^2)";
-  if (code == LimitCode::kMinDt) text += " (limit " + std::to_string(l.min_dt_us) + " us)";
+  std::string text = info(code).fault;
+  if (code == Limit::kSpeed) text += " (limit " + number(l.speed_mm_s) + " mm/s)";
+  if (code == Limit::kAcceleration) text += " (limit " + number(l.accel_mm_s2) + " mm/s^2)";
+  if (code == Limit::kAngularSpeed) text += " (limit " + number(l.angular_rad_s) + " rad/s)";
+  if (code == Limit::kAngularAcceleration) text += " (limit " + number(l.angular_accel_rad_s2) + " rad/s^2)";
+  if (code == Limit::kMinDt) text += " (limit " + std::to_string(l.min_dt_us) + " us)";
   return text;
 }
 
@@ -291,7 +290,7 @@ bool Streamer::refused_open() {
                         std::to_string(ident_.lease_ms) + " ms): wait until it is done");
     case Result::kLimit:
       return settle(StreamOutcome::kRefused,
-                    std::string("LIMIT: ") + describe(static_cast<LimitCode>(status_.fault_detail)) + " (" +
+                    std::string("LIMIT: ") + info(limit_of_code(status_.fault_detail)).fault + " (" +
                         std::to_string(job_.size()) + " waypoints, at most " +
                         std::to_string(ident_.max_waypoints) + "): check the program's blade");
     default:
@@ -377,8 +376,7 @@ bool Streamer::judge_window(std::uint32_t accepted_before) {
     case Result::kLimit:
       report_.at = status_.fault_sequence;
       return settle(StreamOutcome::kRefused,
-                    "LIMIT: " + at + ": " +
-                        limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits) +
+                    "LIMIT: " + at + ": " + limit_text(limit_of_code(status_.fault_detail), ident_.limits) +
                         ": the program does not fit this machine");
     case Result::kBadToken:
       return settle(StreamOutcome::kRefused, "BADTOKEN: another client has taken over (token " +
@@ -419,7 +417,7 @@ bool Streamer::stopped_by_fault() {
   std::string what = std::string("FAULT ") + protocol::name(status_.fault);
   report_.at = status_.fault_sequence;
   if (status_.fault == Fault::kExecutionLimit) {
-    what += ": " + limit_text(static_cast<LimitCode>(status_.fault_detail), ident_.limits);
+    what += ": " + limit_text(limit_of_code(status_.fault_detail), ident_.limits);
   }
   return settle(StreamOutcome::kFault,
                 what + " at waypoint " + std::to_string(status_.fault_sequence) + ": reset with --reset");

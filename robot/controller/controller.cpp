@@ -168,7 +168,7 @@ void Controller::give_token(const char* why) {
 
 Result Controller::open_new(const protocol::Command& c) {
   if (!plausible(c.blade) || c.waypoint_count == 0 || c.waypoint_count > options_.max_waypoints) {
-    return limit(LimitCode::kBlade, 0);
+    return limit(Limit::kBlade, 0);
   }
   load(c.job_id, c.run, c.waypoint_count, c.blade);
   loaded_ = true;
@@ -290,8 +290,7 @@ Result Controller::judge(const protocol::Window& w, Connection from) {
   const std::uint32_t accepted = job_.accepted();
   if (w.first_sequence > accepted) return Result::kGap;
   const std::uint32_t end = w.first_sequence + w.count;
-  if (end > job_.count || (w.count > 0 && w.last != (end == job_.count)))
-    return limit(LimitCode::kCount, end);
+  if (end > job_.count || (w.count > 0 && w.last != (end == job_.count))) return limit(Limit::kCount, end);
   const std::uint32_t already = std::min<std::uint32_t>(w.count, accepted - w.first_sequence);
   for (std::uint32_t i = 0; i < already; ++i) {
     if (w.raw[i] != job_.raw[w.first_sequence + i]) {
@@ -310,14 +309,14 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   BladeCheck blade = job_.accepted_blade;
   for (std::uint32_t i = already; i < w.count; ++i) {
     const auto decoded = protocol::decode_waypoint(w.raw[i]);
-    LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : checker.next(decoded.waypoint);
-    if (code == LimitCode::kNone) code = blade.next(decoded.waypoint);
-    if (code != LimitCode::kNone) return limit(code, w.first_sequence + i);
+    Limit code = decoded.error != Limit::kNone ? decoded.error : checker.next(decoded.waypoint);
+    if (code == Limit::kNone) code = blade.next(decoded.waypoint);
+    if (code != Limit::kNone) return limit(code, w.first_sequence + i);
     if (i == already && held_ && !agrees_with_held_pose(from_, decoded.waypoint))
-      return limit(LimitCode::kHeldPose, w.first_sequence + i);
+      return limit(Limit::kHeldPose, w.first_sequence + i);
   }
   if (w.last) {
-    if (const LimitCode code = checker.finish(); code != LimitCode::kNone) return limit(code, job_.count - 1);
+    if (const Limit code = checker.finish(); code != Limit::kNone) return limit(code, job_.count - 1);
   }
   job_.acceptance = checker;
   job_.accepted_blade = blade;
@@ -332,8 +331,8 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   return Result::kOk;
 }
 
-Result Controller::limit(LimitCode code, std::uint32_t sequence) {
-  fault_detail_ = static_cast<std::uint16_t>(code);
+Result Controller::limit(Limit code, std::uint32_t sequence) {
+  fault_detail_ = info(code).code;
   fault_sequence_ = sequence;
   return Result::kLimit;
 }

@@ -115,7 +115,7 @@ class Controller {
 
   protocol::Result judge(const protocol::Window& window, Connection from);
   protocol::Result append(const protocol::Window& window, std::uint32_t already);
-  protocol::Result limit(LimitCode code, std::uint32_t sequence);
+  protocol::Result limit(Limit code, std::uint32_t sequence);
 
   void run_motion(double motion_s);
   void run_dry();
@@ -127,7 +127,7 @@ class Controller {
   void execute_due();
   void execute_next();
   void sample_due_poses();
-  LimitCode write_pose();
+  Limit write_pose();
   [[nodiscard]] double to_next_waypoint_s() const;
   [[nodiscard]] static ClampPoses pose_on(const Waypoint& from, const Waypoint& to, double path_s);
   [[nodiscard]] double to_next_pose_s() const;

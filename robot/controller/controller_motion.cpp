@@ -170,11 +170,11 @@ void Controller::execute_due() {
 void Controller::execute_next() {
   const protocol::RawWaypoint& raw = job_.raw[job_.executed];
   const auto decoded = protocol::decode_waypoint(raw);
-  LimitCode code = decoded.error != LimitCode::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
-  if (code == LimitCode::kNone) code = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
-  if (code != LimitCode::kNone) {
+  Limit code = decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
+  if (code == Limit::kNone) code = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
+  if (code != Limit::kNone) {
     path_.stop_at_once();
-    fail(Fault::kExecutionLimit, static_cast<std::uint16_t>(code), job_.executed);
+    fail(Fault::kExecutionLimit, info(code).code, job_.executed);
     return;
   }
   const Sha256& chain = chain_.add(raw);
@@ -200,19 +200,19 @@ void Controller::sample_due_poses() {
   // Half a microsecond: a pose that is due at this very step is not put off by rounding.
   constexpr double kDue_s = 5e-7;
   if (static_cast<double>(poses_written_) * kPoseStep_s > motion_s_ + kDue_s) return;
-  const LimitCode code = write_pose();
+  const Limit code = write_pose();
   ++poses_written_;
-  if (code == LimitCode::kNone || state_ == State::kFault) return;
+  if (code == Limit::kNone || state_ == State::kFault) return;
   path_.stop_at_once();
-  fail(Fault::kExecutionLimit, static_cast<std::uint16_t>(code), job_.executed);
+  fail(Fault::kExecutionLimit, info(code).code, job_.executed);
 }
 
 // The pose on the path, with the blade's shape; the limit that the blade breaks there.
-LimitCode Controller::write_pose() {
+Limit Controller::write_pose() {
   const bool asked_for = sink_ != nullptr || job_.moved_blade.checks();
-  if (job_.executed == 0 || !asked_for) return LimitCode::kNone;
+  if (job_.executed == 0 || !asked_for) return Limit::kNone;
   const ClampPoses now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
-  const LimitCode code = job_.moved_blade.move_to(now.a, now.b);
+  const Limit code = job_.moved_blade.move_to(now.a, now.b);
   if (sink_ != nullptr) {
     sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
                  following_mm(), job_.moved_blade.shape()});

@@ -120,12 +120,11 @@ void Controller::replay(const ControllerJournal& journal) {
   if (journal.executed.empty()) return;
   for (const auto& raw : journal.executed) {
     const auto decoded = protocol::decode_waypoint(raw);
-    LimitCode code =
-        decoded.error != LimitCode::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
-    if (code == LimitCode::kNone) code = job_.moved_blade.next(decoded.waypoint);
-    if (loaded_ && code != LimitCode::kNone) {
+    Limit code = decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
+    if (code == Limit::kNone) code = job_.moved_blade.next(decoded.waypoint);
+    if (loaded_ && code != Limit::kNone) {
       throw LogError("the journal's waypoint " + std::to_string(job_.executed) + " breaks a limit (" +
-                     describe(code) + "): start with the machine file it was run with");
+                     info(code).fault + "): start with the machine file it was run with");
     }
     job_.raw.push_back(raw);
     job_.executed_crc = protocol::crc32(raw, job_.executed_crc);

@@ -1,7 +1,6 @@
 #include "robot/pose/limits.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "robot/pose/flat_arc.hpp"
@@ -37,82 +36,57 @@ Eigen::Vector3d rotation(const Eigen::Quaterniond& q0, const Eigen::Quaterniond&
 
 }  // namespace
 
-const char* describe(LimitCode code) {
-  constexpr std::array kTexts{"no limit",
-                              "number of waypoints or misplaced last flag",
-                              "quaternion is not of unit length",
-                              "heat bits of the clamps differ",
-                              "time does not increase",
-                              "time step below the minimum",
-                              "start pose is no flat circular arc of the blade",
-                              "position outside the envelope",
-                              "speed",
-                              "acceleration",
-                              "angular speed",
-                              "angular acceleration",
-                              "chord too long for the blade",
-                              "blade data or number of waypoints out of range",
-                              "path does not continue from the held pose",
-                              "clamps are not in one plane",
-                              "blade is pulled taut, the clamps are too far apart",
-                              "blade snaps through",
-                              "blade would yield",
-                              "blade's stability margin is too small"};
-  const auto i = static_cast<std::size_t>(code);
-  return i < kTexts.size() ? kTexts[i] : "unknown limit";
-}
-
-LimitCode LimitChecker::next(const Waypoint& w) {
-  if (const LimitCode place = check_place(w); place != LimitCode::kNone) return place;
+Limit LimitChecker::next(const Waypoint& w) {
+  if (const Limit place = check_place(w); place != Limit::kNone) return place;
   if (!started_) {
-    if (const LimitCode first = check_first(w); first != LimitCode::kNone) return first;
+    if (const Limit first = check_first(w); first != Limit::kNone) return first;
     started_ = true;
     last_ = w;
-    return LimitCode::kNone;
+    return Limit::kNone;
   }
-  if (w.t_us <= last_.t_us) return LimitCode::kTime;
+  if (w.t_us <= last_.t_us) return Limit::kTime;
   // Both times are rounded, so a step of exactly the minimum may come out 1 us short.
-  if (w.t_us - last_.t_us + 1 < limits_.min_dt_us) return LimitCode::kMinDt;
+  if (w.t_us - last_.t_us + 1 < limits_.min_dt_us) return Limit::kMinDt;
   const double dt = (w.t_us - last_.t_us) * kTimeStep_s;
   const Velocity va{(w.a.p - last_.a.p) / dt, rotation(last_.a.q, w.a.q) / dt};
   const Velocity vb{(w.b.p - last_.b.p) / dt, rotation(last_.b.q, w.b.q) / dt};
   const double dt0 = last_dt_ > 0 ? last_dt_ : dt;
-  for (const LimitCode code : {check_speed(va, dt), check_speed(vb, dt), check_change(va_, va, dt0, dt),
-                               check_change(vb_, vb, dt0, dt)}) {
-    if (code != LimitCode::kNone) return code;
+  for (const Limit code : {check_speed(va, dt), check_speed(vb, dt), check_change(va_, va, dt0, dt),
+                           check_change(vb_, vb, dt0, dt)}) {
+    if (code != Limit::kNone) return code;
   }
   last_ = w;
   va_ = va;
   vb_ = vb;
   last_dt_ = dt;
-  return LimitCode::kNone;
+  return Limit::kNone;
 }
 
-LimitCode LimitChecker::finish() const {
-  if (last_dt_ <= 0) return LimitCode::kNone;
-  const LimitCode a = check_change(va_, {}, last_dt_, last_dt_);
-  return a != LimitCode::kNone ? a : check_change(vb_, {}, last_dt_, last_dt_);
+Limit LimitChecker::finish() const {
+  if (last_dt_ <= 0) return Limit::kNone;
+  const Limit a = check_change(va_, {}, last_dt_, last_dt_);
+  return a != Limit::kNone ? a : check_change(vb_, {}, last_dt_, last_dt_);
 }
 
-LimitCode LimitChecker::check_place(const Waypoint& w) const {
+Limit LimitChecker::check_place(const Waypoint& w) const {
   const auto inside = [this](const Eigen::Vector3d& p) {
     return (p.array() >= limits_.envelope_min_mm.array()).all() &&
            (p.array() <= limits_.envelope_max_mm.array()).all();
   };
-  if (!inside(w.a.p) || !inside(w.b.p)) return LimitCode::kEnvelope;
+  if (!inside(w.a.p) || !inside(w.b.p)) return Limit::kEnvelope;
   // Two clamps rounded to whole micrometres on three axes move apart by at most sqrt(3) um.
   constexpr double kRounding_mm = 2e-3;
   if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm)
-    return LimitCode::kChord;
-  return LimitCode::kNone;
+    return Limit::kChord;
+  return Limit::kNone;
 }
 
-LimitCode LimitChecker::check_first(const Waypoint& w) const {
-  if (w.t_us != 0) return LimitCode::kTime;
+Limit LimitChecker::check_first(const Waypoint& w) const {
+  if (w.t_us != 0) return Limit::kTime;
   constexpr double kAngleSlack_rad = kFlatArcAngleSlack_rad;
   const Eigen::Vector3d chord = w.b.p - w.a.p;
   const double length = chord.norm();
-  if (length <= 0) return LimitCode::kStartPose;
+  if (length <= 0) return Limit::kStartPose;
   const Eigen::Vector3d c = chord / length;
   const Eigen::Vector3d normal = w.a.q * Eigen::Vector3d::UnitZ();
   const auto turn = [&](const Pose& pose) {
@@ -127,29 +101,29 @@ LimitCode LimitChecker::check_first(const Waypoint& w) const {
                     std::abs(u) >= kFlatArcLeastHalfTurn_rad - kAngleSlack_rad &&
                     std::abs(u) <= kFlatArcMostHalfTurn_rad + kAngleSlack_rad &&
                     std::abs(length - arc_chord) <= kFlatArcChordSlack * blade_length_mm_;
-  return flat ? LimitCode::kNone : LimitCode::kStartPose;
+  return flat ? Limit::kNone : Limit::kStartPose;
 }
 
-LimitCode LimitChecker::check_speed(const Velocity& v, double dt) const {
+Limit LimitChecker::check_speed(const Velocity& v, double dt) const {
   const double linear = v.linear.norm(), angular = v.angular.norm();
-  if (linear > limits_.speed_mm_s * (1 + kRelative) + linear_slack(linear, dt)) return LimitCode::kSpeed;
+  if (linear > limits_.speed_mm_s * (1 + kRelative) + linear_slack(linear, dt)) return Limit::kSpeed;
   if (angular > limits_.angular_rad_s * (1 + kRelative) + angular_slack(angular, dt))
-    return LimitCode::kAngularSpeed;
-  return LimitCode::kNone;
+    return Limit::kAngularSpeed;
+  return Limit::kNone;
 }
 
-LimitCode LimitChecker::check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const {
+Limit LimitChecker::check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const {
   const double mean_dt = (dt0 + dt1) / 2;
   const double linear = (to.linear - from.linear).norm() / mean_dt;
   const double linear_error =
       (linear_slack(from.linear.norm(), dt0) + linear_slack(to.linear.norm(), dt1)) / mean_dt;
-  if (linear > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return LimitCode::kAcceleration;
+  if (linear > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return Limit::kAcceleration;
   const double angular = (to.angular - from.angular).norm() / mean_dt;
   const double angular_error =
       (angular_slack(from.angular.norm(), dt0) + angular_slack(to.angular.norm(), dt1)) / mean_dt;
   if (angular > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error)
-    return LimitCode::kAngularAcceleration;
-  return LimitCode::kNone;
+    return Limit::kAngularAcceleration;
+  return Limit::kNone;
 }
 
 }  // namespace hotblade::robot

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "robot/pose/limit.hpp"
 #include "robot/pose/waypoint.hpp"
 
 namespace hotblade::robot {
@@ -24,33 +25,6 @@ struct MotionLimits {
   double chord_slack = 0;
 };
 
-// Which limit a waypoint broke; the number stands in STATUS as the fault detail.
-enum class LimitCode : std::uint16_t {
-  kNone = 0,
-  kCount = 1,  // beyond the announced number of waypoints, or the last flag is misplaced
-  kQuaternion = 2,
-  kHeat = 3,  // the heat bits of the clamps differ
-  kTime = 4,  // not strictly increasing, or waypoint 0 not at 0
-  kMinDt = 5,
-  kStartPose = 6,  // waypoint 0 is no flat circular arc of this blade
-  kEnvelope = 7,
-  kSpeed = 8,
-  kAcceleration = 9,
-  kAngularSpeed = 10,
-  kAngularAcceleration = 11,
-  kChord = 12,
-  kBlade = 13,     // OPEN announces an impossible blade or number of waypoints
-  kHeldPose = 14,  // after a restart: the path does not lead through the pose the clamps are held at
-  // The blade's equilibrium (robot/blade/blade_check.hpp), at the waypoint or on the way to it.
-  kBladePlane = 15,   // the clamps do not lie in one plane
-  kBladeReach = 16,   // the blade is pulled taut
-  kBladeSnap = 17,    // the shape is lost
-  kBladeYield = 18,   // bent beyond the yield strength
-  kBladeMargin = 19,  // stable, with less than the smallest margin
-};
-
-[[nodiscard]] const char* describe(LimitCode code);
-
 // Follows a stream of waypoints, across window borders. Copyable: check a window on a copy, keep the copy
 // when the whole window holds. Never allocates or throws.
 class LimitChecker {
@@ -63,21 +37,20 @@ class LimitChecker {
   // strip starts at rest. Quantisation is allowed for: a register is off by up to 0.5 um and 0.5 us, so a
   // speed by sqrt(3) um / dt + 1 us / dt of itself and an acceleration by those of both steps over the mean
   // step.
-  [[nodiscard]] LimitCode next(const Waypoint& waypoint);
+  [[nodiscard]] Limit next(const Waypoint& waypoint);
 
   // The stop at the end of the stream, from the last step's speed to rest within that step.
-  [[nodiscard]] LimitCode finish() const;
+  [[nodiscard]] Limit finish() const;
 
  private:
   struct Velocity {
     Eigen::Vector3d linear{0, 0, 0};   // mm/s
     Eigen::Vector3d angular{0, 0, 0};  // rad/s, cell axes
   };
-  [[nodiscard]] LimitCode check_first(const Waypoint& waypoint) const;
-  [[nodiscard]] LimitCode check_place(const Waypoint& waypoint) const;
-  [[nodiscard]] LimitCode check_speed(const Velocity& v, double dt) const;
-  [[nodiscard]] LimitCode check_change(const Velocity& from, const Velocity& to, double dt0,
-                                       double dt1) const;
+  [[nodiscard]] Limit check_first(const Waypoint& waypoint) const;
+  [[nodiscard]] Limit check_place(const Waypoint& waypoint) const;
+  [[nodiscard]] Limit check_speed(const Velocity& v, double dt) const;
+  [[nodiscard]] Limit check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const;
 
   MotionLimits limits_;
   double blade_length_mm_ = 0;

@@ -245,9 +245,9 @@ DecodedWaypoint decode_waypoint(std::span<const std::uint8_t, kWaypointBytes> ra
   const auto a = decode_quaternion(raw.data() + 16);
   const auto b = decode_quaternion(raw.data() + 40);
   if (!a.ok || !b.ok) {
-    result.error = LimitCode::kQuaternion;
+    result.error = Limit::kQuaternion;
   } else if (a.heat != b.heat) {
-    result.error = LimitCode::kHeat;
+    result.error = Limit::kHeat;
   }
   result.waypoint = {get_u32(raw.data()),
                      a.heat,

@@ -110,7 +110,7 @@ using RawWaypoint = std::array<std::uint8_t, kWaypointBytes>;
 
 struct DecodedWaypoint {
   Waypoint waypoint;
-  LimitCode error = LimitCode::kNone;  // kQuaternion or kHeat: the registers hold no waypoint
+  Limit error = Limit::kNone;  // kQuaternion or kHeat: the registers hold no waypoint
 };
 [[nodiscard]] DecodedWaypoint decode_waypoint(std::span<const std::uint8_t, kWaypointBytes> raw);
 
@@ -129,7 +129,7 @@ struct Ident {
 struct Status {
   State state = State::kIdle;
   Fault fault = Fault::kNone;
-  std::uint16_t fault_detail = 0;    // a LimitCode of the fault, or of the last LIMIT result
+  std::uint16_t fault_detail = 0;    // the code of a Limit, of the fault, or of the last LIMIT result
   std::uint32_t fault_sequence = 0;  // the waypoint it speaks of
   std::uint64_t job_id = 0;
   std::uint32_t run = 0, token = 0, accepted = 0, executed = 0;

@@ -18,11 +18,18 @@ namespace {
 
 using elastica::Elastica;
 
-// Checks in the order a candidate passes them; a later stage means that it came further.
-enum Stage { kRibCurvature, kLength, kCurvature, kClearance, kReentry, kCrossing, kMargin, kSag, kPassed };
+// Checks in the order a candidate passes them: who fails a later one came further.
+constexpr std::array kChecks{Limit::kRibRadius,      Limit::kRibLength, Limit::kBladeYield,
+                             Limit::kClampClearance, Limit::kFreePart,  Limit::kSelfCrossing,
+                             Limit::kPlannedMargin,  Limit::kSag};
+
+// How many of them a candidate passed that is stopped by this limit; all of them where none stops it.
+std::size_t checks_passed(Limit limit) {
+  return static_cast<std::size_t>(std::find(kChecks.begin(), kChecks.end(), limit) - kChecks.begin());
+}
 
 struct RibCheck {
-  Stage stage = kPassed;
+  Limit limit = Limit::kNone;
   double value = 0;
   double margin = std::numeric_limits<double>::infinity();
   double curvature = 0, clamp_curvature = 0, clearance = 0;
@@ -109,14 +116,14 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   RibCheck c;
   const double sharpest = max_curvature_per_mm(settings.blade);
   const double own = elastica::ElasticaCurve(rib.elastica).max_abs_curvature();
-  if (own > sharpest) return {kRibCurvature, 1 / own};
+  if (own > sharpest) return {Limit::kRibRadius, 1 / own};
   const double spare = length - rib.elastica.length;
-  if (spare <= 0) return {kLength, rib.elastica.length};
+  if (spare <= 0) return {Limit::kRibLength, rib.elastica.length};
   if (const double turns = turns_at_most(rib.elastica, length); !(turns < kMostTurnsRad))
-    return {kCurvature, length / turns};
+    return {Limit::kBladeYield, length / turns};
   const elastica::ElasticaCurve curve(extended(rib.elastica, length, share));
   c.curvature = curve.max_abs_curvature();
-  if (c.curvature > sharpest) return {kCurvature, 1 / c.curvature};
+  if (c.curvature > sharpest) return {Limit::kBladeYield, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
   c.clearance = std::numeric_limits<double>::infinity();
@@ -124,91 +131,70 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
     c.clearance = std::min(
         {c.clearance, block.distance_mm(in_plane(a.position())), block.distance_mm(in_plane(b.position()))});
   }
-  if (c.clearance < kClearanceReserve * settings.stock.clearance_mm) return {kClearance, c.clearance};
+  if (c.clearance < kClearanceReserve * settings.stock.clearance_mm)
+    return {Limit::kClampClearance, c.clearance};
   const double s0 = share * spare;
   const FreeParts free =
       examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.blocks.front());
-  if (free.depth_mm > kFreePartDepthMm) return {kReentry, free.depth_mm};
-  if (free.crosses_itself) return {kCrossing, 1};
+  if (free.depth_mm > kFreePartDepthMm) return {Limit::kFreePart, free.depth_mm};
+  if (free.crosses_itself) return {Limit::kSelfCrossing, 1};
   c.margin = elastica::stability_margin(curve);
-  if (c.margin < settings.blade.min_margin) return {kMargin, c.margin};
+  if (c.margin < settings.blade.min_margin) return {Limit::kPlannedMargin, c.margin};
   const double sag = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
-  if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {kSag, sag};
+  if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {Limit::kSag, sag};
   return c;
 }
 
-Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
-  switch (c.stage) {
-    case kRibCurvature:
-      return {
-          "",
-          "",
-          "radius of a rib (bending stress over yield strength and safety)",
-          c.value,
-          1 / max_curvature_per_mm(settings.blade),
-          "mm",
-          "the design bends more sharply than the blade can: thinner blade, lower blade.safety, or another "
-          "slice.direction"};
-    case kLength:
-      return {"",
-              "",
-              "rib length",
-              c.value,
-              settings.blade.free_lengths_mm.back(),
-              "mm",
-              "add a longer blade to blade.free_lengths_mm or allow more splits"};
-    case kCurvature:
-      return {"",
-              "",
-              "blade radius",
-              c.value,
-              1 / max_curvature_per_mm(settings.blade),
-              "mm",
-              "beyond the rib's ends the blade would exceed yield: allow more splits or a thinner blade"};
-    case kClearance:
-      return {"",
-              "",
-              "clamp clearance to the stock",
-              c.value,
-              kClearanceReserve * settings.stock.clearance_mm,
-              "mm",
-              "add a longer blade to blade.free_lengths_mm or lower stock.border_mm"};
-    case kReentry:
-      return {"",
-              "",
-              "depth of the blade's free part in the kept foam",
-              c.value,
-              kFreePartDepthMm,
-              "mm",
-              "the rib turns too far for the blade to leave the block: allow more splits"};
-    case kCrossing:
-      return {
-          "", "", "self-crossings of the blade", c.value, 0, "", "allow more splits or add a shorter blade"};
-    case kSag:
-      return {"",
-              "",
-              "sag of the blade under its weight",
-              c.value,
-              kSagShare * settings.design.tolerance_mm,
-              "mm",
-              "allow more splits, or a wider or shorter blade"};
+// What is allowed of a limit.
+double bound_of(Limit limit, const Settings& settings) {
+  switch (limit) {
+    case Limit::kRibRadius:
+    case Limit::kBladeYield:
+      return 1 / max_curvature_per_mm(settings.blade);
+    case Limit::kRibLength:
+      return settings.blade.free_lengths_mm.back();
+    case Limit::kClampClearance:
+      return kClearanceReserve * settings.stock.clearance_mm;
+    case Limit::kFreePart:
+      return kFreePartDepthMm;
+    case Limit::kSag:
+      return kSagShare * settings.design.tolerance_mm;
+    case Limit::kPlannedMargin:
+      return settings.blade.min_margin;
     default:
-      return {"",
-              "",
-              "stability margin (snap-through)",
-              c.value,
-              settings.blade.min_margin,
-              "",
-              "the blade could snap through: allow more splits or add a shorter blade than " +
-                  std::to_string(int(length)) + " mm"};
+      return 0;  // no self-crossing
   }
 }
 
-// The earlier stage, then the larger amount: depth, length and sag grow with the harm, everything else
+// What helps while blades are chosen, where that is not the limit's own hint.
+std::string hint_of(Limit limit, double length) {
+  switch (limit) {
+    case Limit::kBladeYield:
+      return "beyond the rib's ends the blade would exceed yield: allow more splits or a thinner blade";
+    case Limit::kClampClearance:
+      return "add a longer blade to blade.free_lengths_mm or lower stock.border_mm";
+    case Limit::kFreePart:
+      return "the rib turns too far for the blade to leave the block: allow more splits";
+    case Limit::kSelfCrossing:
+      return "allow more splits or add a shorter blade";
+    case Limit::kPlannedMargin:
+      return "the blade could snap through: allow more splits or add a shorter blade than " +
+             std::to_string(int(length)) + " mm";
+    default:
+      return "";
+  }
+}
+
+Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
+  return {"", "", c.limit, c.value, bound_of(c.limit, settings), hint_of(c.limit, length)};
+}
+
+// The earlier check, then the larger amount: depth, length and sag grow with the harm, everything else
 // shrinks with it.
 bool worse(const RibCheck& a, const RibCheck& b) {
-  if (a.stage != b.stage) return a.stage < b.stage;
-  return a.stage == kLength || a.stage == kReentry || a.stage == kSag ? a.value > b.value : a.value < b.value;
+  if (a.limit != b.limit) return checks_passed(a.limit) < checks_passed(b.limit);
+  const bool grows = a.limit == Limit::kRibLength || a.limit == Limit::kFreePart || a.limit == Limit::kSag;
+  return grows ? a.value > b.value : a.value < b.value;
 }
 
 BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double share) {
@@ -281,15 +267,15 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
     tbb::parallel_for(std::size_t{0}, ribs.size(),
                       [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, settings); });
     auto worst = std::min_element(checks.begin(), checks.end(), worse);
-    if (worst->stage == kPassed) {
+    if (worst->limit == Limit::kNone) {
       const auto [clearance, rib] = clearance_between(between, length, share);
       if (clearance < settings.stock.clearance_mm) {
         worst = checks.begin() + rib;
-        worst->stage = kClearance;
+        worst->limit = Limit::kClampClearance;
         worst->value = clearance;
       }
     }
-    if (worst->stage == kPassed) {
+    if (worst->limit == Limit::kNone) {
       const BladeChoice choice = summarise(checks, length, share);
       if (!trial.choice || less_loaded(choice, *trial.choice)) trial.choice = choice;
     } else if (trial.rib < 0 || worse(trial.furthest, *worst)) {
@@ -297,7 +283,8 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
       trial.rib = static_cast<int>(worst - checks.begin());
     }
     // No share changes the rib itself or the length, and hardly one the sag.
-    if (worst->stage == kRibCurvature || worst->stage == kLength || worst->stage == kSag) break;
+    if (worst->limit == Limit::kRibRadius || worst->limit == Limit::kRibLength || worst->limit == Limit::kSag)
+      break;
   }
   return trial;
 }
@@ -350,7 +337,7 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
   }
   const std::vector<BetweenRibs> between = between_ribs(ribs, axes, block);
   BladeReport report;
-  int furthest = -1;
+  std::size_t furthest = 0;
   std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
     const LengthTrial trial = try_length(placed, between, length, settings);
@@ -360,14 +347,15 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
     }
     const Refusal refusal = refusal_of(trial.furthest, length, settings);
     details.push_back(fmt::format("blade of {:.0f} mm: {}", length, describe_amount(refusal)));
-    if (trial.furthest.stage > furthest) {
-      furthest = trial.furthest.stage;
+    const std::size_t passed = checks_passed(trial.furthest.limit);
+    if (report.rib < 0 || passed > furthest) {
+      furthest = passed;
       report.refusal = refusal;
       report.rib = trial.rib;
-      report.rib_too_sharp = trial.furthest.stage == kRibCurvature;
+      report.rib_too_sharp = trial.furthest.limit == Limit::kRibRadius;
     }
     // No length changes the rib itself, and a longer blade sags more.
-    if (trial.furthest.stage == kRibCurvature || trial.furthest.stage == kSag) break;
+    if (trial.furthest.limit == Limit::kRibRadius || trial.furthest.limit == Limit::kSag) break;
   }
   report.refusal.details = std::move(details);
   return report;

@@ -188,12 +188,11 @@ class Refuser {
  public:
   Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
 
-  void operator()(std::size_t i, const char* limit, double value, double bound, const char* unit,
-                  const char* hint) {
+  void operator()(std::size_t i, Limit limit, double value, double bound, const char* hint = "") {
     const BladePose& pose = motion_.poses[i];
-    motion_.refusals.push_back({strip_.id, pose.foam ? rib_name(pose) : "",
-                                fmt::format("{} in phase {} at {:.2f} s", limit, name(pose.phase), pose.t),
-                                value, bound, unit, hint});
+    Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, hint};
+    refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
+    motion_.refusals.push_back(std::move(refusal));
   }
 
   [[nodiscard]] StripPhase phase(std::size_t i) const { return motion_.poses[i].phase; }
@@ -223,9 +222,7 @@ void refuse_bending(const std::vector<PoseCheck>& checks, const robot::Blade& bl
   const std::size_t i =
       first_by(checks, [](const auto& a, const auto& b) { return a.curvature > b.curvature; });
   if (checks[i].curvature <= max_curvature_per_mm(blade)) return;
-  refuse(i, "bending stress (yield strength over safety)", checks[i].loads.stress_mpa,
-         blade.yield_strength_mpa / blade.safety, "MPa",
-         "the blade would yield on the way: closer ribs, or a thinner blade");
+  refuse(i, Limit::kBendingStress, checks[i].loads.stress_mpa, blade.yield_strength_mpa / blade.safety);
 }
 
 void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& stock, Refuser& refuse) {
@@ -233,20 +230,18 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
       first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
   if (!(checks[near].clearance >= stock.clearance_mm)) {
     refuse(
-        near, "clamp clearance to the stock", checks[near].clearance, stock.clearance_mm, "mm",
+        near, Limit::kClampClearance, checks[near].clearance, stock.clearance_mm,
         refuse.phase(near) == StripPhase::kRetract
             ? "raise motion.lead_mm to stock.clearance_mm or leave it out, which takes as much as is needed"
-            : "add a longer blade to blade.free_lengths_mm");
+            : "");
   }
   const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
   if (!(checks[deep].depth <= kFreePartDepthMm)) {
-    refuse(deep, "depth of the blade's free part in the kept foam", checks[deep].depth, kFreePartDepthMm,
-           "mm", "closer ribs or more splits");
+    refuse(deep, Limit::kFreePart, checks[deep].depth, kFreePartDepthMm);
   }
   const std::size_t crossed =
       first_by(checks, [](const auto& a, const auto& b) { return a.crosses && !b.crosses; });
-  if (checks[crossed].crosses)
-    refuse(crossed, "self-crossings of the blade", 1, 0, "", "more splits or a shorter blade");
+  if (checks[crossed].crosses) refuse(crossed, Limit::kSelfCrossing, 1, 0);
 }
 
 // The blade would snap by an error that its clamps may have. A nearly straight one is warned of instead: what
@@ -262,9 +257,7 @@ void refuse_near_folds(const std::vector<PoseMargin>& margins, const BladeMotion
     worst = i;
   }
   if (smallest >= least) return;
-  refuse(worst, "clamp error that makes the blade snap", smallest, least, "mm",
-         "a shorter blade or more splits; or more exact clamps (machine.clamp_error_mm, "
-         "machine.clamp_error_rad)");
+  refuse(worst, Limit::kSnapError, smallest, least);
 }
 
 void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade& blade,
@@ -272,17 +265,15 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
   const std::size_t tipped =
       first_by(checks, [](const auto& a, const auto& b) { return !a.sag.stable && b.sag.stable; });
   if (!checks[tipped].sag.stable) {
-    refuse(tipped, "margin against tipping out of the plane",
-           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(blade)), 0, "",
-           "a shorter or thicker blade");
+    refuse(tipped, Limit::kTipping,
+           elastica::lateral_margin(motion.poses[tipped].blade, robot::stiffness_ratios(blade)), 0);
   }
   if (motion.facts.smallest_margin >= settings.blade.min_margin) return;
   const auto worst =
       std::min_element(motion.poses.begin(), motion.poses.end(),
                        [](const BladePose& a, const BladePose& b) { return a.margin < b.margin; });
-  refuse(static_cast<std::size_t>(worst - motion.poses.begin()), "stability margin (snap-through)",
-         worst->margin, settings.blade.min_margin, "",
-         "the blade could snap through on the way: a shorter blade or more splits");
+  refuse(static_cast<std::size_t>(worst - motion.poses.begin()), Limit::kPlannedMargin, worst->margin,
+         settings.blade.min_margin);
 }
 
 }  // namespace

@@ -255,35 +255,28 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   const double lowest = m.lowest + motion.raise_mm;
   const double outside = std::max(m.aside, m.highest + motion.raise_mm - settings.machine.envelope_mm[2]);
   // Written so that a value that is not a number is refused.
-  const auto limit = [&](const char* name, double value, double bound, const char* unit, const char* hint) {
-    if (!(value <= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
+  const auto at_most = [&](Limit limit, double value, double bound) {
+    if (!(value <= bound)) motion.refusals.push_back({strip.id, "", limit, value, bound});
   };
-  const char* slower = "lower motion.feed_mm_s";
-  limit("clamp speed", m.speed, settings.motion.travel_mm_s, "mm/s", slower);
-  limit("clamp acceleration", m.accel, settings.motion.accel_mm_s2, "mm/s2", slower);
-  limit("clamp angular speed", m.turn, settings.motion.angular_rad_s, "rad/s", slower);
-  limit("clamp angular acceleration", m.turn_accel, settings.motion.angular_accel_rad_s2, "rad/s2", slower);
-  limit("distance outside the envelope", outside, 0, "mm", "choose a shorter blade or a larger machine");
+  at_most(Limit::kSpeed, m.speed, settings.motion.travel_mm_s);
+  at_most(Limit::kAcceleration, m.accel, settings.motion.accel_mm_s2);
+  at_most(Limit::kAngularSpeed, m.turn, settings.motion.angular_rad_s);
+  at_most(Limit::kAngularAcceleration, m.turn_accel, settings.motion.angular_accel_rad_s2);
+  at_most(Limit::kEnvelope, outside, 0);
   // Registers count time in u32 microseconds.
   constexpr double kLongest_s = 4294.0;
-  limit("duration", motion.poses.back().t, kLongest_s, "s", "raise motion.feed_mm_s or split the design");
-  limit("distance of the clamps from a common plane", motion.facts.off_plane_mm, robot::kMaxOffPlane_mm, "mm",
-        "lower motion.waypoint_s or motion.feed_mm_s");
-  const auto at_least = [&](const std::string& name, double value, double bound, const char* unit,
-                            const char* hint) {
-    if (!(value >= bound)) motion.refusals.push_back({strip.id, "", name, value, bound, unit, hint});
+  at_most(Limit::kDuration, motion.poses.back().t, kLongest_s);
+  at_most(Limit::kCommonPlane, motion.facts.off_plane_mm, robot::kMaxOffPlane_mm);
+  const auto at_least = [&](Limit limit, double value, double bound, const char* hint = "") {
+    if (!(value >= bound)) motion.refusals.push_back({strip.id, "", limit, value, bound, hint});
   };
   constexpr double kShortestStep_s = 0.005, kTimeRounding_s = 1e-6;
-  at_least("time between waypoints", m.shortest_step, kShortestStep_s - kTimeRounding_s, "s",
-           "raise motion.waypoint_s");
-  at_least("clamp height above the table", lowest, settings.stock.clearance_mm, "mm",
-           "raise machine.plinth_mm");
-  at_least(
-      "feed of the slowest blade point", motion.facts.slowest_feed_mm_s, settings.motion.min_feed_mm_s,
-      "mm/s",
-      strip.planes.turns()
-          ? "the blade would melt too wide there: move slice.fan_axis away or lower motion.min_feed_mm_s"
-          : "the blade would melt too wide there: another slice.direction or a lower motion.min_feed_mm_s");
+  at_least(Limit::kMinDt, m.shortest_step, kShortestStep_s - kTimeRounding_s);
+  at_least(Limit::kClampHeight, lowest, settings.stock.clearance_mm);
+  at_least(Limit::kSlowestFeed, motion.facts.slowest_feed_mm_s, settings.motion.min_feed_mm_s,
+           strip.planes.turns()
+               ? "the blade would melt too wide there: move slice.fan_axis away or lower motion.min_feed_mm_s"
+               : "");
 }
 
 // Slowest blade point in foam over the cut; the time law starts and stops outside the block. What of the

@@ -116,16 +116,13 @@ void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, cons
   constexpr double kLeastLean = 0.1;
   if (side.lean < kLeastLean) {
     report.refusals.push_back(
-        {target.place, "", "lean of the surface towards z", side.lean, kLeastLean, "",
+        {target.place, "", Limit::kLean, side.lean, kLeastLean,
          "design.keep = \"" + std::string(name(settings.design.keep)) +
              "\" says nothing about an upright surface: set design.keep to back or front"});
     return;
   }
   if (!set_axes(graph, chain, side.sign, target)) {
-    report.refusals.push_back(
-        {target.place, "", "side of the waste across the ribs", 0, 0.1, "",
-         "face normals turn over along the ribs: check their orientation or choose another "
-         "slice.direction"});
+    report.refusals.push_back({target.place, "", Limit::kWasteSide, 0, 0.1});
     return;
   }
   std::size_t steep = 0;

@@ -100,11 +100,10 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
     attempt.rib = worst;
     attempt.refusal = {"",
                        "",
-                       "deviation of an elastica",
+                       Limit::kRibDeviation,
                        closest[worst].deviation_mm,
                        allowed,
-                       "mm",
-                       "allow more splits (fit.max_splits) or a larger tolerance",
+                       "",
                        rib_place(chain, closest, worst)};
     return attempt;
   }
@@ -121,14 +120,8 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
   }
   StripPlan strip = make_strip_plan(chain, served.ribs, *served.blade.choice, settings);
   if (const auto over = edge_over_stock(strip.block.size_mm, settings.stock)) {
-    attempt.refusal = {"",
-                       "",
-                       "block edge",
-                       over->edge_mm,
-                       over->stock_mm,
-                       "mm",
-                       "allow more splits or larger stock.max_size_mm",
-                       rib_place(chain, strip.ribs, 0)};
+    attempt.refusal = {
+        "", "", Limit::kBlockEdge, over->edge_mm, over->stock_mm, "", rib_place(chain, strip.ribs, 0)};
     return attempt;
   }
   attempt.strip = std::move(strip);

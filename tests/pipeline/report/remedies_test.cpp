@@ -19,8 +19,8 @@ PlanResult refused_for(const std::vector<Refusal>& refusals) {
   return result;
 }
 
-Refusal refusal(const std::string& limit, double value, double bound, const std::string& unit = "mm") {
-  return {"S001", "", limit, value, bound, unit, "a hint"};
+Refusal refusal(Limit limit, double value, double bound) {
+  return {"S001", "", limit, value, bound};
 }
 
 TEST(Remedies, OfAPassedPlanAreNone) {
@@ -32,34 +32,33 @@ TEST(Remedies, NameSettingAndNumberByLimit) {
     Refusal refusal;
     const char *setting, *needed;
   } cases[] = {
-      {refusal("deviation", 1.234, 1), "design.tolerance_mm", "1.3 mm"},
-      {refusal("deviation", 1.2, 1), "design.tolerance_mm", "1.2 mm"},
+      {refusal(Limit::kDeviation, 1.234, 1), "design.tolerance_mm", "1.3 mm"},
+      {refusal(Limit::kDeviation, 1.2, 1), "design.tolerance_mm", "1.2 mm"},
       // An elastica may have half of the tolerance.
-      {refusal("deviation of an elastica", 0.6, 0.5), "design.tolerance_mm", "1.2 mm"},
-      {refusal("uncut share of the area", 4.21, 1, "%"), "design.max_uncut_share", "0.043"},
-      {refusal("radius of a rib (bending stress)", 56, 70), "blade.thickness_mm", "0.4 mm"},
-      {refusal("bending stress (yield strength over safety) in phase cut at 1.00 s", 700, 673, "MPa"),
-       "blade.thickness_mm", "0.48 mm"},
-      {refusal("feed of the slowest blade point", 0.777, 1, "mm/s"), "motion.min_feed_mm_s", "0.77 mm/s"},
-      {refusal("clamp speed", 140, 100, "mm/s"), "motion.feed_mm_s", "5 mm/s"},
-      {refusal("clamp height above the table", 30.5, 40), "machine.plinth_mm", "160 mm"},
-      {refusal("block edge", 1300.5, 1200), "stock.max_size_mm", "1301 mm"},
-      {refusal("rib length", 640, 600), "blade.free_lengths_mm", "750 mm"},
-      {refusal("clamp clearance to the stock", 10, 40), "blade.free_lengths_mm", "700 mm"},
+      {refusal(Limit::kRibDeviation, 0.6, 0.5), "design.tolerance_mm", "1.2 mm"},
+      {refusal(Limit::kUncutShare, 4.21, 1), "design.max_uncut_share", "0.043"},
+      {refusal(Limit::kRibRadius, 56, 70), "blade.thickness_mm", "0.4 mm"},
+      {refusal(Limit::kBendingStress, 700, 673), "blade.thickness_mm", "0.48 mm"},
+      {refusal(Limit::kSlowestFeed, 0.777, 1), "motion.min_feed_mm_s", "0.77 mm/s"},
+      {refusal(Limit::kSpeed, 140, 100), "motion.feed_mm_s", "5 mm/s"},
+      {refusal(Limit::kClampHeight, 30.5, 40), "machine.plinth_mm", "160 mm"},
+      {refusal(Limit::kBlockEdge, 1300.5, 1200), "stock.max_size_mm", "1301 mm"},
+      {refusal(Limit::kRibLength, 640, 600), "blade.free_lengths_mm", "750 mm"},
+      {refusal(Limit::kClampClearance, 10, 40), "blade.free_lengths_mm", "700 mm"},
   };
   for (const auto& c : cases) {
     const std::vector<Remedy> list = remedies(refused_for({c.refusal}));
-    ASSERT_EQ(list.size(), 1u) << c.refusal.limit;
-    EXPECT_EQ(list[0].setting, c.setting) << c.refusal.limit;
-    EXPECT_EQ(list[0].needed, c.needed) << c.refusal.limit;
+    ASSERT_EQ(list.size(), 1u) << limit_text(c.refusal);
+    EXPECT_EQ(list[0].setting, c.setting) << limit_text(c.refusal);
+    EXPECT_EQ(list[0].needed, c.needed) << limit_text(c.refusal);
     EXPECT_EQ(list[0].refusals, 1u);
   }
 }
 
 TEST(Remedies, TakeTheMostDemandingRefusalOfASetting) {
   const std::vector<Remedy> list =
-      remedies(refused_for({refusal("deviation", 1.5, 1), refusal("deviation of an elastica", 2, 0.5),
-                            refusal("bending stress", 700, 673), refusal("blade radius", 60, 70)}));
+      remedies(refused_for({refusal(Limit::kDeviation, 1.5, 1), refusal(Limit::kRibDeviation, 2, 0.5),
+                            refusal(Limit::kBendingStress, 700, 673), refusal(Limit::kBladeYield, 60, 70)}));
   ASSERT_EQ(list.size(), 2u);
   EXPECT_EQ(list[0].needed, "4 mm");
   EXPECT_EQ(list[1].needed, "0.42 mm");
@@ -68,11 +67,10 @@ TEST(Remedies, TakeTheMostDemandingRefusalOfASetting) {
 }
 
 TEST(Remedies, AreNotInventedWhereNoNumberHelps) {
-  for (const Refusal& r :
-       {refusal("stability margin (snap-through)", 0.1, 1), refusal("self-crossings of the blade", 1, 0),
-        refusal("uncut share of the area", 100, 1, "%"), refusal("blade radius", 3.5, 70),
-        refusal("deviation", NAN, 1), refusal("deviation", 400, 1)}) {
-    EXPECT_TRUE(remedies(refused_for({r})).empty()) << r.limit << r.value;
+  for (const Refusal& r : {refusal(Limit::kPlannedMargin, 0.1, 1), refusal(Limit::kSelfCrossing, 1, 0),
+                           refusal(Limit::kUncutShare, 100, 1), refusal(Limit::kBladeYield, 3.5, 70),
+                           refusal(Limit::kDeviation, NAN, 1), refusal(Limit::kDeviation, 400, 1)}) {
+    EXPECT_TRUE(remedies(refused_for({r})).empty()) << limit_text(r) << r.value;
   }
 }
 

@@ -111,7 +111,7 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
   const std::string html = report_html(result, {}, "no EGL <here>");
   EXPECT_EQ(unbalanced(html), "");
   EXPECT_THAT(html, HasSubstr("Not cuttable as asked"));
-  EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().limit)));
+  EXPECT_THAT(html, HasSubstr(escaped(limit_text(result.refusals.front()))));
   EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().hint)));
   EXPECT_THAT(html, HasSubstr("no EGL &lt;here&gt;"));
   EXPECT_THAT(html, HasSubstr("What would make it cuttable"));

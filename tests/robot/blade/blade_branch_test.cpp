@@ -137,7 +137,7 @@ TEST(BladeBranch, AStraightBladeIsTakenFreeOfForceAndLeavesToItsClampsSide) {
       const Waypoint w =
           u > 0 ? arc(u) : Waypoint{0, false, turned({-400, 0, 900}, 0), turned({400, 0, 900}, 0)};
       const BladeFinding found = branch.move_to(w.a, w.b);
-      ASSERT_TRUE(found.held()) << i << " " << static_cast<int>(found.status) << " " << found.value;
+      ASSERT_TRUE(found.held()) << i << " " << static_cast<int>(found.limit) << " " << found.value;
       was_taut = was_taut || branch.taut();
       EXPECT_NEAR(branch.shape().kappa, -2 * side * u / kBladeLength_mm, 1e-9) << i;
     }
@@ -150,8 +150,8 @@ TEST(BladeBranch, AClampThatTurnsOnATautBladeIsOutOfReach) {
   const Waypoint w = testing::arc_waypoint(0, {0, 0, 900}, 0.13, 0, false);
   ASSERT_TRUE(branch.move_to(w.a, w.b).held());
   const BladeFinding found = branch.move_to(turned({-400, 0, 900}, 0.13), turned({400, 0, 900}, -0.13));
-  EXPECT_EQ(found.status, BladeStatus::kOutOfReach);
-  EXPECT_EQ(branch.move_to(w.a, w.b).status, BladeStatus::kOutOfReach) << "the blade is lost";
+  EXPECT_EQ(found.limit, Limit::kBladeReach);
+  EXPECT_EQ(branch.move_to(w.a, w.b).limit, Limit::kBladeReach) << "the blade is lost";
 }
 
 TEST(BladeCheck, NamesTheLimitOfEveryFinding) {
@@ -159,29 +159,29 @@ TEST(BladeCheck, NamesTheLimitOfEveryFinding) {
   const Waypoint start = testing::arc_waypoint(0, {0, 0, 900}, 0.13, 0, false);
   const auto after = [&](const Waypoint& w) {
     BladeCheck check(sample_blade(), options);
-    EXPECT_EQ(check.next(start), LimitCode::kNone);
+    EXPECT_EQ(check.next(start), Limit::kNone);
     return check.next(w);
   };
   EXPECT_EQ(BladeCheck(sample_blade(), options).next(testing::arc_waypoint(0, {0, 0, 900}, 0.3, 0, false)),
-            LimitCode::kStartPose);
+            Limit::kStartPose);
   Waypoint lifted = start;
   lifted.b.p.z() += 0.06;
-  EXPECT_EQ(after(lifted), LimitCode::kBladePlane);
+  EXPECT_EQ(after(lifted), Limit::kBladePlane);
   Waypoint apart = start;
   apart.b.p.x() += 20;
-  EXPECT_EQ(after(apart), LimitCode::kBladeReach);
-  EXPECT_EQ(BladeCheck(sample_blade(), {true, 1, 100}).next(start), LimitCode::kBladeMargin);
+  EXPECT_EQ(after(apart), Limit::kBladeReach);
+  EXPECT_EQ(BladeCheck(sample_blade(), {true, 1, 100}).next(start), Limit::kBladeMargin);
   // E t kappa / 2 is 71 MPa at half a turn of 0.6 rad.
   ClampedBlade soft = sample_blade();
   soft.yield_strength_mpa = 30;
   BladeCheck yields(soft, options);
-  EXPECT_EQ(yields.next(start), LimitCode::kNone);
-  EXPECT_EQ(yields.next(testing::arc_waypoint(0, {0, 0, 900}, 0.6, 0, false)), LimitCode::kBladeYield);
+  EXPECT_EQ(yields.next(start), Limit::kNone);
+  EXPECT_EQ(yields.next(testing::arc_waypoint(0, {0, 0, 900}, 0.6, 0, false)), Limit::kBladeYield);
 }
 
 TEST(BladeCheck, WithoutTheEquilibriumNothingIsCheckedAndNoShapeIsKnown) {
   BladeCheck check(sample_blade(), {false, 1, 1});
-  EXPECT_EQ(check.next(testing::arc_waypoint(0, {0, 0, 900}, 0.6, 0, false)), LimitCode::kNone);
+  EXPECT_EQ(check.next(testing::arc_waypoint(0, {0, 0, 900}, 0.6, 0, false)), Limit::kNone);
   EXPECT_FALSE(check.shape());
   EXPECT_FALSE(check.margins());
 }

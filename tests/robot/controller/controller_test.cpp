@@ -237,7 +237,7 @@ TEST_F(ControllerTest, AWindowBeyondALimitIsRefusedWholeWithSequenceAndCode) {
   ASSERT_EQ(open(), Result::kOk);
   fill(8);
   EXPECT_EQ(push(window_of(8, 4)), Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kSpeed));
+  EXPECT_EQ(status().fault_detail, info(Limit::kSpeed).code);
   EXPECT_EQ(status().fault_sequence, 10u);
   EXPECT_EQ(status().accepted, 8u);
   EXPECT_EQ(status().state, State::kOpen) << "a refusal is no fault";
@@ -253,7 +253,7 @@ TEST_F(ControllerTest, TheLastFlagBelongsToTheLastWaypoint) {
   w = window_of(job.size() - 2, 2);
   w.last = false;
   EXPECT_EQ(push(w), Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kCount));
+  EXPECT_EQ(status().fault_detail, info(Limit::kCount).code);
 }
 
 TEST_F(ControllerTest, CommandsOutOfPlaceAreRefused) {
@@ -282,7 +282,7 @@ TEST_F(ControllerTest, AnImpossibleBladeIsNotOpened) {
   c = make(Op::kOpen, 0);
   c.waypoint_count = 0;
   EXPECT_EQ(send(c), Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kBlade));
+  EXPECT_EQ(status().fault_detail, info(Limit::kBlade).code);
   EXPECT_EQ(status().state, State::kIdle);
 }
 
@@ -487,16 +487,16 @@ TEST_F(ControllerTest, AJobThatSnapsBetweenTwoWaypointsIsRefusedThere) {
       const auto at = status().accepted;
       result = push(window_of(at, std::min(4u, job.size() - at)));
     }
-    return std::pair{static_cast<LimitCode>(status().fault_detail), status().fault_sequence};
+    return std::pair{limit_of_code(status().fault_detail), status().fault_sequence};
   };
   const auto [snap, lost] = refused({true, 1, 0});
-  EXPECT_EQ(snap, LimitCode::kBladeSnap);
+  EXPECT_EQ(snap, Limit::kBladeSnap);
   EXPECT_GT(lost, 200u) << "well into the turning";
   EXPECT_LT(lost, 490u);
   const auto [margin, unsafe] = refused({true, 1, 1});
-  EXPECT_EQ(margin, LimitCode::kBladeMargin);
+  EXPECT_EQ(margin, Limit::kBladeMargin);
   EXPECT_LE(unsafe, lost) << "on the way to the snap";
-  EXPECT_EQ(refused({false, 1, 1}).first, LimitCode::kNone);
+  EXPECT_EQ(refused({false, 1, 1}).first, Limit::kNone);
   EXPECT_EQ(status().accepted, job.size()) << "without the equilibrium nothing is seen";
 }
 
@@ -507,7 +507,7 @@ TEST_F(ControllerTest, ABladeTooSoftForItsBendsIsRefusedWithYield) {
   Result result = Result::kOk;
   while (result == Result::kOk) result = push(window_of(status().accepted, 4));
   EXPECT_EQ(result, Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kBladeYield));
+  EXPECT_EQ(status().fault_detail, info(Limit::kBladeYield).code);
 }
 
 // Where the clamps hold the blade of a logged pose, in clamp A's axes: off by position, mm, and angle, rad.

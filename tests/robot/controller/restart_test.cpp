@@ -290,7 +290,7 @@ TEST_F(Restart, RefusesAPathThatDoesNotLeadThroughTheHeldPose) {
   waypoint.b.p.z() -= 0.2;
   job_.raw[k] = *protocol::encode_waypoint(waypoint);
   EXPECT_EQ(push(k, 4), Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kHeldPose));
+  EXPECT_EQ(status().fault_detail, info(Limit::kHeldPose).code);
   EXPECT_EQ(status().fault_sequence, k);
   EXPECT_EQ(status().accepted, k);
   job_ = planned;
@@ -309,7 +309,7 @@ TEST_F(Restart, RefusesToGoOnWhenTheClampsWereMoved) {
   rewrite(moved);
   boot();
   EXPECT_EQ(push(status().accepted, 4), Result::kLimit);
-  EXPECT_EQ(status().fault_detail, static_cast<std::uint16_t>(LimitCode::kHeldPose));
+  EXPECT_EQ(status().fault_detail, info(Limit::kHeldPose).code);
 }
 
 TEST_F(Restart, AJournalThatDoesNotHoldIsNotGoneOnFrom) {

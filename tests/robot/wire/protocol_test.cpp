@@ -90,7 +90,7 @@ TEST(Waypoint, MatchesGoldenBytes) {
 
 TEST(Waypoint, DecodesGoldenBytes) {
   const auto decoded = decode_waypoint(golden_waypoint("waypoint_hot"));
-  EXPECT_EQ(decoded.error, LimitCode::kNone);
+  EXPECT_EQ(decoded.error, Limit::kNone);
   EXPECT_EQ(decoded.waypoint.t_us, 1234567u);
   EXPECT_TRUE(decoded.waypoint.heat);
   EXPECT_LT((decoded.waypoint.a.p - hot().a.p).norm(), 1e-9);
@@ -109,7 +109,7 @@ TEST(Waypoint, RoundTripsWithinHalfARegisterUnit) {
     const auto raw = encode_waypoint(w);
     ASSERT_TRUE(raw.has_value());
     const auto back = decode_waypoint(*raw);
-    ASSERT_EQ(back.error, LimitCode::kNone);
+    ASSERT_EQ(back.error, Limit::kNone);
     EXPECT_EQ(back.waypoint.t_us, w.t_us);
     EXPECT_EQ(back.waypoint.heat, w.heat);
     // Half a micrometre, and the rounding of the decimal fraction.
@@ -130,7 +130,7 @@ TEST(Waypoint, NearTiesOfTheLargestComponentStayDecodable) {
     const auto raw = encode_waypoint(w);
     ASSERT_TRUE(raw.has_value());
     const auto back = decode_waypoint(*raw);
-    ASSERT_EQ(back.error, LimitCode::kNone);
+    ASSERT_EQ(back.error, Limit::kNone);
     EXPECT_LT(angle_between(back.waypoint.a.q, w.a.q), 2e-8);
   }
 }
@@ -174,14 +174,14 @@ TEST(Waypoint, RegistersThatHoldNoOrientationAreRefused) {
     raw.at(byte) = static_cast<std::uint8_t>(raw.at(byte) ^ mask);
     return decode_waypoint(raw).error;
   };
-  EXPECT_EQ(error_with(0, 0), LimitCode::kNone);
-  EXPECT_EQ(error_with(20, 0x80), LimitCode::kQuaternion) << "top bit of the second component";
-  EXPECT_EQ(error_with(24, 0x80), LimitCode::kQuaternion) << "top bits of the third component";
-  EXPECT_EQ(error_with(24, 0x40), LimitCode::kQuaternion);
-  EXPECT_EQ(error_with(20, 0x40), LimitCode::kHeat) << "heat in one clamp only";
+  EXPECT_EQ(error_with(0, 0), Limit::kNone);
+  EXPECT_EQ(error_with(20, 0x80), Limit::kQuaternion) << "top bit of the second component";
+  EXPECT_EQ(error_with(24, 0x80), Limit::kQuaternion) << "top bits of the third component";
+  EXPECT_EQ(error_with(24, 0x40), Limit::kQuaternion);
+  EXPECT_EQ(error_with(20, 0x40), Limit::kHeat) << "heat in one clamp only";
   RawWaypoint longer = good;
   longer.at(16) = 0x1F;  // nearly 1, next to two components of 1/2
-  EXPECT_EQ(decode_waypoint(longer).error, LimitCode::kQuaternion);
+  EXPECT_EQ(decode_waypoint(longer).error, Limit::kQuaternion);
 }
 
 TEST(Window, MatchesGoldenRegisters) {

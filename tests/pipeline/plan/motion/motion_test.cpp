@@ -158,7 +158,7 @@ TEST(MoveBlade, RefusesClampsBelowTheTableOnAPlinthThatIsGiven) {
   const BladeMotion motion = move_blade(low, given);
   EXPECT_EQ(motion.raise_mm, 0);
   ASSERT_EQ(motion.refusals.size(), 1U);
-  EXPECT_EQ(motion.refusals.front().limit, "clamp height above the table");
+  EXPECT_EQ(motion.refusals.front().limit, Limit::kClampHeight);
 }
 
 }  // namespace

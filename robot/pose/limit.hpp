@@ -1,0 +1,83 @@
+// Every limit that a job may break, in one table: what planner, branch check, controller and client name.
+//
+// A refusal states a limit by its name with amount and unit. A controller's STATUS states it by a code
+// (docs/controller-protocol.md); the same limit has the same entry on both sides.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace hotblade::robot {
+
+enum class Limit : std::uint8_t {
+  kNone,
+  // Of waypoints and jobs, by code.
+  kCount,
+  kQuaternion,
+  kHeat,
+  kTime,
+  kMinDt,
+  kStartPose,
+  kEnvelope,
+  kSpeed,
+  kAcceleration,
+  kAngularSpeed,
+  kAngularAcceleration,
+  kChord,
+  kBlade,
+  kHeldPose,
+  // Of the blade between two clamps, by code (robot/blade/blade_branch.hpp).
+  kBladePlane,
+  kBladeReach,
+  kBladeSnap,
+  kBladeYield,
+  kBladeMargin,
+  // Of plans alone: what a controller is never sent.
+  kPlannedShape,
+  kLean,
+  kWasteSide,
+  kStrips,
+  kRibDeviation,
+  kRibRadius,
+  kRibLength,
+  kBlockEdge,
+  kClampClearance,
+  kFreePart,
+  kSelfCrossing,
+  kPlannedMargin,
+  kSag,
+  kBendingStress,
+  kSnapError,
+  kTipping,
+  kDuration,
+  kCommonPlane,
+  kClampHeight,
+  kSlowestFeed,
+  kDeviation,
+  kDeviationWithSag,
+  kUncutShare,
+  // A code that this table does not know.
+  kUnknown,
+};
+
+struct LimitInfo {
+  Limit limit = Limit::kUnknown;
+  const char* name = "";  // of the amount that is measured: "clamp speed"
+  const char* unit = "";  // of the amount; empty: it has none
+  const char* hint = "";  // what would make it hold, where nothing nearer is known
+  // STATUS's fault detail, and how it is said there, without an amount. 0 and empty: a controller does not
+  // check it.
+  std::uint16_t code = 0;
+  const char* fault = "";
+};
+
+// Returns all entries, in the enum's order.
+[[nodiscard]] std::span<const LimitInfo> limits();
+
+// Returns the limit's entry.
+[[nodiscard]] const LimitInfo& info(Limit limit);
+
+// Returns the limit of a fault detail; kUnknown for a code that is not in the table.
+[[nodiscard]] Limit limit_of_code(std::uint16_t code);
+
+}  // namespace hotblade::robot
