@@ -245,6 +245,8 @@ void apply_value(Settings& settings, Origins& origins, const std::string& sectio
   const auto field = std::find_if(fields.begin(), fields.end(), [&](const SettingField& f) {
     return f.section == section && f.key == key;
   });
+  if (const auto why = refused_because(section, key))
+    fail(where, section + "." + key + ": " + std::string(*why));
   if (field == fields.end()) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
   const SettingPlace place = field->place(settings);
   std::visit(Reader{node, *field, where}, place);

@@ -70,7 +70,7 @@ struct StockSettings {
 
 struct MotionSettings {
   double feed_mm_s = 7, min_feed_mm_s = 1;
-  double travel_mm_s = 100, accel_mm_s2 = 500, jerk_mm_s3 = 5000;
+  double travel_mm_s = 100, accel_mm_s2 = 500;
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
   double waypoint_s = 0.05;  // 0.005 to 0.05
   double preheat_s = 2;

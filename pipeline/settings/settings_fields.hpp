@@ -37,7 +37,10 @@ struct SettingField {
 // The table, in the order of docs/configuration.md.
 [[nodiscard]] std::span<const SettingField> setting_fields();
 
-// The name of a key as users write it: "section.key".
+// Returns why a key that earlier versions took is refused, since nothing would act on it; absent for others.
+[[nodiscard]] std::optional<std::string_view> refused_because(std::string_view section, std::string_view key);
+
+// "section.key".
 [[nodiscard]] std::string full_key(const SettingField& field);
 
 // The words of field.choices, one by one.
