@@ -112,7 +112,7 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
   EXPECT_EQ(unbalanced(html), "");
   EXPECT_THAT(html, HasSubstr("Not cuttable as asked"));
   EXPECT_THAT(html, HasSubstr(escaped(limit_text(result.refusals.front()))));
-  EXPECT_THAT(html, HasSubstr(escaped(result.refusals.front().hint)));
+  EXPECT_THAT(html, HasSubstr(escaped(hint(result.refusals.front()))));
   EXPECT_THAT(html, HasSubstr("no EGL &lt;here&gt;"));
   EXPECT_THAT(html, HasSubstr("What would make it cuttable"));
   EXPECT_THAT(html, HasSubstr("cannot be settled by a number"));
@@ -121,7 +121,7 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
 TEST(ReportHtml, SaysTheNumberThatWouldMakeARefusedJobCuttable) {
   PlanResult result = plan(cylinder_design(), along_x(), {});
   result.program.verification.status = VerificationStatus::kRefused;
-  result.refusals = {{"S001", "", "deviation", 1.234, 1, "mm", "a larger tolerance"}};
+  result.refusals = {{"S001", "", Limit::kDeviation, 1.234, 1}};
   const std::string html = report_html(result, {}, "none");
   EXPECT_EQ(unbalanced(html), "");
   EXPECT_THAT(html,

@@ -49,7 +49,7 @@ TEST_F(ReportSchema, AcceptsTheReportsOfPassedAndRefusedPlans) {
   PlanResult result = plan(cylinder_design(), along_x(), {});
   EXPECT_EQ(wrong(Json::parse(report_json(result))), "");
   result.refusals.push_back(
-      {"S001", "S001R002", "deviation", 1.2, 1, "mm", "a hint", "at (1, 2, 3)", {"a", "b"}});
+      {"S001", "S001R002", Limit::kDeviation, 1.2, 1, "a hint", "at (1, 2, 3)", "", {"a", "b"}});
   result.program.verification.status = VerificationStatus::kRefused;
   const Json refused = Json::parse(report_json(result));
   EXPECT_EQ(wrong(refused), "");
