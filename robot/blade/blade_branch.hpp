@@ -14,6 +14,7 @@
 
 namespace hotblade::robot {
 
+// What the blade may be bent by.
 struct BladeLimits {
   double max_curvature_per_mm = std::numeric_limits<double>::infinity();  // within yield
   double min_margin = 0;    // smallest stability margin (elastica/blade/stability.hpp)
@@ -34,8 +35,9 @@ struct BladeFinding {
   [[nodiscard]] bool held() const { return limit == Limit::kNone; }
 };
 
-// Plain data, cheap to copy: try on a copy, keep the copy when it holds. Never allocates after construction
-// but inside the curvature's evaluation, and throws nothing for finite poses.
+// Follows the blade from pose to pose. It is plain data, cheap to copy: try on a copy, and keep the copy when
+// it holds. It allocates nothing after construction but inside the curvature's evaluation, and throws nothing
+// for finite poses.
 class BladeBranch {
  public:
   BladeBranch() = default;
@@ -50,14 +52,15 @@ class BladeBranch {
   // sixteenth pose.
   BladeFinding move_to(const Pose& a, const Pose& b);
 
+  // Returns whether the shape is no longer known.
   [[nodiscard]] bool lost() const { return lost_.limit != Limit::kNone; }
-  // Clamp A to clamp B, in the axes of clamp A: from the origin along x.
+  // Returns the blade from clamp A to clamp B, in the axes of clamp A: from the origin along x.
   [[nodiscard]] const elastica::Elastica& shape() const { return shape_; }
-  // The blade is pulled straight within the clamps' rounding: its force along the chord cannot be known, and
-  // it is taken to be free of it.
+  // Returns whether the blade is pulled straight within the clamps' rounding: its force along the chord
+  // cannot be known then, and it is taken to be free of it.
   [[nodiscard]] bool taut() const { return taut_; }
   [[nodiscard]] double largest_curvature_per_mm() const;
-  // Of the last shape it was computed for; exact_margin() computes it for the present one.
+  // Return the stability margin of the last shape that it was computed for, and of the present one.
   [[nodiscard]] double margin() const { return margin_; }
   double exact_margin();
 
@@ -92,12 +95,13 @@ class BladeBranch {
 // nearly straight, it may change faster: limits up there are looked at in every pose.
 inline constexpr double kMarginPerBend = 40, kMarginBoundHolds = 20;
 
-// Size of the change from one shape to another of the same length, both in the axes of their clamp A.
+// Returns the size of the change from one shape to another of the same length, both in the axes of their
+// clamp A.
 [[nodiscard]] double bend_between(const elastica::Elastica& p, const elastica::Elastica& q);
 
-// |kappa| is nowhere above this: kappa^2 / 2 - lambda1 cos theta - lambda2 sin theta is the same all along an
-// elastica, so kappa^2 is largest where the tangent points along the force, whether or not it does so
-// somewhere. Exact for circular arcs.
+// Returns a bound of |kappa| over the elastica: kappa^2 / 2 - lambda1 cos theta - lambda2 sin theta is the
+// same all along an elastica, so kappa^2 is largest where the tangent points along the force, whether or not
+// it does so somewhere. The bound is exact for circular arcs.
 [[nodiscard]] double curvature_bound(const elastica::Elastica& e);
 
 }  // namespace hotblade::robot

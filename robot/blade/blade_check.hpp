@@ -1,5 +1,5 @@
-// The controller's check of the blade: the equilibrium of every waypoint and on the way between two of them,
-// as limit codes.
+// The controller's check of the blade: it follows the equilibrium to every waypoint and on the way between
+// two of them, and says which limit breaks.
 #pragma once
 
 #include <optional>
@@ -12,32 +12,39 @@
 
 namespace hotblade::robot {
 
+// What is checked, and how strictly.
 struct BladeCheckOptions {
   bool equilibrium = true;  // false: nothing is checked, no shape is known
   double safety = 1;        // bending stress stays below OPEN's yield strength divided by this
   double min_margin = 1;    // smallest stability margin
 };
 
-// Of an executed waypoint: dimensionless, and the largest curvature of the blade, 1/mm.
+// What an executed waypoint's shape has left: its stability margin, dimensionless, and the largest curvature
+// of the blade, 1/mm.
 struct BladeMargins {
   double margin = 0, curvature_per_mm = 0;
 };
 
-// Copyable, as LimitChecker: check a window on a copy. Never allocates but inside the curvature's evaluation.
+// Checks one stream of poses. It is copyable, as LimitChecker: check a window on a copy. It allocates nothing
+// but inside the curvature's evaluation.
 class BladeCheck {
  public:
   BladeCheck() = default;  // checks nothing
   BladeCheck(const ClampedBlade& blade, const BladeCheckOptions& options);
 
+  // Returns whether the equilibrium is followed at all.
   [[nodiscard]] bool checks() const { return on_; }
-  // The next waypoint of a stream, and the pose halfway to it: between two waypoints in one plane each the
-  // interpolated clamps are farthest out of one about there. The way in between is followed for snaps.
+  // Moves to the next waypoint of a stream over the pose halfway to it, and returns the limit that breaks:
+  // between two waypoints in one plane each the interpolated clamps are farthest out of one about there. The
+  // way in between is followed for snaps.
   [[nodiscard]] Limit next(const Waypoint& waypoint);
-  // Any pose on the way, forwards or backwards.
+  // Moves to any pose on the way, forwards or backwards, and returns the limit that breaks.
   [[nodiscard]] Limit move_to(const Pose& a, const Pose& b);
 
-  // The blade at the last pose, clamp A to clamp B, in the axes of clamp A; absent when it is not known.
+  // Returns the blade at the last pose, clamp A to clamp B, in the axes of clamp A; absent when it is not
+  // known.
   [[nodiscard]] std::optional<elastica::Elastica> shape() const;
+  // Returns what its shape has left; absent when it is not known.
   [[nodiscard]] std::optional<BladeMargins> margins();
 
  private:

@@ -23,6 +23,7 @@ namespace hotblade::robot {
 // Speed of the motion clock that executes whatever has been accepted and then waits for more.
 inline constexpr double kAsFastAsDataComes = std::numeric_limits<double>::infinity();
 
+// What a controller is, allows and waits for; the simulator's defaults.
 struct ControllerOptions {
   MotionLimits limits;
   std::uint32_t boot_id = 1;
@@ -39,9 +40,10 @@ struct ControllerOptions {
   BladeCheckOptions blade;  // IDENT's capabilities say whether the equilibrium is checked
 };
 
+// Takes commands and windows, and executes what it accepted as time moves on.
 class Controller {
  public:
-  // Who speaks: the server's number of a connection.
+  // The server's number of the connection that speaks.
   using Connection = std::uint64_t;
   static constexpr Connection kNobody = 0;
 
@@ -53,26 +55,29 @@ class Controller {
   // journal's waypoints break these limits.
   void restore(const ControllerJournal& journal);
 
+  // Return the blocks as they are now, without their CRC.
   [[nodiscard]] protocol::Ident ident() const;
   [[nodiscard]] protocol::Status status() const;
   [[nodiscard]] const ControllerOptions& options() const { return options_; }
-  // The connection that last showed the token.
+  // Returns the connection that last showed the token.
   [[nodiscard]] Connection owner() const { return loaded_ ? owner_ : kNobody; }
 
+  // Carry out a block that a connection wrote, and return what became of it.
   protocol::Result command(const protocol::DecodedCommand& decoded, Connection from, std::uint64_t now_us);
   protocol::Result window(const protocol::Window& window, Connection from, std::uint64_t now_us);
-  // Stops at once and latches; anybody may.
+  // Stops at once and latches; anybody may ask for it.
   void estop(std::uint64_t now_us);
-  // Any frame of a connection: the owner's keep the lease and the watchdog fed.
+  // Takes note of any frame of a connection: the owner's keep the lease and the watchdog fed.
   void heard(Connection from, std::uint64_t now_us);
-  // As told by options().faults: nothing is done any more, and a new controller should go on from the
-  // journal.
+  // Returns whether the controller restarts, as options().faults told it to: it does nothing any more, and a
+  // new one should go on from the journal.
   [[nodiscard]] bool reboot_due() const { return reboot_due_; }
   // Moves time on.
   void tick(std::uint64_t now_us);
   // Makes the log durable and publishes `executed`; to be called after a turn of work.
   void commit();
-  // With this little room left a commit is worth its time at once: `free` counts what is published.
+  // Returns whether so little room is left that a commit is worth its time at once: `free` counts what is
+  // published.
   [[nodiscard]] bool commit_due() const {
     return job_.executed - published_executed_ > options_.fifo_size / 2u;
   }

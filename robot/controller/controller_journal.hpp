@@ -13,11 +13,12 @@
 
 namespace hotblade::robot {
 
-// `file: what: hint`
+// A log that cannot be used, as `file: what: hint`.
 struct LogError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Where a controller stood when its log ends.
 struct ControllerJournal {
   std::uint32_t token = 0;  // the largest that was given
   // IDLE without an open job (or ESTOP, latched); HELD for any that had begun to move and was not over.
@@ -31,15 +32,15 @@ struct ControllerJournal {
   std::uint32_t run = 0, count = 0;
   ClampedBlade blade;
   std::vector<protocol::RawWaypoint> executed;
-  Sha256 chain{};               // over them
-  std::uint64_t motion_us = 0;  // the motion clock
-  double path_s = 0;            // the place on the path, s of the strip's own time
+  Sha256 chain{};                  // over them
+  std::uint64_t motion_us = 0;     // the motion clock
+  double path_s = 0;               // the place on the path, s of the strip's own time
   std::optional<ClampPoses> held;  // where the clamps were last, cell frame
 };
 
-// The end of a log; an empty journal when there is no such file. A torn last line does not count. Throws
-// LogError, with the line, for anything else that is no log, whose chain does not follow, or whose sequence
-// numbers do not.
+// Returns where a log ends; an empty journal when there is no such file. A torn last line does not count.
+// Throws LogError, with the line, for anything else that is no log, whose chain does not follow, or whose
+// sequence numbers do not.
 [[nodiscard]] ControllerJournal read_controller_journal(const std::filesystem::path& log);
 
 }  // namespace hotblade::robot

@@ -10,7 +10,8 @@
 
 namespace hotblade::robot {
 
-// Times are of the motion clock, us from START; it runs on while the path is slowed down, and stands in HELD.
+// A waypoint that was executed. Times are of the motion clock, us from START, which runs on while the path is
+// slowed down and stands in HELD.
 struct ExecutedWaypoint {
   std::uint64_t job = 0;
   std::uint32_t token = 0, sequence = 0;
@@ -49,6 +50,7 @@ struct JobEvent {
   ClampedBlade blade = {};
 };
 
+// Takes what a controller reports, in the order it happens.
 class ExecutionSink {
  public:
   ExecutionSink() = default;
@@ -60,7 +62,7 @@ class ExecutionSink {
   virtual void executed(const ExecutedWaypoint& waypoint) = 0;
   virtual void pose(const PoseSample& sample) = 0;
   virtual void event(const JobEvent& event) = 0;
-  // Makes everything reported so far durable; false when it could not be.
+  // Makes everything reported so far durable; returns false when it could not be.
   virtual bool commit() = 0;
 };
 

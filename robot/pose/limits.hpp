@@ -14,7 +14,7 @@
 
 namespace hotblade::robot {
 
-// Per clamp, cell frame. The defaults are those of a mid-size two-arm cell.
+// What each clamp may do, in the cell frame. The defaults are those of a mid-size two-arm cell.
 struct MotionLimits {
   double speed_mm_s = 100, accel_mm_s2 = 500;
   double angular_rad_s = 1, angular_accel_rad_s2 = 2;
@@ -25,21 +25,22 @@ struct MotionLimits {
   double chord_slack = 0;
 };
 
-// Follows a stream of waypoints, across window borders. Copyable: check a window on a copy, keep the copy
-// when the whole window holds. Never allocates or throws.
+// Follows a stream of waypoints, across window borders. It is copyable: check a window on a copy, and keep
+// the copy when the whole window holds. It never allocates or throws.
 class LimitChecker {
  public:
   LimitChecker() = default;
   LimitChecker(const MotionLimits& limits, double blade_length_mm)
       : limits_(limits), blade_length_mm_(blade_length_mm) {}
 
-  // The first limit the next waypoint breaks; the waypoint becomes part of the stream when there is none. The
-  // strip starts at rest. Quantisation is allowed for: a register is off by up to 0.5 um and 0.5 us, so a
-  // speed by sqrt(3) um / dt + 1 us / dt of itself and an acceleration by those of both steps over the mean
-  // step.
+  // Returns the first limit that the next waypoint breaks; the waypoint becomes part of the stream when there
+  // is none. The strip starts at rest. Quantisation is allowed for: a register is off by up to 0.5 um and 0.5
+  // us, so a speed by sqrt(3) um / dt + 1 us / dt of itself and an acceleration by those of both steps over
+  // the mean step.
   [[nodiscard]] Limit next(const Waypoint& waypoint);
 
-  // The stop at the end of the stream, from the last step's speed to rest within that step.
+  // Returns the limit that the stop at the end of the stream breaks, from the last step's speed to rest
+  // within that step.
   [[nodiscard]] Limit finish() const;
 
  private:

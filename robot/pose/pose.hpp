@@ -6,8 +6,8 @@
 
 namespace hotblade::robot {
 
-// p in mm. q turns the frame's axes to (blade tangent from A to B, in-plane normal, plane normal); unit
-// length.
+// A clamp's position p in mm and orientation q, which turns the frame's axes to (blade tangent from A to B,
+// in-plane normal, plane normal); unit length.
 struct Pose {
   Eigen::Vector3d p{0, 0, 0};
   Eigen::Quaterniond q{1, 0, 0, 0};
@@ -18,10 +18,11 @@ struct ClampPoses {
   Pose a, b;
 };
 
-// q and -q are one orientation; the largest component (lowest index on ties, order w x y z) is made positive.
+// Returns whichever of q and -q, which are one orientation, has a positive largest component (lowest index on
+// ties, order w x y z).
 [[nodiscard]] Eigen::Quaterniond canonical(const Eigen::Quaterniond& q);
 
-// The same clamp seen from another frame: p' = R p + t.
+// Returns the same clamp seen from another frame: p' = R p + t.
 [[nodiscard]] Pose transformed(const Pose& frame_to_other, const Pose& pose);
 
 }  // namespace hotblade::robot

@@ -15,9 +15,11 @@ namespace hotblade::robot {
 
 using Sha256 = std::array<std::uint8_t, 32>;
 
+// Returns the hash of the bytes.
 [[nodiscard]] Sha256 sha256(std::span<const std::uint8_t> bytes);
+// Returns two digits a byte, in small letters.
 [[nodiscard]] std::string to_hex(std::span<const std::uint8_t> bytes);
-// 16 digits, as job ids stand in logs and messages.
+// Returns 16 digits, as job ids stand in logs and messages.
 [[nodiscard]] std::string to_hex(std::uint64_t value);
 
 // A chain of hashes over executed waypoints: chain_k = SHA-256(chain_(k-1) || raw_k), where chain_(-1) is the
@@ -29,10 +31,11 @@ class Chain {
   Chain& operator=(const Chain&) = delete;
   ~Chain();
 
-  // Starts again; nothing is allocated after construction.
+  // Starts again; the chain allocates nothing after construction.
   void restart(std::uint64_t job_id);
-  // Goes on from a value that is known.
+  // Goes on from a value that a log gave.
   void resume(const Sha256& value);
+  // Adds one executed waypoint and returns the new value.
   const Sha256& add(const protocol::RawWaypoint& raw);
   [[nodiscard]] const Sha256& value() const { return value_; }
 
@@ -47,6 +50,7 @@ struct JobError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// A strip's waypoints as they are sent, and the blade they are for.
 struct Job {
   std::uint64_t id = 0;
   std::string strip;
@@ -56,8 +60,9 @@ struct Job {
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(raw.size()); }
 };
 
-// id = the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id (UTF-8) and the waypoint
-// bytes. Throws JobError for a waypoint or a blade that cannot be encoded and for an empty strip.
+// Encodes a strip. Its id is the first 64 bits of SHA-256 over program_sha256 (32 bytes), the strip's id
+// (UTF-8) and the waypoint bytes. Throws JobError for a waypoint or a blade that cannot be encoded and for an
+// empty strip.
 [[nodiscard]] Job make_job(const Sha256& program_sha256, const std::string& strip,
                            std::span<const Waypoint> waypoints, const ClampedBlade& blade);
 

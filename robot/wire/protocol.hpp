@@ -35,15 +35,18 @@ inline constexpr std::size_t kMaxWindowSize =
     kWindowHeader + kMaxWaypointsPerWindow * kRegistersPerWaypoint + kWindowTrailer;
 static_assert(kMaxWindowSize <= 121, "a window has to fit the write part of function 23");
 
-// Bits of IDENT's capabilities.
+// The bits of IDENT's capabilities say what a controller does.
 inline constexpr std::uint16_t kCapWriteRead = 1;    // function 23 on WINDOW and COMMAND
 inline constexpr std::uint16_t kCapJournal = 2;      // executed survives a restart of the controller
 inline constexpr std::uint16_t kCapEquilibrium = 4;  // the blade's equilibrium is checked
 inline constexpr std::uint16_t kCapSimulator = 8;    // nothing moves
 inline constexpr std::uint16_t kCapBlockCrc = 16;    // IDENT and STATUS end with a CRC-32
 
+// What a command asks for.
 enum class Op : std::uint16_t { kOpen = 1, kStart, kHold, kResume, kAbort, kReset, kClose };
+// What the controller is doing.
 enum class State : std::uint16_t { kIdle, kOpen, kRunning, kHeld, kDone, kFault, kEstop };
+// What became of the last command or window.
 enum class Result : std::uint16_t {
   kOk,
   kGap,
@@ -56,6 +59,7 @@ enum class Result : std::uint16_t {
   kState,
   kBusy
 };
+// Why the controller stopped by itself, with the state it stopped in.
 enum class Fault : std::uint16_t {
   kNone = 0,
   kUnderrun = 1,        // HELD: the buffer ran out before the last waypoint
@@ -76,44 +80,46 @@ enum class Phase : std::uint16_t {
   kReenter,  // forwards again to where it was held
 };
 
-// "RUNNING", "CONFLICT": as documented; "unknown" for a number outside the table.
+// Return the documented name, such as "RUNNING" or "CONFLICT"; "unknown" for a number outside the table.
 [[nodiscard]] const char* name(Op op);
 [[nodiscard]] const char* name(State state);
 [[nodiscard]] const char* name(Result result);
 [[nodiscard]] const char* name(Fault fault);
 [[nodiscard]] const char* name(Phase phase);
 
-// CRC-32 of IEEE 802.3, continued from `crc`; 0xCBF43926 for "123456789".
+// Returns the CRC-32 of IEEE 802.3, continued from `crc`; it is 0xCBF43926 for "123456789".
 [[nodiscard]] std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0);
-// Of registers, high byte first.
+// Returns the CRC-32 of registers, high byte first.
 [[nodiscard]] std::uint32_t crc32_registers(std::span<const std::uint16_t> registers);
 
 // A waypoint as it stands in a window and in the execution log: 26 registers, high byte first.
 using RawWaypoint = std::array<std::uint8_t, kWaypointBytes>;
 
-// When it is due, us from the strip's start.
+// Returns when the waypoint is due, us from the strip's start.
 [[nodiscard]] inline std::uint32_t time_us(const RawWaypoint& raw) {
   return static_cast<std::uint32_t>(raw[0]) << 24 | static_cast<std::uint32_t>(raw[1]) << 16 |
          static_cast<std::uint32_t>(raw[2]) << 8 | raw[3];
 }
 
-// Whether the blade is heated from this waypoint to the next.
+// Returns whether the blade is heated from this waypoint to the next.
 [[nodiscard]] inline bool is_hot(const RawWaypoint& raw) {
   constexpr std::size_t kHeatByte = 20;  // the second word of clamp A's quaternion
   return (raw[kHeatByte] & 0x40) != 0;
 }
 
-// nullopt when it cannot be expressed: a position beyond +-2^31 um, a number that is not finite, a quaternion
-// whose length is off 1 by more than 1e-6 (rounding of a unit quaternion in a text file stays far below
-// that).
+// Returns nullopt for a waypoint that cannot be expressed: a position beyond +-2^31 um, a number that is not
+// finite, a quaternion whose length is off 1 by more than 1e-6 (rounding of a unit quaternion in a text file
+// stays far below that).
 [[nodiscard]] std::optional<RawWaypoint> encode_waypoint(const Waypoint& waypoint);
 
+// What 26 registers hold.
 struct DecodedWaypoint {
   Waypoint waypoint;
   Limit error = Limit::kNone;  // kQuaternion or kHeat: the registers hold no waypoint
 };
 [[nodiscard]] DecodedWaypoint decode_waypoint(std::span<const std::uint8_t, kWaypointBytes> raw);
 
+// The IDENT block: what a controller is and what it allows.
 struct Ident {
   std::uint16_t magic = kMagic, version = kVersion, capabilities = 0;
   std::uint16_t registers_per_waypoint = kRegistersPerWaypoint, fifo_size = 0;
@@ -126,6 +132,7 @@ struct Ident {
 [[nodiscard]] std::array<std::uint16_t, kIdentSize> encode_ident(const Ident& ident);
 [[nodiscard]] Ident decode_ident(std::span<const std::uint16_t, kIdentSize> registers);
 
+// The STATUS block: one consistent look at the controller.
 struct Status {
   State state = State::kIdle;
   Fault fault = Fault::kNone;
@@ -149,7 +156,8 @@ struct Status {
 // some errors through.
 void seal_block(std::span<std::uint16_t> block);
 [[nodiscard]] bool block_intact(std::span<const std::uint16_t> block);
-// Whether an IDENT may be believed: its CRC holds, or it says that it has none, and both registers are 0.
+// Returns whether an IDENT may be believed: its CRC holds, or it says that it has none, and both registers
+// are 0.
 [[nodiscard]] bool ident_intact(std::span<const std::uint16_t, kIdentSize> block);
 
 // The blade of OPEN in whole um and MPa, in the order of its registers; logs write each under its name.
@@ -160,6 +168,7 @@ using BladeWords = std::array<std::uint32_t, kBladeWordNames.size()>;
 [[nodiscard]] std::optional<BladeWords> encode_blade(const ClampedBlade& blade);
 [[nodiscard]] ClampedBlade decode_blade(const BladeWords& words);
 
+// The COMMAND block.
 struct Command {
   std::uint32_t nonce = 0;
   Op op = Op::kHold;
@@ -171,6 +180,7 @@ struct Command {
 // Throws std::logic_error for a blade that encode_blade does not take.
 [[nodiscard]] std::array<std::uint16_t, kCommandSize> encode_command(const Command& command);
 
+// A command, and whether its CRC holds.
 struct DecodedCommand {
   Command command;
   bool crc_ok = false;
@@ -179,16 +189,18 @@ struct DecodedCommand {
 
 inline constexpr std::uint16_t kFlagLast = 1;  // the window ends with the strip's last waypoint
 
+// A WINDOW block as it is written: the first `size` registers.
 struct WindowRegisters {
   std::array<std::uint16_t, kMaxWindowSize> registers{};
   std::size_t size = 0;
   [[nodiscard]] std::span<const std::uint16_t> span() const { return {registers.data(), size}; }
 };
-// A window of raw.size() <= 4 waypoints; none at all is the owner's sign of life. Throws std::logic_error
-// above 4.
+// Returns a window of raw.size() <= 4 waypoints; none at all is the owner's sign of life. Throws
+// std::logic_error above 4.
 [[nodiscard]] WindowRegisters encode_window(std::uint32_t token, std::uint32_t first_sequence, bool last,
                                             std::span<const RawWaypoint> raw);
 
+// A WINDOW block as it is read.
 struct Window {
   std::uint32_t token = 0, first_sequence = 0;
   std::uint16_t count = 0;
@@ -196,7 +208,7 @@ struct Window {
   bool crc_ok = false;
   std::array<RawWaypoint, kMaxWaypointsPerWindow> raw{};
 };
-// nullopt when the number of registers is not the one the window's own count asks for.
+// Returns nullopt when the number of registers is not the one the window's own count asks for.
 [[nodiscard]] std::optional<Window> decode_window(std::span<const std::uint16_t> registers);
 
 }  // namespace hotblade::robot::protocol
