@@ -78,8 +78,8 @@ HB_INLINE HB_REAL hb_pair_bezier_bend(const hb_pair* a, HB_REAL t) {
  * eighth of it is below 0.2 where c >= 0; its series ends below rounding. */
 HB_INLINE HB_REAL hb_angle_of(HB_REAL c, HB_REAL s) {
   const HB_REAL one = HB_BROADCAST(1.0), zero = HB_BROADCAST(0.0), pi = HB_BROADCAST(3.14159265358979323846);
-  const HB_REAL half = s / (one + HB_ABS(c));
-  const HB_REAL quarter = half / (one + HB_SQRT(HB_FMA(half, half, one)));
+  const HB_REAL of_half = s / (one + HB_ABS(c));
+  const HB_REAL quarter = of_half / (one + HB_SQRT(HB_FMA(of_half, of_half, one)));
   const HB_REAL t = quarter / (one + HB_SQRT(HB_FMA(quarter, quarter, one))), z = t * t;
   HB_REAL sum = HB_BROADCAST(1.0 / 21);
 #pragma GCC unroll 16
@@ -169,19 +169,21 @@ HB_INLINE void hb_foot_improve(const hb_pair* a, hb_pair_foot* f) {
  * - K (d + w) = m, so it falls short of the foot's by along^2 / 2m at most, or not at all where the foot is
  * an end and the elastica leads away. Outside, a piece with distances D, E at its ends, length l, is no
  * nearer than (D + E - l) / 2. */
-HB_INLINE HB_REAL hb_from_bezier(const hb_pair* a, const hb_pair_foot* f, const hb_pair_node* nodes,
-                                 int count) {
-  const HB_REAL zero = HB_BROADCAST(0.0), half = HB_BROADCAST(0.5);
+HB_INLINE HB_REAL hb_from_bezier(const hb_pair* a, const hb_pair_foot* f, HB_GLOBAL const hb_pair_node* nodes,
+                                 int count, int stride) {
+  const HB_REAL zero = HB_BROADCAST(0.0), a_half = HB_BROADCAST(0.5);
   const HB_REAL bend = HB_MAX(a->bend, HB_BROADCAST(1e-30)); /* a line's: of any window the frame has */
-  const HB_REAL w = half * (HB_BROADCAST(1.0) / bend - f->d), m = half * (HB_BROADCAST(1.0) - bend * f->d);
+  const HB_REAL w = a_half * (HB_BROADCAST(1.0) / bend - f->d),
+                m = a_half * (HB_BROADCAST(1.0) - bend * f->d);
   const HB_MASK ends = ((f->s <= zero) & (f->along >= zero)) | ((f->s >= a->length) & (f->along <= zero));
   const HB_REAL square = f->d * f->d - HB_SELECT(ends, zero, f->along * f->along / m);
   HB_REAL least = HB_SELECT(m > zero, HB_SQRT(HB_MAX(square, zero)), zero);
   HB_REAL d = hb_norm(nodes[0].x - f->x, nodes[0].y - f->y);
   for (int i = 1; i < count; ++i) {
-    const HB_REAL e = hb_norm(nodes[i].x - f->x, nodes[i].y - f->y);
-    const HB_REAL reach = HB_MAX(HB_ABS(nodes[i].s - f->s), HB_ABS(nodes[i - 1].s - f->s));
-    const HB_REAL near = half * (d + e - HB_ABS(nodes[i].s - nodes[i - 1].s));
+    HB_GLOBAL const hb_pair_node *before = nodes + (i - 1) * stride, *node = nodes + i * stride;
+    const HB_REAL e = hb_norm(node->x - f->x, node->y - f->y);
+    const HB_REAL reach = HB_MAX(HB_ABS(node->s - f->s), HB_ABS(before->s - f->s));
+    const HB_REAL near = a_half * (d + e - HB_ABS(node->s - before->s));
     least = HB_SELECT(reach > w, HB_MIN(near, least), least);
     d = e;
   }
@@ -194,7 +196,7 @@ HB_INLINE HB_REAL hb_from_bezier(const hb_pair* a, const hb_pair_foot* f, const 
  * >= v - A w there, A the largest |B''|, V the largest speed. */
 HB_INLINE HB_REAL hb_from_end(const hb_pair* a, HB_REAL x, HB_REAL y, double end, int samples,
                               HB_REAL most_speed, HB_REAL most_bend) {
-  const HB_REAL zero = HB_BROADCAST(0.0), one = HB_BROADCAST(1.0), half = HB_BROADCAST(0.5),
+  const HB_REAL zero = HB_BROADCAST(0.0), one = HB_BROADCAST(1.0), a_half = HB_BROADCAST(0.5),
                 t = HB_BROADCAST(end);
   const hb_plane p = hb_pair_bezier(a, t), v = hb_pair_derivative(a, t);
   const HB_REAL rx = p.x - x, ry = p.y - y, d = hb_norm(rx, ry), speed = hb_norm(v.x, v.y);
@@ -210,7 +212,7 @@ HB_INLINE HB_REAL hb_from_end(const hb_pair* a, HB_REAL x, HB_REAL y, double end
   for (int i = 1; i <= samples; ++i) {
     const double far = (double)i / samples;
     const hb_plane q = hb_pair_bezier(a, HB_BROADCAST(end > 0.5 ? 1 - far : far));
-    const HB_REAL e = hb_norm(q.x - x, q.y - y), near = half * (before + e - l);
+    const HB_REAL e = hb_norm(q.x - x, q.y - y), near = a_half * (before + e - l);
     least = HB_SELECT(HB_BROADCAST(far) > w, HB_MIN(near, least), least);
     before = e;
   }
@@ -276,11 +278,18 @@ HB_INLINE HB_REAL hb_pair_advance(const hb_pair* a, double t, double h, HB_REAL*
   return HB_MAX(before, f->d) + HB_MIN(sag, parting);
 }
 
+HB_INLINE void hb_set_node(HB_GLOBAL hb_pair_node* node, const hb_pair_foot* f) {
+  node->s = f->s;
+  node->x = f->q.x;
+  node->y = f->q.y;
+}
+
 /* Bounds of the Hausdorff distance, both ways, from the feet of samples + 1 points of the Bezier, each sought
  * from the one before. Any feet give an upper bound, good feet one that is too large by the curves' deviation
  * from their chords; what is beyond the first and last foot goes to the Bezier's end. `nodes` has room for
- * samples + 3. */
-HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, hb_pair_node* nodes) {
+ * samples + 3, which lie `stride` apart. */
+HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, HB_GLOBAL hb_pair_node* nodes,
+                                           int stride) {
   const HB_REAL zero = HB_BROADCAST(0.0), eighth = HB_BROADCAST(0.125);
   const double h = 1.0 / samples;
   hb_pair_foot f, most;
@@ -302,16 +311,12 @@ HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, hb_pai
       upper = HB_MAX(upper, between);
       hb_farther_foot(&f, &most);
     }
-    nodes[i + 1].s = f.s;
-    nodes[i + 1].x = f.q.x;
-    nodes[i + 1].y = f.q.y;
+    hb_set_node(nodes + (i + 1) * stride, &f);
   }
   const HB_REAL rest = a->length - f.s, last = f.d;
   hb_foot_to(a, a->length, &f);
   upper = HB_MAX(upper, HB_MAX(last, f.d) + eighth * (a->bend * rest) * rest);
-  nodes[samples + 2].s = f.s;
-  nodes[samples + 2].x = f.q.x;
-  nodes[samples + 2].y = f.q.y;
+  hb_set_node(nodes + (samples + 2) * stride, &f);
 
   const HB_REAL most_bend = HB_MAX(first_bend, bezier_bend);
   /* B' is a mean of its control points, three times the edges. */
@@ -320,7 +325,7 @@ HB_INLINE hb_pair_bounds hb_pair_hausdorff(const hb_pair* a, int samples, hb_pai
       HB_MAX(HB_MAX(hb_norm(a->x1, a->y1), hb_norm(end.x, end.y)), hb_norm(a->x1 + a->x2, a->y1 + a->y2));
   hb_pair_bounds out;
   out.upper = upper;
-  out.lower = hb_from_bezier(a, &most, nodes, samples + 3);
+  out.lower = hb_from_bezier(a, &most, nodes, samples + 3, stride);
   const HB_REAL start = hb_from_end(a, zero, zero, 0.0, samples, most_speed, most_bend);
   const HB_REAL finish = hb_from_end(a, f.q.x, f.q.y, 1.0, samples, most_speed, most_bend);
   out.lower = HB_MAX(out.lower, HB_MAX(start, finish));

@@ -4,182 +4,52 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
-#include "elastica/kernels/curve_pair.h"
-#include "elastica/kernels/hausdorff_search.hpp"
-#include "gpu/curve/curve_lanes.hpp"
+#include "elastica/kernels/simd.hpp"
+#include "gpu/backend/backend_choice.hpp"
+#include "gpu/curve/pair_distance_opencl.hpp"
+#include "gpu/curve/pair_frame.hpp"
+#include "gpu/curve/pair_lanes.hpp"
 
 namespace hotblade::gpu {
 namespace {
 
-using Eigen::Vector2d;
-using Bezier = std::array<Vector2d, 4>;
-using elastica::hausdorff_search::HausdorffRange;
-using elastica::hausdorff_search::Point;
+using Bezier = std::array<Eigen::Vector2d, 4>;
 
-// Pairs of one task.
-constexpr std::size_t kBlock = 1024;
-// Extents whose squares and cubes neither overflow nor vanish.
-constexpr double kGreatestExtent = 1e140, kLeastLength = 1e-100;
-constexpr int kLeastPanels = 8, kLeastSamples = 16;
+// Pairs of one task; with which both backends are timed; on the device at once.
+constexpr std::size_t kBlock = 1024, kTimed = 2048, kPortion = std::size_t{1} << 17;
+// Beziers shorter than this in their frame are points.
+constexpr double kLeastLength = 1e-100;
 // Bounds that are wider than the tolerance by less than this get narrow by twice the samples, twice at most:
 // they close with the square of their number, near curves' with the third power.
 constexpr double kWorthMoreSamples = 12;
 constexpr int kRounds = 3;
 
-// A pair in its frame: the elastica starts at the origin, everything lies within [-2, 2].
-struct Frame {
-  PairNumbers numbers{};
-  double scale = 1, omega = 0, bezier_bend = 0, tolerance = 0;
-  PairStatus status = PairStatus::kOk;
+struct Query {
+  std::span<const Bezier> beziers;
+  std::span<const ElasticaState> elastica;
+  double tolerance;
+  std::span<PairDistance> out;
+  [[nodiscard]] std::size_t size() const { return beziers.size(); }
+  [[nodiscard]] Query part(std::size_t first, std::size_t n) const {
+    return {beziers.subspan(first, n), elastica.subspan(first, n), tolerance, out.subspan(first, n)};
+  }
 };
 
-bool all_finite(const Bezier& b, const ElasticaState& e) {
-  for (const double v : {e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length}) {
-    if (!std::isfinite(v)) return false;
-  }
-  return std::all_of(b.begin(), b.end(), [](const Vector2d& p) { return p.allFinite(); });
-}
-
-// The power of two that brings an extent into [1/2, 1).
-double scale_of(double extent) {
-  int exponent = 0;
-  (void)std::frexp(extent, &exponent);
-  return extent > 0 ? std::ldexp(1.0, std::clamp(-exponent, -500, 500)) : 1;
-}
-
-void set_elastica(const ElasticaState& e, Frame& f) {
-  const double c = std::cos(e.theta), s = std::sin(e.theta), length = e.length * f.scale;
-  const double kappa = e.kappa / f.scale, l1 = e.lambda1 / f.scale / f.scale,
-               l2 = e.lambda2 / f.scale / f.scale;
-  const double lambda = std::hypot(l1, l2);
-  // kappa^2/2 - (lambda1 cos + lambda2 sin) is constant along the curve, and |kappa'| <= |lambda|.
-  const double crest = std::sqrt(kappa * kappa + 2 * std::max(0.0, lambda - (l1 * c + l2 * s)));
-  f.omega = std::sqrt(crest * crest + lambda);
-  const double bend = std::min(crest, std::abs(kappa) + lambda * length);
-  // A straight one may be run through in one step.
-  const double step = f.omega > HB_STEP_OMEGA / 4 ? HB_STEP_OMEGA / f.omega : 4;
-  const double values[] = {kappa, l1, l2, step, c, s, length, bend};
-  std::copy(std::begin(values), std::end(values), f.numbers.v + 8);
-}
-
-Frame frame_of(const Bezier& bezier, const ElasticaState& e, double tolerance) {
-  Frame f;
-  f.status = PairStatus::kInvalid;
-  if (!all_finite(bezier, e) || e.length < 0) return f;
-  const Vector2d start(e.x, e.y);
-  double extent = e.length;
-  for (const Vector2d& p : bezier) extent = std::max(extent, (p - start).lpNorm<Eigen::Infinity>());
-  if (!(extent < kGreatestExtent)) return f;
-  f.scale = scale_of(extent);
-  f.tolerance = tolerance * f.scale;
-  for (int axis = 0; axis < 2; ++axis) {
-    double b[4];
-    for (std::size_t k = 0; k < 4; ++k) b[k] = (bezier[k][axis] - start[axis]) * f.scale;
-    double* v = f.numbers.v + 4 * axis;
-    v[0] = b[0];
-    v[1] = 3 * (b[1] - b[0]);
-    v[2] = 3 * ((b[2] - b[1]) - (b[1] - b[0]));
-    v[3] = (b[3] - b[0]) - 3 * (b[2] - b[1]);
-  }
-  const double* v = f.numbers.v;
-  f.bezier_bend =
-      std::max(std::hypot(2 * v[2], 2 * v[6]), std::hypot(2 * v[2] + 6 * v[3], 2 * v[6] + 6 * v[7]));
-  set_elastica(e, f);
-  f.status = f.omega * f.numbers.v[14] <= kMostWinding ? PairStatus::kOk : PairStatus::kTooTight;
-  return f;
-}
-
-// The least power of two times `least` that reaches `wanted`.
-int rounded_up(double wanted, int least) {
-  double n = least;
-  while (n < wanted && n < 4 * kMostPairSamples) n *= 2;
-  return static_cast<int>(n);
-}
-
-int panels_of(const Frame& f) {
-  return rounded_up(f.omega * f.numbers.v[14], kLeastPanels);
-}
-
-// As many as suffice for curves that follow each other, by the third derivatives of kernels/curve_pair.h's
-// bound; others take more in the next rounds, or the search.
-int samples_of(const Frame& f) {
-  const double* v = f.numbers.v;
-  const double length = v[14], bend = v[15] * length, tension = std::hypot(v[9], v[10]) * length * length;
-  const double third =
-      6 * std::hypot(v[3], v[7]) + (tension + bend * bend) * length + 3 * bend * f.bezier_bend;
-  return rounded_up(std::cbrt(third / (16 * 0.5 * f.tolerance)), kLeastSamples);
-}
-
-class BezierSide {
- public:
-  explicit BezierSide(const Frame& f) : v_(f.numbers.v) {}
-  [[nodiscard]] Point at(double u) const {
-    Point p;
-    p.u = u;
-    for (int axis = 0; axis < 2; ++axis) {
-      const double* v = v_ + 4 * axis;
-      p.p[axis] = ((v[3] * u + v[2]) * u + v[1]) * u + v[0];
-      p.d1[axis] = (3 * v[3] * u + 2 * v[2]) * u + v[1];
-      p.d2[axis] = 6 * v[3] * u + 2 * v[2];
-    }
-    return p;
-  }
-  // The second derivative is affine.
-  [[nodiscard]] static double bend(const Point& a, const Point& b) {
-    return std::max(a.d2.norm(), b.d2.norm());
-  }
-
- private:
-  const double* v_;
-};
-
-// The elastica by one step from the nearest of even nodes.
-class ElasticaSide {
- public:
-  explicit ElasticaSide(const Frame& f)
-      : field_{f.numbers.v[8], f.numbers.v[9], f.numbers.v[10], f.numbers.v[11]},
-        length_(f.numbers.v[14]),
-        tension_(std::hypot(f.numbers.v[9], f.numbers.v[10])) {
-    const int steps = 1 + static_cast<int>(length_ / field_.most_step);
-    node_step_ = length_ / steps;
-    hb_elastica_point p{0, 0, f.numbers.v[12], f.numbers.v[13]};
-    for (int i = 0; i <= steps; ++i) {
-      nodes_.push_back(p);
-      hb_elastica_step(&field_, node_step_, &p);
-    }
-  }
-  [[nodiscard]] Point at(double u) const {
-    const double place = u * static_cast<double>(nodes_.size() - 1), node = std::round(place);
-    hb_elastica_point q = nodes_[static_cast<std::size_t>(node)];
-    hb_elastica_step(&field_, (place - node) * node_step_, &q);
-    const double pull = length_ * length_ * hb_elastica_curvature(&field_, &q);
-    return {u, {q.x, q.y}, length_ * Vector2d(q.c, q.s), pull * Vector2d(-q.s, q.c)};
-  }
-  // |kappa'| <= |lambda|.
-  [[nodiscard]] double bend(const Point& a, const Point& b) const {
-    const double slack = tension_ * length_ * length_ * length_ * std::abs(b.u - a.u);
-    return 0.5 * (a.d2.norm() + b.d2.norm() + slack);
-  }
-
- private:
-  hb_elastica_field field_;
-  double length_, tension_, node_step_ = 0;
-  std::vector<hb_elastica_point> nodes_;
-};
-
-// One block's pairs on their way.
+// A block of pairs on their way. Kernels is PairLanes or PairsOnDevice.
+template <typename Kernels>
 class Block {
  public:
-  Block(std::span<const Bezier> beziers, std::span<const ElasticaState> elastica, double tolerance) {
-    for (std::size_t i = 0; i < beziers.size(); ++i) {
-      frames_.push_back(frame_of(beziers[i], elastica[i], tolerance));
-      numbers_.push_back(frames_.back().numbers);
-    }
+  Block(const Query& q, const Kernels& kernels) : kernels_(kernels), frames_(q.size()), numbers_(q.size()) {
+    tbb::parallel_for(std::size_t{0}, q.size(), [&](std::size_t i) {
+      frames_[i] = pair_frame(q.beziers[i], q.elastica[i], q.tolerance);
+      numbers_[i] = frames_[i].numbers;
+    });
     for (auto* column : {&l2_, &h1_, &length_, &lower_, &upper_}) column->resize(frames_.size());
   }
 
@@ -194,7 +64,7 @@ class Block {
  private:
   [[nodiscard]] bool answerable(std::size_t i) const { return frames_[i].status == PairStatus::kOk; }
   // Room for rounding on either side of the bounds.
-  [[nodiscard]] static double narrow(const Frame& f) { return f.tolerance - 2 * kPairErrorRel; }
+  [[nodiscard]] static double narrow(const PairFrame& f) { return f.tolerance - 2 * kPairErrorRel; }
 
   // Calls run(queries, n) for the pairs of each n that count_of(i) gives, 0 for none.
   template <typename Count, typename Run>
@@ -213,9 +83,9 @@ class Block {
 
   void differences() {
     by_count(
-        kLeastPanels, [&](std::size_t i) { return answerable(i) ? panels_of(frames_[i]) : 0; },
+        kLeastPairPanels, [&](std::size_t i) { return answerable(i) ? pair_panels(frames_[i]) : 0; },
         [&](const PairQueries& q, int n) {
-          curve_lanes().differences(q, n, l2_.data(), h1_.data(), length_.data());
+          kernels_.differences(q, n, l2_.data(), h1_.data(), length_.data());
         });
   }
 
@@ -223,39 +93,37 @@ class Block {
     std::vector<int> samples(frames_.size());
     for (std::size_t i = 0; i < samples.size(); ++i) {
       upper_[i] = std::numeric_limits<double>::infinity();
-      const int wanted = answerable(i) && narrow(frames_[i]) > 0 ? samples_of(frames_[i]) : 0;
+      const int wanted = answerable(i) && narrow(frames_[i]) > 0 ? pair_samples(frames_[i]) : 0;
       samples[i] = wanted <= kMostPairSamples ? wanted : 0;
     }
     for (int round = 0; round < kRounds; ++round) {
       by_count(
-          kLeastSamples, [&](std::size_t i) { return samples[i]; },
-          [&](const PairQueries& q, int n) { curve_lanes().hausdorff(q, n, lower_.data(), upper_.data()); });
+          kLeastPairSamples, [&](std::size_t i) { return samples[i]; },
+          [&](const PairQueries& q, int n) { kernels_.hausdorff(q, n, lower_.data(), upper_.data()); });
       for (std::size_t i = 0; i < samples.size(); ++i) {
         const double gap = upper_[i] - lower_[i], narrow_enough = narrow(frames_[i]);
         const bool more = gap > narrow_enough && gap <= kWorthMoreSamples * narrow_enough;
         samples[i] = more && 2 * samples[i] <= kMostPairSamples ? 2 * samples[i] : 0;
       }
     }
-    std::size_t careful = 0;
+    std::vector<std::size_t> careful;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      if (!answerable(i) || upper_[i] - lower_[i] <= narrow(frames_[i])) continue;
-      search(i);
-      ++careful;
+      if (answerable(i) && !(upper_[i] - lower_[i] <= narrow(frames_[i]))) careful.push_back(i);
     }
-    return careful;
+    tbb::parallel_for(std::size_t{0}, careful.size(), [&](std::size_t k) { search(careful[k]); });
+    return careful.size();
   }
 
   void search(std::size_t i) {
-    const Frame& f = frames_[i];
-    const HausdorffRange range = elastica::hausdorff_search::both_ways(
-        BezierSide(f), ElasticaSide(f), std::max(narrow(f), 2 * kPairErrorRel));
+    const PairFrame& f = frames_[i];
+    const auto range = search_pair(f, std::max(narrow(f), 2 * kPairErrorRel));
     lower_[i] = range.lower;
     upper_[i] = range.upper;
   }
 
   [[nodiscard]] PairDistance result(std::size_t i) const {
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    const Frame& f = frames_[i];
+    const PairFrame& f = frames_[i];
     PairDistance r{kNaN, kNaN, kNaN, kNaN, f.status};
     if (!answerable(i)) return r;
     const double upper = upper_[i] + kPairErrorRel, lower = std::max(0.0, lower_[i] - kPairErrorRel);
@@ -272,27 +140,92 @@ class Block {
     return r;
   }
 
-  std::vector<Frame> frames_;
+  const Kernels& kernels_;
+  std::vector<PairFrame> frames_;
   std::vector<PairNumbers> numbers_;
   std::vector<double> l2_, h1_, length_, lower_, upper_;
 };
 
-}  // namespace
-
-std::size_t pair_distances(std::span<const Bezier> beziers, std::span<const ElasticaState> elastica,
-                           double tolerance, std::span<PairDistance> out) {
-  if (elastica.size() != beziers.size() || out.size() != beziers.size()) {
-    throw std::logic_error("pair_distances: spans of different sizes");
-  }
-  if (!(tolerance > 0)) throw std::logic_error("pair_distances: needs a tolerance above 0");
-  const std::size_t blocks = (beziers.size() + kBlock - 1) / kBlock;
+// Both return how many pairs needed the careful search.
+std::size_t on_host(const Query& q) {
+  const std::size_t blocks = (q.size() + kBlock - 1) / kBlock;
   std::atomic<std::size_t> careful = 0;
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    const std::size_t first = block * kBlock, n = std::min(kBlock, beziers.size() - first);
-    careful +=
-        Block(beziers.subspan(first, n), elastica.subspan(first, n), tolerance).answer(out.subspan(first, n));
+    const Query part = q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock));
+    careful += Block(part, pair_lanes()).answer(part.out);
   });
   return careful;
+}
+
+std::size_t on_device(const PairsOnDevice& device, const Query& q) {
+  std::size_t careful = 0;
+  for (std::size_t first = 0; first < q.size(); first += kPortion) {
+    const Query part = q.part(first, std::min(kPortion, q.size() - first));
+    careful += Block(part, device).answer(part.out);
+  }
+  return careful;
+}
+
+// Returns the seconds that all would take by what a part takes, after a run that warms up.
+template <typename Run>
+double predicted_s(const Query& q, const Run& run) {
+  const Query part = q.part(0, std::min(kTimed, q.size()));
+  if (part.size() == 0) return 0;
+  run(part);
+  const auto start = std::chrono::steady_clock::now();
+  run(part);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() *
+         static_cast<double>(q.size()) / static_cast<double>(part.size());
+}
+
+}  // namespace
+
+const PairLanes& pair_lanes() {
+  switch (elastica::best_simd()) {
+    case elastica::Simd::kAvx512:
+      return kPairAvx512;
+    case elastica::Simd::kAvx2:
+      return kPairAvx2;
+    case elastica::Simd::kBaseline:
+      break;
+  }
+  return kPairBaseline;
+}
+
+struct PairDistances::Impl {
+  explicit Impl(Backend backend) : choice(backend) {}
+  mutable BackendChoice<PairsOnDevice> choice;
+};
+
+PairDistances::PairDistances(Backend backend) : impl_(std::make_unique<Impl>(backend)) {}
+PairDistances::~PairDistances() = default;
+PairDistances::PairDistances(PairDistances&&) noexcept = default;
+PairDistances& PairDistances::operator=(PairDistances&&) noexcept = default;
+
+std::size_t PairDistances::query(std::span<const Bezier> beziers, std::span<const ElasticaState> elastica,
+                                 double tolerance, std::span<PairDistance> out) const {
+  if (elastica.size() != beziers.size() || out.size() != beziers.size()) {
+    throw std::logic_error("PairDistances::query: spans of different sizes");
+  }
+  if (!(tolerance > 0)) throw std::logic_error("PairDistances::query: needs a tolerance above 0");
+  const Query q{beziers, elastica, tolerance, out};
+  const auto device = impl_->choice.choose(
+      [&] { return predicted_s(q, on_host); }, [] { return std::make_shared<const PairsOnDevice>(); },
+      [&](const PairsOnDevice& pairs) {
+        return predicted_s(q, [&](const Query& part) { on_device(pairs, part); });
+      });
+  if (device) {
+    try {
+      return on_device(*device, q);
+    } catch (const DeviceError& error) {
+      impl_->choice.drop(error);
+    }
+  }
+  return on_host(q);
+}
+
+BackendUse PairDistances::used() const {
+  return impl_->choice.used();
 }
 
 }  // namespace hotblade::gpu

@@ -3,15 +3,17 @@
 #pragma once
 
 #include "elastica/kernels/simd_lanes.h"
-// Lanes first.
+// Lanes first; products and sums rounded one by one, for the same bits everywhere (pair_lanes.hpp).
+#undef HB_FMA
+#define HB_FMA(a, b, c) ((a) * (b) + (c))
 #include "elastica/kernels/curve_pair.h"
-#include "gpu/curve/curve_lanes.hpp"
+#include "gpu/curve/pair_lanes.hpp"
 
 namespace hotblade::gpu {
 namespace {
 
 // Missing lanes repeat the last pair.
-inline __attribute__((always_inline)) hb_pair pair_lanes(const PairQueries& q, std::size_t first) {
+inline __attribute__((always_inline)) hb_pair pair_at(const PairQueries& q, std::size_t first) {
   double numbers[16][HB_LANES];
   for (std::size_t i = 0; i < HB_LANES; ++i) {
     const std::size_t at = first + i < q.n ? first + i : q.n - 1;
@@ -32,7 +34,7 @@ inline __attribute__((always_inline)) void scatter(const PairQueries& q, std::si
 
 void differences_of_pairs(const PairQueries& q, int panels, double* l2, double* h1, double* length) {
   for (std::size_t first = 0; first < q.n; first += HB_LANES) {
-    const hb_pair pair = pair_lanes(q, first);
+    const hb_pair pair = pair_at(q, first);
     const hb_pair_difference d = hb_pair_differences(&pair, panels);
     scatter(q, first, d.l2, l2);
     scatter(q, first, d.h1, h1);
@@ -43,8 +45,8 @@ void differences_of_pairs(const PairQueries& q, int panels, double* l2, double* 
 void hausdorff_of_pairs(const PairQueries& q, int samples, double* lower, double* upper) {
   hb_pair_node nodes[kMostPairSamples + 3];
   for (std::size_t first = 0; first < q.n; first += HB_LANES) {
-    const hb_pair pair = pair_lanes(q, first);
-    const hb_pair_bounds b = hb_pair_hausdorff(&pair, samples, nodes);
+    const hb_pair pair = pair_at(q, first);
+    const hb_pair_bounds b = hb_pair_hausdorff(&pair, samples, nodes, 1);
     scatter(q, first, b.lower, lower);
     scatter(q, first, b.upper, upper);
   }

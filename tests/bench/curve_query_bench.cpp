@@ -118,9 +118,10 @@ void pair_distances(benchmark::State& state) {
   const double tolerance = std::pow(10.0, -static_cast<double>(state.range(1)));
   const std::size_t count = fitted ? 20000 : 500;
   const Pairs pairs = some_pairs(fitted, count);
+  const gpu::PairDistances distances;
   std::vector<gpu::PairDistance> out(count);
   std::size_t careful = 0;
-  for (auto _ : state) careful = gpu::pair_distances(pairs.beziers, pairs.elastica, tolerance, out);
+  for (auto _ : state) careful = distances.query(pairs.beziers, pairs.elastica, tolerance, out);
   state.counters["careful_share"] = static_cast<double>(careful) / static_cast<double>(count);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(count));
 }

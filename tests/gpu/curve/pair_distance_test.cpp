@@ -1,4 +1,5 @@
-// Pairs in bulk against the one-pair routines of the elastica room and against dense samples.
+// Pairs in bulk on every backend against the one-pair routines of the elastica room and against dense
+// samples.
 #include "gpu/curve/pair_distance.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,8 @@
 
 #include "elastica/bezier/curve_distance.hpp"
 #include "elastica/fit/fit_bezier.hpp"
-#include "gpu/curve/curve_lanes.hpp"
+#include "elastica/kernels/simd.hpp"
+#include "gpu/curve/pair_lanes.hpp"
 
 namespace hotblade::gpu {
 namespace {
@@ -42,9 +44,9 @@ struct Answers {
   std::size_t careful = 0;
 };
 
-Answers ask(const Pairs& pairs, double tolerance) {
+Answers ask(const Pairs& pairs, double tolerance, Backend backend) {
   Answers answers{std::vector<PairDistance>(pairs.size())};
-  answers.careful = pair_distances(pairs.beziers, pairs.elastica, tolerance, answers.pairs);
+  answers.careful = PairDistances(backend).query(pairs.beziers, pairs.elastica, tolerance, answers.pairs);
   return answers;
 }
 
@@ -140,10 +142,19 @@ std::pair<double, double> dense_hausdorff(const Bezier& b, const Elastica& e) {
   return {std::max(directed(p, q), directed(q, p)), gap};
 }
 
-TEST(PairDistances, OfRibsAreThoseOfTheOnePairRoutine) {
+class PairDistancesOnEachBackend : public testing::TestWithParam<Backend> {
+ protected:
+  void SetUp() override {
+    const PairDistances pairs(GetParam());
+    (void)pairs.query({}, {}, 1, {});
+    if (pairs.used().backend != GetParam()) GTEST_SKIP() << pairs.used().reason;
+  }
+};
+
+TEST_P(PairDistancesOnEachBackend, OfRibsAreThoseOfTheOnePairRoutine) {
   const Pairs pairs = ribs(300, 1);
   const double tolerance = 0.01;  // of ribs 1000 long
-  const Answers answers = ask(pairs, tolerance);
+  const Answers answers = ask(pairs, tolerance, GetParam());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const PairDistance& a = answers.pairs[i];
     ASSERT_EQ(a.status, PairStatus::kOk) << i;
@@ -162,9 +173,9 @@ TEST(PairDistances, OfRibsAreThoseOfTheOnePairRoutine) {
   EXPECT_LT(answers.careful, pairs.size() / 10);
 }
 
-TEST(PairDistances, OfStrangersAreThoseOfTheOnePairRoutine) {
+TEST_P(PairDistancesOnEachBackend, OfStrangersAreThoseOfTheOnePairRoutine) {
   const Pairs pairs = strangers(60, 2);
-  const Answers answers = ask(pairs, 1e-4);
+  const Answers answers = ask(pairs, 1e-4, GetParam());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const PairDistance& a = answers.pairs[i];
     ASSERT_EQ(a.status, PairStatus::kOk) << i;
@@ -179,7 +190,7 @@ TEST(PairDistances, OfStrangersAreThoseOfTheOnePairRoutine) {
   }
 }
 
-TEST(PairDistances, BoundTheDistanceOfDenseSamplesAtEveryTolerance) {
+TEST_P(PairDistancesOnEachBackend, BoundTheDistanceOfDenseSamplesAtEveryTolerance) {
   Pairs pairs = strangers(8, 3);
   // Near ones, whose feet the kernels follow.
   std::mt19937_64 random(4);
@@ -202,7 +213,7 @@ TEST(PairDistances, BoundTheDistanceOfDenseSamplesAtEveryTolerance) {
   for (std::size_t i = 0; i < pairs.size(); ++i)
     dense.push_back(dense_hausdorff(pairs.beziers[i], pairs.state(i)));
   for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-5, 1e-8}) {
-    const Answers answers = ask(pairs, tolerance);
+    const Answers answers = ask(pairs, tolerance, GetParam());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const PairDistance& a = answers.pairs[i];
       // Number 3's bounds close slowly, where a foot jumps; the one-pair search's too.
@@ -216,7 +227,7 @@ TEST(PairDistances, BoundTheDistanceOfDenseSamplesAtEveryTolerance) {
   }
 }
 
-TEST(PairDistances, OfCurvesInSpecialPositionAreKnown) {
+TEST_P(PairDistancesOnEachBackend, OfCurvesInSpecialPositionAreKnown) {
   const double pi = std::numbers::pi;
   const Bezier line{Vector2d(0, 0), {1, 0}, {2, 0}, {3, 0}};
   Pairs pairs;
@@ -230,7 +241,7 @@ TEST(PairDistances, OfCurvesInSpecialPositionAreKnown) {
   const double far = std::hypot(2, 2);
   const double expected[] = {0, 0.25, 1, 2, 0, 0, far};
   for (const double tolerance : {1e-2, 1e-4, 1e-8}) {
-    const Answers answers = ask(pairs, tolerance);
+    const Answers answers = ask(pairs, tolerance, GetParam());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const PairDistance& a = answers.pairs[i];
       EXPECT_GE(a.hausdorff, expected[i]) << i;
@@ -242,7 +253,7 @@ TEST(PairDistances, OfCurvesInSpecialPositionAreKnown) {
       }
     }
   }
-  const Answers answers = ask(pairs, 1e-4);
+  const Answers answers = ask(pairs, 1e-4, GetParam());
   EXPECT_NEAR(answers.pairs[0].l2, 0, 1e-12);
   EXPECT_NEAR(answers.pairs[0].h1, 0, 1e-12);
   EXPECT_NEAR(answers.pairs[1].l2, 0.25 / 3, 1e-12);
@@ -252,7 +263,7 @@ TEST(PairDistances, OfCurvesInSpecialPositionAreKnown) {
   EXPECT_NEAR(answers.pairs[4].h1, std::sqrt(1.0 / 3 + pi * pi), 1e-9);
 }
 
-TEST(PairDistances, OfCuspsAndLoopsHold) {
+TEST_P(PairDistancesOnEachBackend, OfCuspsAndLoopsHold) {
   Pairs pairs;
   const Bezier cusp{Vector2d(0, 0), {1, 1}, {0, 1}, {1, 0}}, loop{Vector2d(0, 0), {2, 1}, {-1, 1}, {1, 0}};
   const Bezier no_edge{Vector2d(0, 0), {0, 0}, {1, 1}, {2, 0}};
@@ -262,7 +273,7 @@ TEST(PairDistances, OfCuspsAndLoopsHold) {
     pairs.add(b, {0, 0, 0.8, -9, 0, 0, 2});  // almost three turns of a circle
     pairs.add(b, random_elastica(random));
   }
-  const Answers answers = ask(pairs, 1e-5);
+  const Answers answers = ask(pairs, 1e-5, GetParam());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const PairDistance& a = answers.pairs[i];
     EXPECT_EQ(a.status, PairStatus::kOk) << i;
@@ -275,10 +286,10 @@ TEST(PairDistances, OfCuspsAndLoopsHold) {
   }
 }
 
-TEST(PairDistances, FollowAnyScaleAndPlace) {
+TEST_P(PairDistancesOnEachBackend, FollowAnyScaleAndPlace) {
   const Pairs near = ribs(20, 7), strange = strangers(20, 8);
   for (const Pairs* base : {&near, &strange}) {
-    const Answers answers = ask(*base, 1e-3);
+    const Answers answers = ask(*base, 1e-3, GetParam());
     for (const double scale : {1e-60, 1e-6, 1e6, 1e60}) {
       Pairs scaled;
       for (std::size_t i = 0; i < base->size(); ++i) {
@@ -288,7 +299,7 @@ TEST(PairDistances, FollowAnyScaleAndPlace) {
         scaled.add(b, {e.x * scale, e.y * scale, e.theta, e.kappa / scale, e.lambda1 / scale / scale,
                        e.lambda2 / scale / scale, e.length * scale});
       }
-      const Answers again = ask(scaled, 1e-3 * scale);
+      const Answers again = ask(scaled, 1e-3 * scale, GetParam());
       for (std::size_t i = 0; i < base->size(); ++i) {
         EXPECT_NEAR(again.pairs[i].l2, answers.pairs[i].l2, 1e-9) << scale;
         EXPECT_NEAR(again.pairs[i].h1, answers.pairs[i].h1, 1e-9) << scale;
@@ -300,30 +311,31 @@ TEST(PairDistances, FollowAnyScaleAndPlace) {
   // A curve of a millionth of the other's size.
   Pairs uneven;
   uneven.add({Vector2d(0, 0), {1e-6, 1e-6}, {2e-6, 1e-6}, {3e-6, 0}}, {0, 0, 0, 0, 0, 0, 1});
-  const PairDistance a = ask(uneven, 1e-7).pairs[0];
+  const PairDistance a = ask(uneven, 1e-7, GetParam()).pairs[0];
   EXPECT_NEAR(a.hausdorff, 1 - 3e-6, 1e-7);
   const auto [l2, h1] = dense_differences(uneven.beziers[0], uneven.state(0));
   EXPECT_NEAR(a.l2, l2, 1e-5 * l2);
   EXPECT_NEAR(a.h1, h1, 1e-5 * h1);
 }
 
-TEST(PairDistances, DoNotDependOnCompanyPartsOrThreads) {
+TEST_P(PairDistancesOnEachBackend, DoNotDependOnCompanyPartsOrThreads) {
   Pairs pairs = ribs(700, 9);
   const Pairs others = strangers(500, 10);
   for (std::size_t i = 0; i < others.size(); ++i) pairs.add(others.beziers[i], others.state(i));
   const auto on = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return ask(pairs, 0.05).pairs;
+    return ask(pairs, 0.05, GetParam()).pairs;
   };
   const auto one = on(1), two = on(2);
   for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_TRUE(same_bits(one[i], two[i])) << i;
+  const PairDistances on_backend(GetParam());
   std::vector<PairDistance> part(613);
-  (void)pair_distances(std::span(pairs.beziers).subspan(311, part.size()),
-                       std::span(pairs.elastica).subspan(311, part.size()), 0.05, part);
+  (void)on_backend.query(std::span(pairs.beziers).subspan(311, part.size()),
+                         std::span(pairs.elastica).subspan(311, part.size()), 0.05, part);
   for (std::size_t i = 0; i < part.size(); ++i) EXPECT_TRUE(same_bits(one[311 + i], part[i])) << i;
   PairDistance alone;
-  (void)pair_distances(std::span(pairs.beziers).subspan(42, 1), std::span(pairs.elastica).subspan(42, 1),
-                       0.05, std::span(&alone, 1));
+  (void)on_backend.query(std::span(pairs.beziers).subspan(42, 1), std::span(pairs.elastica).subspan(42, 1),
+                         0.05, std::span(&alone, 1));
   EXPECT_TRUE(same_bits(alone, one[42]));
 }
 
@@ -340,40 +352,31 @@ std::vector<PairNumbers> arches(std::size_t n) {
   return pairs;
 }
 
-TEST(PairDistances, DifferByRoundingBetweenInstructionSets) {
+TEST(PairLanes, HaveTheSameBitsOnEveryInstructionSet) {
   const auto pairs = arches(21);
   std::vector<unsigned> index(pairs.size());
   for (std::size_t i = 0; i < index.size(); ++i) index[i] = static_cast<unsigned>(i);
   const PairQueries queries{pairs.data(), index.data(), index.size()};
   using Columns = std::array<std::vector<double>, 5>;
-  const auto on = [&](const CurveLanes& lanes) {
+  const auto on = [&](const PairLanes& lanes) {
     Columns c;
     for (auto& column : c) column.resize(pairs.size());
     lanes.differences(queries, 8, c[0].data(), c[1].data(), c[2].data());
     lanes.hausdorff(queries, 32, c[3].data(), c[4].data());
     return c;
   };
-  const Columns base = on(kCurveBaseline), widest = on(curve_lanes());
-  for (std::size_t k = 0; k < base.size(); ++k) {
-    for (std::size_t i = 0; i < pairs.size(); ++i)
-      EXPECT_NEAR(base[k][i], widest[k][i], 1e-12) << k << ' ' << i;
+  const Columns base = on(kPairBaseline);
+  EXPECT_TRUE(base == on(pair_lanes()));
+  if (elastica::supported(elastica::Simd::kAvx2)) {
+    EXPECT_TRUE(base == on(kPairAvx2));
   }
-#if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
-    const Columns middle = on(kCurveAvx2);
-    for (std::size_t k = 0; k < base.size(); ++k) {
-      for (std::size_t i = 0; i < pairs.size(); ++i)
-        EXPECT_NEAR(base[k][i], middle[k][i], 1e-12) << k << ' ' << i;
-    }
-  }
-#endif
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     EXPECT_GT(base[3][i], 0);
     EXPECT_LT(base[4][i] - base[3][i], 1e-3);
   }
 }
 
-TEST(PairDistances, SayWhereThereIsNoAnswer) {
+TEST_P(PairDistancesOnEachBackend, SayWhereThereIsNoAnswer) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const Bezier arch{Vector2d(0, 0), {1, 1}, {2, 1}, {3, 0}};
   Bezier broken = arch;
@@ -387,7 +390,7 @@ TEST(PairDistances, SayWhereThereIsNoAnswer) {
   const Vector2d at(3, 4);
   pairs.add({at, at, at, at}, {0, 0, 0, 0, 0, 0, 3});
   pairs.add(arch, {0, 0, 0.5, -0.5, 0, 0, 3});
-  const Answers answers = ask(pairs, 1e-3);
+  const Answers answers = ask(pairs, 1e-3, GetParam());
   using enum PairStatus;
   const PairStatus expected[] = {kInvalid, kInvalid, kInvalid, kInvalid, kTooTight, kNoLength, kOk};
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -397,21 +400,46 @@ TEST(PairDistances, SayWhereThereIsNoAnswer) {
   }
   EXPECT_NEAR(answers.pairs[5].hausdorff, 5, 1e-3);
   // Nothing is that narrow: the bounds hold, and the status says that they are wide.
-  const PairDistance wide = ask(pairs, 1e-14).pairs.back();
+  const PairDistance wide = ask(pairs, 1e-14, GetParam()).pairs.back();
   EXPECT_EQ(wide.status, kWide);
   EXPECT_LE(wide.hausdorff - wide.hausdorff_error, answers.pairs.back().hausdorff);
 }
 
-TEST(PairDistances, AnswerNoneForNoneAndRefuseWhatMakesNoSense) {
-  EXPECT_EQ(ask({}, 1).careful, 0u);
+TEST_P(PairDistancesOnEachBackend, AnswerNoneForNoneAndRefuseWhatMakesNoSense) {
+  EXPECT_EQ(ask({}, 1, GetParam()).careful, 0u);
   const Pairs pairs = strangers(2, 11);
   std::vector<PairDistance> out(1);
-  EXPECT_THROW(pair_distances(pairs.beziers, pairs.elastica, 1, out), std::logic_error);
+  const PairDistances on_backend(GetParam());
+  EXPECT_THROW((void)on_backend.query(pairs.beziers, pairs.elastica, 1, out), std::logic_error);
   out.resize(2);
-  EXPECT_THROW(pair_distances(pairs.beziers, pairs.elastica, 0, out), std::logic_error);
-  EXPECT_THROW(pair_distances(pairs.beziers, pairs.elastica, std::numeric_limits<double>::quiet_NaN(), out),
-               std::logic_error);
+  EXPECT_THROW((void)on_backend.query(pairs.beziers, pairs.elastica, 0, out), std::logic_error);
+  EXPECT_THROW(
+      (void)on_backend.query(pairs.beziers, pairs.elastica, std::numeric_limits<double>::quiet_NaN(), out),
+      std::logic_error);
 }
+
+// Lengths and tolerances that take every number of samples, and the search.
+TEST(PairDistances, HaveTheSameBitsOnEveryBackend) {
+  Pairs pairs = ribs(600, 13);
+  const Pairs others = strangers(200, 14);
+  for (std::size_t i = 0; i < others.size(); ++i) pairs.add(others.beziers[i], others.state(i));
+  const PairDistances on_device(Backend::kOpenCl);
+  std::vector<PairDistance> device(pairs.size());
+  for (const double tolerance : {1.0, 0.01, 1e-4}) {
+    const std::size_t careful = on_device.query(pairs.beziers, pairs.elastica, tolerance, device);
+    if (on_device.used().backend != Backend::kOpenCl) GTEST_SKIP() << on_device.used().reason;
+    const Answers host = ask(pairs, tolerance, Backend::kCpu);
+    EXPECT_EQ(careful, host.careful);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      EXPECT_TRUE(same_bits(device[i], host.pairs[i])) << i << ", tolerance " << tolerance;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, PairDistancesOnEachBackend, testing::Values(Backend::kCpu, Backend::kOpenCl),
+                         [](const auto& instantiation) {
+                           return instantiation.param == Backend::kCpu ? "Cpu" : "OpenCl";
+                         });
 
 }  // namespace
 }  // namespace hotblade::gpu
