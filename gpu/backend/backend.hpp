@@ -1,4 +1,4 @@
-// Where distances are computed.
+// Names where distances are computed, and what computed them in the end.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ enum class Backend {
   kOpenCl,  // an OpenCL device; the CPU, with a message, when there is none or it fails
 };
 
-// What answered in the end, and why: for messages and run.json. Values do not depend on it.
+// Says what answered in the end, and why; messages and run.json show it. Values do not depend on it.
 struct BackendUse {
   Backend backend = Backend::kCpu;  // kCpu or kOpenCl
   std::string name = "cpu";         // "cpu", or "opencl" and the device's name

@@ -1,5 +1,5 @@
-// Which backend answers a query: started when first needed, timed where that can pay, dropped for good when
-// it fails.
+// Decides which backend answers a query. A device is started when it is first needed, timed where that can
+// pay, and dropped for good when it fails.
 #pragma once
 
 #include <memory>
@@ -15,18 +15,19 @@ namespace hotblade::gpu {
 // s.
 inline constexpr double kDeviceStart_s = 0.5;
 
-// "1.2 s", for messages.
+// Returns "1.2 s", for messages.
 [[nodiscard]] std::string rounded_seconds(double seconds);
 
-// Search is what runs on the device, with facts(). Safe for concurrent callers.
+// Search is what runs on the device; its facts() name that. Concurrent callers are safe.
 template <typename Search>
 class BackendChoice {
  public:
   using Device = std::shared_ptr<const Search>;
   explicit BackendChoice(Backend wanted) : wanted_(wanted) {}
 
-  // The device that is to answer, or null for the host. host_s() and device_s(search) give the seconds that
-  // the query would take, make() starts the search; what throws DeviceError leaves the work to the host.
+  // Returns the device that is to answer, or null for the host. host_s() and device_s(search) give the
+  // seconds that the query would take, make() starts the search; what throws DeviceError leaves the work to
+  // the host.
   template <typename HostSeconds, typename Make, typename DeviceSeconds>
   [[nodiscard]] Device choose(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
     const std::lock_guard lock(mutex_);
@@ -43,12 +44,13 @@ class BackendChoice {
     return device_;
   }
 
-  // After a failure: the host answers from now on, and used() says why.
+  // Takes note of a failure: the host answers from now on, and used() says why.
   void drop(const DeviceError& error) {
     const std::lock_guard lock(mutex_);
     forget(error);
   }
 
+  // Returns what answered the last query, and why.
   [[nodiscard]] BackendUse used() const {
     const std::lock_guard lock(mutex_);
     return use_;

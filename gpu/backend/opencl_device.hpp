@@ -1,4 +1,5 @@
-// One OpenCL device behind values and exceptions: found, its programs built, memory, launches.
+// Holds one OpenCL device behind values and exceptions: finds it, builds its programs, and owns memory and
+// launches.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +15,8 @@
 
 namespace hotblade::gpu {
 
-// A device that is missing, lacks something, ran out of memory or was lost; the caller falls back to the CPU.
+// Says that a device is missing, lacks something, ran out of memory or was lost; the caller falls back to the
+// CPU.
 class DeviceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -22,7 +24,7 @@ class DeviceError : public std::runtime_error {
 
 class OpenClDevice;
 
-// Memory on the device, freed with the value.
+// Owns memory on the device, which is freed with the value.
 class DeviceBuffer {
  public:
   DeviceBuffer() = default;
@@ -35,7 +37,7 @@ class DeviceBuffer {
   std::size_t bytes_ = 0;
 };
 
-// A kernel with its arguments; not for two threads at once.
+// Holds a kernel with its arguments. Two threads must not use one at once.
 class DeviceKernel {
  public:
   void set(unsigned index, const DeviceBuffer& buffer);
@@ -57,17 +59,17 @@ struct DeviceFacts {
   std::size_t memory_bytes = 0, largest_buffer_bytes = 0;
 };
 
-// The device that OpenClDevice() takes, without starting it: the one that HOTBLADE_OPENCL_DEVICE names (part
-// of its name), else a GPU before an accelerator before a CPU. Throws DeviceError when there is none; a
-// system without any driver is such a case. HOTBLADE_OPENCL_MEMORY_MIB says how much of its memory may be
-// used; anything but a whole number above 0 is a DeviceError.
+// Returns the device that OpenClDevice() takes, without starting it: the one that HOTBLADE_OPENCL_DEVICE
+// names (part of its name), else a GPU before an accelerator before a CPU. Throws DeviceError when there is
+// none; a system without any driver is such a case. HOTBLADE_OPENCL_MEMORY_MIB says how much of its memory
+// may be used; anything but a whole number above 0 is a DeviceError.
 [[nodiscard]] DeviceFacts find_opencl_device();
 
 // Every member throws DeviceError when the device refuses, with the OpenCL code in words.
 class OpenClDevice {
  public:
-  // The device that HOTBLADE_OPENCL_DEVICE names (part of its name), else a GPU before an accelerator before
-  // a CPU. Throws DeviceError when there is none; a system without any driver is such a case.
+  // Starts the device that HOTBLADE_OPENCL_DEVICE names (part of its name), else a GPU before an accelerator
+  // before a CPU. Throws DeviceError when there is none; a system without any driver is such a case.
   OpenClDevice();
 
   [[nodiscard]] const DeviceFacts& facts() const { return facts_; }
@@ -93,14 +95,14 @@ class OpenClDevice {
   mutable std::map<std::string, std::shared_ptr<void>, std::less<>> programs_;  // by source
 };
 
-// The one device that everything on it shares, with its programs, as long as anything holds it. Throws
+// Returns the one device that everything shares, with its programs, as long as anything holds it. Throws
 // DeviceError as OpenClDevice() does.
 [[nodiscard]] std::shared_ptr<const OpenClDevice> shared_opencl_device();
 
-// After a failure: who asks next starts the device anew.
+// Drops the shared device after a failure: who asks next starts it anew.
 void forget_opencl_device();
 
-// OpenCL's error code in words, with the code.
+// Returns OpenCL's error code in words, with the code.
 [[nodiscard]] std::string opencl_error_text(int code);
 
 }  // namespace hotblade::gpu

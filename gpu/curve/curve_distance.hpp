@@ -1,5 +1,5 @@
-// Distance from many points in a plane to one curve: a cubic Bezier, or a chain of quadratic ones (an
-// elastica: elastica/quadratic/quadratic_chain.hpp gives its chain and how far it strays).
+// Computes the distances from many points in a plane to one curve: a cubic Bezier, or a chain of quadratic
+// ones (an elastica: elastica/quadratic/quadratic_chain.hpp gives its chain and how far it strays).
 //
 // Promise of every backend: the distance is within kErrorRel of the true one to that curve, relative to the
 // largest coordinate that takes part (the curve's and the point's, from the curve's first control point), and
@@ -21,7 +21,7 @@
 
 namespace hotblade::gpu {
 
-// A curve prepared for queries: control points finite, in any unit. Safe for concurrent queries.
+// Holds a curve prepared for queries; control points are finite, in any unit. Concurrent queries are safe.
 class CurveDistance {
  public:
   // The parameter t of an answer is the cubic's own, or i + u at u on quadratic i. Both throw
@@ -41,7 +41,7 @@ class CurveDistance {
   std::size_t query(std::span<const double> x, std::span<const double> y, std::span<double> distance,
                     std::span<double> t) const;
 
-  // What answered the last query, and why.
+  // Returns what answered the last query, and why.
   [[nodiscard]] BackendUse used() const;
 
   static constexpr double kErrorRel = 1e-14;

@@ -1,4 +1,4 @@
-// The nearest point of a curve on an OpenCL device.
+// Finds the nearest points of a curve on an OpenCL device.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,9 +20,9 @@ class CurveSearchOnDevice {
 
   [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
 
-  // For every point of the curve's frame its distance and parameter; distance -1 where the device does not
-  // prove it. Portions as in opencl_portions.hpp. Safe for concurrent callers, who take turns. Throws
-  // DeviceError.
+  // Writes the distance and parameter of every point of the curve's frame; the distance is -1 where the
+  // device does not prove it. Points go in portions (opencl_portions.hpp), and concurrent callers take turns.
+  // Throws DeviceError.
   void nearest(std::span<const Eigen::Vector2d> points, std::span<Eigen::Vector2d> answers) const;
 
  private:

@@ -1,5 +1,5 @@
-// A curve cut into pieces for nearest-point queries, and the search for points whose nearest place the
-// kernels do not prove.
+// Cuts a curve into pieces for nearest-point queries, and searches for points whose nearest place the kernels
+// do not prove.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +21,8 @@ struct CurvePieces {
   [[nodiscard]] Eigen::Vector2d local(const Eigen::Vector2d& point) const { return (point - origin) * scale; }
 };
 
-// Control points are finite (std::logic_error otherwise). The parameter is a cubic's own in [0, 1], or
-// i + u on quadratic i of at least one.
+// Both return the curve's pieces. Control points are finite (std::logic_error otherwise). The parameter is a
+// cubic's own in [0, 1], or i + u on quadratic i of at least one.
 [[nodiscard]] CurvePieces pieces_of_cubic(const std::array<Eigen::Vector2d, 4>& control);
 [[nodiscard]] CurvePieces pieces_of_quadratics(std::span<const std::array<Eigen::Vector2d, 3>> chain);
 
@@ -30,8 +30,8 @@ struct CurveNearest {
   double distance = 0, t = 0;
 };
 
-// Branch and bound on one finite point, all of the curve's frame: right for every curve, to `rounding` of the
-// size.
+// Returns the nearest place to one finite point, by branch and bound, all in the curve's frame: right for
+// every curve, to `rounding` of the size.
 [[nodiscard]] CurveNearest nearest_by_search(const CurvePieces& curve, const Eigen::Vector2d& local_point,
                                              double rounding);
 

@@ -1,4 +1,4 @@
-// Lambda-residuals of many cubic Beziers on either backend, by the formulas of
+// Computes the lambda-residuals of many cubic Beziers on either backend, by the formulas of
 // elastica/kernels/lambda_residual.h (what the residual is: elastica/bezier/lambda_residual.hpp). Backends
 // and instruction sets differ by rounding, 1e-9 where e is well determined; the number of threads changes no
 // bit.
@@ -14,7 +14,7 @@
 
 namespace hotblade::gpu {
 
-// The order is that of the kernel's codes.
+// Says whether a residual has a value; the order is that of the kernel's codes.
 enum class ResidualStatus : std::uint8_t {
   kOk,
   kStraight,   // e = 0 by definition
@@ -22,7 +22,7 @@ enum class ResidualStatus : std::uint8_t {
   kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
-// Safe for concurrent queries.
+// Answers concurrent queries safely.
 class LambdaResiduals {
  public:
   explicit LambdaResiduals(Backend backend = Backend::kCpu);
@@ -30,12 +30,12 @@ class LambdaResiduals {
   LambdaResiduals(LambdaResiduals&&) noexcept;
   LambdaResiduals& operator=(LambdaResiduals&&) noexcept;
 
-  // e[i] and status[i] of curve i, by its control points; e is 0 where the status is not kOk. Runs on all
-  // cores allowed. Throws std::logic_error when the spans differ in size.
+  // Writes e[i] and status[i] of curve i, by its control points; e is 0 where the status is not kOk. It runs
+  // on all cores allowed. Throws std::logic_error when the spans differ in size.
   void query(std::span<const std::array<Eigen::Vector2d, 4>> curves, std::span<double> e,
              std::span<ResidualStatus> status) const;
 
-  // What answered the last query, and why.
+  // Returns what answered the last query, and why.
   [[nodiscard]] BackendUse used() const;
 
  private:

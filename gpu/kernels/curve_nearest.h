@@ -1,4 +1,4 @@
-/* The nearest point of a curve to a query, in the common subset of C++ (lane by lane) and OpenCL C.
+/* Finds the nearest point of a curve to a query, in the common subset of C++ (lane by lane) and OpenCL C.
  *
  * Where the squared distance is convex over a piece - its second derivative's Bernstein coefficients tell -
  * the minimum there is the only one, and how far a point is from it follows from the slope: with D half the

@@ -1,4 +1,4 @@
-/* A curve prepared for nearest-point queries, as it lies in memory on the host and on a device: polynomial
+/* Lays out a curve prepared for nearest-point queries in memory, on the host and on a device: polynomial
  * pieces of degree three or less, each with its chord and what bounds the squared distance to it. */
 #ifndef HOTBLADE_GPU_KERNELS_CURVE_PIECES_H
 #define HOTBLADE_GPU_KERNELS_CURVE_PIECES_H

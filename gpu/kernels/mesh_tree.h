@@ -1,4 +1,4 @@
-// The search tree over a mesh as it lies in memory, on the host and on a device: nodes of eight children, leaves
+// Lays out the search tree over a mesh in memory, on the host and on a device: nodes of eight children, leaves
 // of up to eight triangles, both laid out child by child so that eight lanes load at once.
 #ifndef HOTBLADE_GPU_KERNELS_MESH_TREE_H
 #define HOTBLADE_GPU_KERNELS_MESH_TREE_H

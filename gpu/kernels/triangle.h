@@ -1,4 +1,4 @@
-// Point to triangle in single precision, in the common subset of C, C++ and OpenCL C: REAL is float, or in C++
+// Computes point to triangle in single precision, in the common subset of C, C++ and OpenCL C: REAL is float, or in C++
 // a vector of floats, one triangle a lane.
 //
 // A triangle lies in a frame of its own, computed in double precision: origin in one end of its longest edge,

@@ -1,4 +1,4 @@
-// Distance from many points to a triangle mesh.
+// Computes the distances from many points to a triangle mesh.
 //
 // Promise of every backend: the nearest distance is within kDistanceErrorRel of the true one, relative to the
 // largest coordinate that takes part (the mesh's and the point's), and distance, triangle and point are the
@@ -26,10 +26,10 @@ struct Nearest {
   Eigen::Vector3d point{0, 0, 0};  // on that triangle
 };
 
-// Positive is where the face normals point to.
+// Says on which side of a mesh a point lies: before it is where the face normals point to.
 enum class Side { kBehind = -1, kNeither = 0, kBefore = 1 };
 
-// A mesh prepared for queries. Copies what it needs; safe for concurrent queries.
+// Holds a mesh prepared for queries. It copies what it needs; concurrent queries are safe.
 class MeshDistance {
  public:
   // Throws std::logic_error when there is no triangle, an index is out of range or a coordinate is not
@@ -40,19 +40,19 @@ class MeshDistance {
   MeshDistance(MeshDistance&&) noexcept;
   MeshDistance& operator=(MeshDistance&&) noexcept;
 
-  // One answer a point, in order; runs on all cores allowed. Points that follow each other closely are
-  // answered faster. Throws std::logic_error when a coordinate is not finite.
+  // Returns one answer a point, in order; it runs on all cores allowed. Points that follow each other closely
+  // are answered faster. Throws std::logic_error when a coordinate is not finite.
   [[nodiscard]] std::vector<Nearest> query(std::span<const Eigen::Vector3d> points) const;
 
-  // On which side of the mesh each point lies, from the answers that query gave for these points: by the
-  // pseudo-normals of mesh_side.hpp, right everywhere around a closed mesh whose faces agree; beside an open
-  // one, by the nearest face, edge or vertex. kNeither for points on the mesh up to kDistanceErrorRel and
-  // beside triangles without area that no other shares. The first call prepares the normals. Throws
+  // Returns on which side of the mesh each point lies, from the answers that query gave for these points: by
+  // the pseudo-normals of mesh_side.hpp, right everywhere around a closed mesh whose faces agree; beside an
+  // open one, by the nearest face, edge or vertex. kNeither for points on the mesh up to kDistanceErrorRel
+  // and beside triangles without area that no other shares. The first call prepares the normals. Throws
   // std::logic_error when the spans differ in size or an answer is not of this mesh.
   [[nodiscard]] std::vector<Side> sides(std::span<const Eigen::Vector3d> points,
                                         std::span<const Nearest> answers) const;
 
-  // What answered the last query, and why.
+  // Returns what answered the last query, and why.
   [[nodiscard]] BackendUse used() const;
 
   static constexpr double kDistanceErrorRel = 1e-12;

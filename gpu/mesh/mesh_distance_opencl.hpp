@@ -1,4 +1,4 @@
-// The search of a mesh tree on an OpenCL device.
+// Searches a mesh tree on an OpenCL device.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,7 @@ namespace hotblade::gpu {
 
 class MeshSearchOnDevice {
  public:
-  // Triangles a point may get; more, and the host searches for itself.
+  // A point may get this many triangles; with more the host searches for itself.
   static constexpr std::size_t kSlots = 4;
   static constexpr int kNone = -1, kTooMany = -2;
   using Found = std::array<int, kSlots>;
@@ -25,8 +25,8 @@ class MeshSearchOnDevice {
 
   [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
 
-  // For every point of the tree's frame, with its shared error (mesh_tree.h), the triangles that can be
-  // nearest. Portions as in opencl_portions.hpp. Safe for concurrent callers, who take turns. Throws
+  // Writes, for every point of the tree's frame with its shared error (mesh_tree.h), the triangles that can
+  // be nearest. Points go in portions (opencl_portions.hpp), and concurrent callers take turns. Throws
   // DeviceError.
   void candidates(std::span<const Eigen::Vector4f> points, std::span<Found> found) const;
 

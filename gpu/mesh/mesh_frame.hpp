@@ -1,5 +1,5 @@
-// A mesh in its local frame: moved to its centre and scaled by a power of two into [-1, 1]^3, so that single
-// precision keeps its digits for the mesh and scaling loses none.
+// Brings a mesh into its local frame: moved to its centre and scaled by a power of two into [-1, 1]^3, so
+// that single precision keeps its digits for the mesh and scaling loses none.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,8 @@ struct MeshFrame {
   }
 };
 
-// Throws std::logic_error when there is no triangle, an index is out of range or a coordinate is not finite.
+// Returns the mesh in its frame. Throws std::logic_error when there is no triangle, an index is out of range
+// or a coordinate is not finite.
 [[nodiscard]] MeshFrame make_mesh_frame(std::span<const Eigen::Vector3d> vertices,
                                         std::span<const std::array<int, 3>> triangles);
 

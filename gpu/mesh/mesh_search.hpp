@@ -1,23 +1,23 @@
-// One search of a mesh tree on the host, in single precision, for the instruction set at hand.
+// Searches a mesh tree on the host, in single precision, for the instruction set at hand.
 #pragma once
 
 #include "gpu/kernels/mesh_tree.h"
 
 namespace hotblade::gpu {
 
-// A triangle that may be the nearest, and the least that its distance can truly be.
+// Names a triangle that may be the nearest, and the least that its distance can truly be.
 struct Candidate {
   float at_least;
   int triangle;
 };
 
-// A way into the tree below its root: holds all that lies within `radius` of a group of points.
+// Leads into the tree below its root: it holds all that lies within `radius` of a group of points.
 struct Entry {
   TreeNode node;
   float radius;
 };
 
-// The tree's parts, and one point of the tree's frame.
+// Holds the tree's parts, and one point of the tree's frame.
 struct SearchInput {
   const TreeNode* nodes;
   const TrianglePacket* packets;
@@ -37,7 +37,7 @@ struct SearchOutput {
 // Writes every triangle whose true distance can be the smallest.
 using FindCandidates = SearchOutput (*)(const SearchInput&, Candidate* candidates, int capacity);
 
-// Down from the root as far as eight children hold everything within `radius` of the box low..high.
+// Goes down from the root as far as eight children hold everything within `radius` of the box low..high.
 using FindEntry = void (*)(const TreeNode* nodes, const float low[3], const float high[3], float radius,
                            Entry* entry);
 
@@ -49,7 +49,7 @@ struct MeshSearch {
 [[nodiscard]] MeshSearch mesh_search_baseline();
 [[nodiscard]] MeshSearch mesh_search_avx2();
 
-// The fastest that this processor runs.
+// Returns the fastest that this processor runs.
 [[nodiscard]] MeshSearch mesh_search();
 
 }  // namespace hotblade::gpu

@@ -1,4 +1,5 @@
-// A wide bounding-volume tree over a mesh in single precision, for searches on the host and on devices.
+// Builds a wide bounding-volume tree over a mesh in single precision, for searches on the host and on
+// devices.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,8 +16,9 @@ struct MeshTree {
   std::vector<TrianglePacket> packets;
 };
 
-// Vertices lie in [-1, 1]^3. The tree is the same whatever the number of threads. Boxes are split where the
-// surface area heuristic says, by its cost over bins of the centres (Wald 2007).
+// Returns the tree of a mesh whose vertices lie in [-1, 1]^3. The tree is the same whatever the number of
+// threads. Boxes are split where the surface area heuristic says, by its cost over bins of the centres (Wald
+// 2007).
 [[nodiscard]] MeshTree build_mesh_tree(std::span<const Eigen::Vector3d> vertices,
                                        std::span<const std::array<int, 3>> triangles);
 

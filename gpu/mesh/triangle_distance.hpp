@@ -1,5 +1,5 @@
-// Point to triangle in double precision: the one routine whose values reach a file, whichever backend
-// searched.
+// Computes the distance of a point to a triangle in double precision: the one routine whose values reach a
+// file, whichever backend searched.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,9 +18,9 @@ struct TriangleDistance {
   int corner = 0;                    // the vertex, or the edge from this corner to the next
 };
 
-// Exact to a few roundings of the largest coordinate, for needles, caps, and triangles that are a segment or
-// a point. The answer depends on the corners' order only in its last digits.
-// Inline, as it runs once or more for every point: the corners are read where they lie.
+// Returns an answer exact to a few roundings of the largest coordinate, for needles, caps, and triangles that
+// are a segment or a point. The answer depends on the corners' order only in its last digits. It is inline,
+// as it runs once or more for every point: the corners are read where they lie.
 [[nodiscard]] inline TriangleDistance triangle_distance(const std::array<const Eigen::Vector3d*, 3>& corners,
                                                         const Eigen::Vector3d& point) {
   using Eigen::Vector3d;
