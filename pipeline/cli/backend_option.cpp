@@ -36,6 +36,7 @@ void tell_backend(const VerifyReport& report, gpu::Backend wanted, const Console
   };
   tell("distances to the design", report.to_design);
   tell("distances to the cut", report.to_cut);
+  if (report.ribs.ribs > 0) tell("distances of the ribs", report.ribs.used);
 }
 
 }  // namespace hotblade::pipeline

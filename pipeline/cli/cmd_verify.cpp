@@ -54,6 +54,21 @@ void print_branches(const Program& program, const VerifyReport& report) {
   }
 }
 
+// What the program says of its ribs, measured again.
+void print_ribs(const RibCheck& check) {
+  constexpr std::size_t kMostLines = 10;
+  if (check.mismatches.empty()) {
+    std::cout << fmt::format(
+        "ribs {}: L2, H1, Hausdorff distance and lambda-residual measured again, as the program says\n",
+        check.ribs);
+    return;
+  }
+  for (std::size_t i = 0; i < std::min(kMostLines, check.mismatches.size()); ++i)
+    std::cout << describe(check.mismatches[i]) << "\n";
+  std::cout << fmt::format("ribs {}: {} numbers are not what was measured\n", check.ribs,
+                           check.mismatches.size());
+}
+
 // A cut within tolerance is not enough when the plan was refused for another limit.
 Exit expect_passed(const Program& program, const Console& console) {
   if (program.verification.status == VerificationStatus::kPassed) return Exit::kOk;
@@ -116,6 +131,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   print_branches(program, report);
+  print_ribs(report.ribs);
   for (const std::string& item : program.verification.not_checked)
     std::cout << "not checked: " << item << "\n";
   if (report.clamp_mismatch_mm > kClampMismatchMm) {
@@ -123,7 +139,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
                              report.clamp_mismatch_mm, kClampMismatchMm);
   }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
-  if (!report.within_tolerance) return Exit::kDeviation;
+  if (!report.within_tolerance || !report.ribs.mismatches.empty()) return Exit::kDeviation;
   if (!report.holds()) return Exit::kNotCuttable;
   return expect_passed(program, console);
 }
@@ -147,7 +163,9 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->type_name("MM");
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
   command->footer(
-      "Exit code 5 when the deviation or the uncut area is over the program's limits, 4 when the blade would "
+      "Exit code 5 when the deviation or the uncut area is over the program's limits or a rib's measures are "
+      "not "
+      "those that the program states, 4 when the blade would "
       "snap, yield or leave the planned shapes, or the plan was "
       "refused, 3 when the log of --as-cut is another program's, incomplete or without shapes.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");

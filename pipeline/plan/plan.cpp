@@ -12,7 +12,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "elastica/bezier/curve_distance.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
 #include "elastica/curve/placement.hpp"
 #include "pipeline/plan/strips/strips.hpp"
@@ -20,6 +19,7 @@
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/foam_share.hpp"
+#include "pipeline/verify/rib_measures.hpp"
 #include "surface/slice/slice.hpp"
 
 namespace hotblade::pipeline {
@@ -120,10 +120,6 @@ Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id)
   rib.elastica = elastica::transformed(shifted, turn);
   rib.elastica.theta = std::remainder(rib.elastica.theta, 2 * std::numbers::pi);
   rib.lambda_residual = fit.lambda_residual;
-  const elastica::CurveDistance d = distance(fit.bezier, fit.elastica);
-  rib.l2 = d.l2;
-  rib.h1 = d.h1;
-  rib.hausdorff_mm = d.hausdorff;
   rib.design_deviation_mm = fit.deviation_mm;
   return rib;
 }
@@ -253,6 +249,21 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
   }
 }
 
+// Bezier against elastica, all ribs of the plan in one batch.
+void measure_ribs(Program& program, gpu::Backend backend) {
+  const RibMeasures measures = measured_ribs(program, backend);
+  auto measure = measures.ribs.begin();
+  for (Strip& strip : program.strips) {
+    for (Rib& rib : strip.ribs) {
+      if (!std::isfinite(measure->h1)) throw std::logic_error(rib.id + ": a rib that cannot be measured");
+      rib.l2 = measure->l2;
+      rib.h1 = measure->h1;
+      rib.hausdorff_mm = measure->hausdorff_mm;
+      ++measure;
+    }
+  }
+}
+
 // Slices, fits, poses and verifies at one rib spacing. Whether every rib found its strip and blade: what is
 // refused then is refused by the motion.
 bool plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
@@ -276,6 +287,7 @@ bool plan_once(const surface::DesignSurface& design, const Settings& settings, c
   watch.lap("fit");
   pose_strips(layout, settings, hooks, result);
   watch.lap("pose");
+  measure_ribs(result.program, hooks.backend);
   hooks.progress("verify", 0.8);
   check_interrupt(hooks);
   VerifyOptions verify_options;

@@ -354,15 +354,18 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
                     const VerifyOptions& options) {
   std::vector<BranchReport> branches;
   double mismatch_mm = 0;
+  RibCheck ribs;
   VerifyReport report;
   // Side by side: a strip's branch is followed by one thread.
   tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
                        [&] { mismatch_mm = clamp_mismatch_mm(program); },
+                       [&] { ribs = check_ribs(program, options.backend); },
                        [&] {
                          const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
                          report = measure(swept_surface(program, sample_mm), {}, program, design, options);
                        });
   report.branches = std::move(branches);
+  report.ribs = std::move(ribs);
   report.clamp_mismatch_mm = mismatch_mm;
   report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;

@@ -9,7 +9,8 @@
 //
 // The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
 // branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
-// alone (pipeline/verify/branch.hpp).
+// alone (pipeline/verify/branch.hpp). What the program says of its ribs is measured again, all ribs at once
+// (pipeline/verify/rib_measures.hpp).
 #pragma once
 
 #include <vector>
@@ -18,6 +19,7 @@
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/branch.hpp"
 #include "pipeline/verify/deviation_statistics.hpp"
+#include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -58,6 +60,7 @@ struct VerifyReport {
   bool within_tolerance = false;       // deviation and uncut share both
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip
+  RibCheck ribs;                       // what the program says of its ribs, measured again
   // Returns whether every strip's blade takes the program's shapes and is led by its clamps.
   [[nodiscard]] bool holds() const;
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }

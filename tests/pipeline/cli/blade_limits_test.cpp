@@ -113,6 +113,22 @@ TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {
   EXPECT_THAT(weak.out, ContainsRegex("S001.*blade radius.* mm \\(limit 712.5 mm\\)"));
 }
 
+TEST_F(BladeLimits, VerifyRefusesAProgramThatSaysOtherThanItsRibsMeasure) {
+  const std::string design = arc(400, 0.6);
+  ASSERT_EQ(plan(design, {}).code, 0);
+  const auto file = files_ / "cut" / "program.json";
+  const auto verify = [&] { return hotblade({"verify", file.string(), "--design", design}); };
+  EXPECT_THAT(verify().out, ContainsRegex("ribs [0-9]+: .* measured again, as the program says"));
+  auto program = nlohmann::ordered_json::parse(testing::read_bytes(file));
+  auto& hausdorff = program["strips"][0]["ribs"][1]["hausdorff_mm"];
+  hausdorff = hausdorff.get<double>() / 2;
+  std::ofstream(file) << program.dump();
+  const Ended flattered = verify();
+  EXPECT_EQ(flattered.code, 5);
+  EXPECT_THAT(flattered.out, ContainsRegex("S001R002: hausdorff_mm is .* in the program, .* when measured"));
+  EXPECT_THAT(flattered.out, ContainsRegex("ribs [0-9]+: 1 numbers are not what was measured"));
+}
+
 TEST_F(BladeLimits, PosesCarryMarginLoadsAndSag) {
   const std::string design = arc(400, 0.6);
   ASSERT_EQ(plan(design, {}).code, 0);

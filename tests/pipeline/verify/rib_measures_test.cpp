@@ -1,0 +1,115 @@
+// What a plan says of its ribs, against the one-pair routines, and what verify finds when a program says
+// otherwise.
+#include "pipeline/verify/rib_measures.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "elastica/bezier/curve_distance.hpp"
+#include "elastica/bezier/lambda_residual.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+const Program& arch_program() {
+  static const Program program = plan(cylinder_design(), along_x(), {}).program;
+  return program;
+}
+
+std::vector<Rib> ribs_of(const Program& program) {
+  std::vector<Rib> ribs;
+  for (const Strip& strip : program.strips) ribs.insert(ribs.end(), strip.ribs.begin(), strip.ribs.end());
+  return ribs;
+}
+
+TEST(RibMeasures, OfAPlanAreThoseOfTheOnePairRoutine) {
+  const std::vector<Rib> ribs = ribs_of(arch_program());
+  ASSERT_GT(ribs.size(), 3u);
+  for (const Rib& rib : ribs) {
+    const elastica::CurveDistance d = distance(rib.bezier, rib.elastica);
+    EXPECT_NEAR(rib.l2, d.l2, 1e-4 * d.l2 + 1e-9) << rib.id;
+    EXPECT_NEAR(rib.h1, d.h1, 1e-4 * d.h1 + 1e-9) << rib.id;
+    // Both bound the distance from above.
+    EXPECT_GE(rib.hausdorff_mm, d.hausdorff - d.hausdorff_error - 1e-9) << rib.id;
+    EXPECT_LE(rib.hausdorff_mm - kRibHausdorffErrorMm, d.hausdorff + 1e-9) << rib.id;
+  }
+}
+
+TEST(RibMeasures, AreTheSameBitsAsThePlansOnEveryBackend) {
+  const std::vector<Rib> ribs = ribs_of(arch_program());
+  for (const gpu::Backend backend : {gpu::Backend::kCpu, gpu::Backend::kAuto, gpu::Backend::kOpenCl}) {
+    const RibMeasures measures = measured_ribs(arch_program(), backend);
+    ASSERT_EQ(measures.ribs.size(), ribs.size());
+    for (std::size_t i = 0; i < ribs.size(); ++i) {
+      const double is[] = {measures.ribs[i].l2, measures.ribs[i].h1, measures.ribs[i].hausdorff_mm},
+                   stated[] = {ribs[i].l2, ribs[i].h1, ribs[i].hausdorff_mm};
+      EXPECT_EQ(std::memcmp(is, stated, sizeof is), 0) << ribs[i].id;
+      EXPECT_LE(measures.ribs[i].hausdorff_error_mm, kRibHausdorffErrorMm * (1 + 1e-9));
+    }
+  }
+}
+
+TEST(RibMeasures, OfAPlanAgreeWithItsProgram) {
+  const RibCheck check = check_ribs(arch_program(), gpu::Backend::kCpu);
+  EXPECT_EQ(check.ribs, ribs_of(arch_program()).size());
+  EXPECT_TRUE(check.mismatches.empty()) << describe(check.mismatches.front());
+}
+
+TEST(RibMeasures, FindEveryNumberThatIsNotWhatWasMeasured) {
+  double Rib::*const numbers[] = {&Rib::l2, &Rib::h1, &Rib::hausdorff_mm, &Rib::lambda_residual};
+  const char* const names[] = {"l2", "h1", "hausdorff_mm", "lambda_residual"};
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (const double factor : {0.9, 1.1}) {
+      Program program = arch_program();
+      Rib& rib = program.strips[0].ribs[1];
+      const double was = rib.*numbers[k];
+      ASSERT_GT(was, 1e-5);
+      rib.*numbers[k] *= factor;
+      const RibCheck check = check_ribs(program, gpu::Backend::kCpu);
+      ASSERT_EQ(check.mismatches.size(), 1u) << names[k];
+      EXPECT_EQ(check.mismatches[0].rib, rib.id);
+      EXPECT_EQ(check.mismatches[0].number, names[k]);
+      EXPECT_EQ(check.mismatches[0].stated, factor * was);
+      EXPECT_NEAR(check.mismatches[0].measured, was, 1e-6);
+    }
+  }
+}
+
+TEST(RibMeasures, FindACurveThatIsNotTheOneMeasured) {
+  Program program = arch_program();
+  Rib& rib = program.strips[0].ribs[2];
+  rib.elastica.kappa *= 1.01;
+  for (const RibMismatch& m : check_ribs(program, gpu::Backend::kCpu).mismatches) EXPECT_EQ(m.rib, rib.id);
+  EXPECT_EQ(check_ribs(program, gpu::Backend::kCpu).mismatches.size(), 3u);
+  // One that winds beyond any blade has no measures to agree with.
+  rib.elastica.kappa = 10;
+  const RibCheck wound = check_ribs(program, gpu::Backend::kCpu);
+  ASSERT_EQ(wound.mismatches.size(), 3u);
+  EXPECT_TRUE(std::isnan(wound.mismatches[0].measured));
+}
+
+TEST(RibMeasures, OfProgramsOfVersion01Agree) {
+  Program program = arch_program();
+  for (Strip& strip : program.strips) {
+    for (Rib& rib : strip.ribs) {
+      const elastica::CurveDistance d = distance(rib.bezier, rib.elastica);
+      rib.l2 = d.l2;
+      rib.h1 = d.h1;
+      rib.hausdorff_mm = d.hausdorff;
+      rib.lambda_residual = elastica::lambda_residual(rib.bezier).value;
+    }
+  }
+  EXPECT_TRUE(check_ribs(program, gpu::Backend::kCpu).mismatches.empty());
+}
+
+TEST(RibMeasures, OfNoRibsAreNone) {
+  EXPECT_TRUE(measured_ribs({}, gpu::Backend::kCpu).ribs.empty());
+  EXPECT_EQ(check_ribs({}, gpu::Backend::kCpu).ribs, 0u);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
