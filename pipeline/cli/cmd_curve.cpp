@@ -30,15 +30,7 @@ using elastica::Elastica;
 constexpr int kFitPoints = 129;
 
 Bezier bezier(const Json& line) {
-  const auto list = points(field(line, "bezier"), "bezier");
-  if (list.size() != 4) throw LineError(fmt::format("bezier: has {} points (4 needed)", list.size()));
-  return {list[0], list[1], list[2], list[3]};
-}
-
-Json to_json(const Bezier& b) {
-  Json list = Json::array();
-  for (const Eigen::Vector2d& p : b) list.push_back({p.x(), p.y()});
-  return list;
+  return cubic(field(line, "bezier"), "bezier");
 }
 
 const char* status_text(elastica::ResidualStatus status) {
@@ -238,7 +230,7 @@ Json equilibria(const Json& line) {
 
 }  // namespace
 
-void add_curve(CLI::App& app, const Console&, Action& action) {
+void add_curve(CLI::App& app, const Console& console, Action& action) {
   auto* curve = app.add_subcommand("curve", "Curve tools: JSON lines on stdin, JSON lines on stdout");
   curve->require_subcommand(1);
   curve->footer(
@@ -261,6 +253,7 @@ void add_curve(CLI::App& app, const Console&, Action& action) {
   add_tool(*curve, "equilibria", "Every shape that a blade can take between two clamps", action, equilibria,
            "hotblade curve equilibria < clamps.jsonl");
   add_curve_arcs(*curve, action);
+  add_curve_shapes(*curve, console, action);
   auto arguments = std::make_shared<ProjectArguments>();
   auto* projecting =
       curve->add_subcommand("project", "Beziers moved towards elastica, ends and end tangents kept");

@@ -41,6 +41,12 @@ std::vector<Eigen::Vector2d> points(const Json& value, const std::string& name) 
   return list;
 }
 
+elastica::Bezier cubic(const Json& value, const std::string& name) {
+  const auto list = points(value, name);
+  if (list.size() != 4) throw LineError(fmt::format("{}: has {} points (4 needed)", name, list.size()));
+  return {list[0], list[1], list[2], list[3]};
+}
+
 Elastica elastica_of(const Json& line) {
   const Json& e = field(line, "elastica");
   const auto value = [&e](const char* name) {
@@ -50,6 +56,12 @@ Elastica elastica_of(const Json& line) {
                        value("lambda1"), value("lambda2"), value("length")};
   if (!(curve.length > 0)) throw LineError("elastica.length: must be positive");
   return curve;
+}
+
+Json to_json(const elastica::Bezier& b) {
+  Json list = Json::array();
+  for (const Eigen::Vector2d& p : b) list.push_back({p.x(), p.y()});
+  return list;
 }
 
 Json to_json(const Elastica& e) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "elastica/bezier/bezier.hpp"
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/cli/command.hpp"
 
@@ -29,8 +30,10 @@ inline constexpr std::size_t kMostPoints = 1'000'000;
 [[nodiscard]] double number(const Json& value, const std::string& name);
 [[nodiscard]] Eigen::Vector2d point(const Json& value, const std::string& name);
 [[nodiscard]] std::vector<Eigen::Vector2d> points(const Json& value, const std::string& name);
+[[nodiscard]] elastica::Bezier cubic(const Json& value, const std::string& name);
 [[nodiscard]] elastica::Elastica elastica_of(const Json& line);
 
+[[nodiscard]] Json to_json(const elastica::Bezier& b);
 [[nodiscard]] Json to_json(const elastica::Elastica& e);
 
 // Answers every line of stdin at its place; exit code 3 when any was bad.
@@ -42,5 +45,8 @@ void add_tool(CLI::App& curve, const char* name, const char* about, Action& acti
 
 // Adds the tools quadratic and arcs.
 void add_curve_arcs(CLI::App& curve, Action& action);
+
+// The tools features, nearest, spline and split.
+void add_curve_shapes(CLI::App& curve, const Console& console, Action& action);
 
 }  // namespace hotblade::pipeline::curve_lines

@@ -170,5 +170,121 @@ TEST(CurveCommand, ArcsKeepTheLengthWithinTheTolerance) {
   }
 }
 
+// One period of an elastica with inflections that crosses itself.
+constexpr const char* kLoop =
+    R"("elastica":{"x":0,"y":0,"theta":2.6,"kappa":0,"lambda1":1,"lambda2":0,"length":12})";
+
+TEST(CurveCommand, FeaturesAreWhereTheCurveHasThem) {
+  const Answers a = curve("features", std::string("{") + kLoop + "}");
+  ASSERT_EQ(a.code, 0);
+  const nlohmann::json& f = a.lines.at(0);
+  EXPECT_EQ(f["shape"]["regime"], "inflectional");
+  // kappa^2/2 - cos theta is constant, so k = sin of half the angle at an inflection.
+  EXPECT_NEAR(f["shape"]["modulus"], std::sin(1.3), 1e-12);
+  ASSERT_GE(f["inflections"].size(), 2u);
+  EXPECT_NEAR(f["inflections"][0]["s"], 0, 1e-9);
+  const double period = f["period"];
+  EXPECT_NEAR(f["inflections"][1]["s"], period / 2, 1e-9);
+  EXPECT_NEAR(f["vertices"][0]["s"], period / 4, 1e-9);
+  // Where two arc lengths are one point, the sampled curve says so too.
+  ASSERT_GE(f["self_intersections"].size(), 1u);
+  const nlohmann::json& crossing = f["self_intersections"][0];
+  for (std::size_t end : {0u, 1u}) {
+    auto cut = nlohmann::json::parse(std::string("{") + kLoop + ",\"n\":2}");
+    cut["elastica"]["length"] = crossing["s"][end];
+    const Answers at = curve("sample", cut.dump());
+    for (std::size_t axis : {0u, 1u})
+      EXPECT_NEAR(at.lines.at(0)["points"][1][axis], crossing["point"][axis], 1e-9);
+  }
+  const Answers line = curve(
+      "features", R"({"elastica":{"x":0,"y":0,"theta":0,"kappa":0,"lambda1":0,"lambda2":0,"length":1}})");
+  EXPECT_TRUE(line.lines.at(0)["shape"].is_null());
+  EXPECT_TRUE(line.lines.at(0)["period"].is_null());
+  EXPECT_TRUE(line.lines.at(0)["inflections"].empty());
+}
+
+TEST(CurveCommand, NearestIsNoFartherThanAnySample) {
+  const char* points = R"("points":[[0.3,0.1],[1,1],[-2,0.5],[0.5,-3]])";
+  const std::string lines = std::string("{") + kLoop + "," + points + "}\n" +
+                            R"({"bezier":[[0,0],[0.2,0.5],[0.8,0.5],[1,0]],)" + points + "}\n" +
+                            R"({"bezier":[[0,0],[0.5,1],[1,0]],)" + points + "}\n";
+  const Answers sampled = curve("sample", std::string("{") + kLoop + ",\"n\":2001}");
+  for (const char* backend : {"cpu", "opencl", "auto"}) {
+    const Answers a = curve(std::string("nearest --backend ") + backend, lines);
+    ASSERT_EQ(a.code, 0);
+    ASSERT_EQ(a.lines.size(), 3u);
+    const double bound = a.lines[0]["bound"];
+    EXPECT_GT(bound, 0);
+    EXPECT_LE(bound, 12e-9);
+    const double at[][2] = {{0.3, 0.1}, {1, 1}, {-2, 0.5}, {0.5, -3}};
+    for (std::size_t i = 0; i < 4; ++i) {
+      double least = 1e9;
+      for (const auto& p : sampled.lines.at(0)["points"])
+        least = std::min(least, std::hypot(p[0].get<double>() - at[i][0], p[1].get<double>() - at[i][1]));
+      const double distance = a.lines[0]["distance"][i], s = a.lines[0]["parameter"][i];
+      EXPECT_LE(distance, least + bound);
+      EXPECT_GE(distance, least - 12.0 / 2000);
+      auto cut = nlohmann::json::parse(std::string("{") + kLoop + ",\"n\":2}");
+      cut["elastica"]["length"] = std::max(s, 1e-300);
+      const nlohmann::json foot = curve("sample", cut.dump()).lines.at(0)["points"][1];
+      EXPECT_NEAR(std::hypot(foot[0].get<double>() - at[i][0], foot[1].get<double>() - at[i][1]), distance,
+                  bound + 1e-12);
+    }
+    // The parabola y = 2 x (1 - x), by its own tool.
+    const Answers one = curve("quadratic", R"({"bezier":[[0,0],[0.5,1],[1,0]],"nearest":[0.3,0.1]})");
+    EXPECT_NEAR(a.lines[2]["distance"][0], one.lines.at(0)["nearest"]["distance"], 1e-12);
+    EXPECT_NEAR(a.lines[2]["parameter"][0], one.lines[0]["nearest"]["t"], 1e-9);
+    EXPECT_NEAR(a.lines[1]["distance"][2], std::hypot(2, 0.5), 1e-12);
+  }
+  const Answers bad = curve("nearest", std::string("{") + kLoop + "," + points + ",\"tolerance\":0}\n" +
+                                           R"({"bezier":[[0,0],[1,1]],)" + points + "}");
+  EXPECT_EQ(bad.code, 3);
+  EXPECT_THAT(bad.lines.at(0)["error"].get<std::string>(), ::testing::HasSubstr("tolerance"));
+  EXPECT_THAT(bad.lines.at(1)["error"].get<std::string>(), ::testing::HasSubstr("3 or 4 needed"));
+}
+
+TEST(CurveCommand, SplinesKeepTheirJointsAndLowerTheirResiduals) {
+  const char* chain =
+      R"({"chain":[[[0,0],[0.2,0.9],[0.7,0.6],[1,0.6]],[[1,0.6],[1.6,0.6],[1.9,0.3],[2,0]]]})";
+  const Answers first = curve("residual", R"({"bezier":[[0,0],[0.2,0.9],[0.7,0.6],[1,0.6]]})");
+  for (const char* continuity : {"g1", "c1"}) {
+    const Answers a = curve(std::string("spline --continuity ") + continuity, chain);
+    ASSERT_EQ(a.code, 0);
+    const nlohmann::json& s = a.lines.at(0);
+    EXPECT_EQ(s["status"], "ok");
+    EXPECT_EQ(s["chain"][0][0], (nlohmann::json{0.0, 0.0}));
+    EXPECT_EQ(s["chain"][0][3], s["chain"][1][0]);
+    EXPECT_NEAR(s["chain"][0][2][1], 0.6, 1e-12);  // on the joint's tangent
+    EXPECT_NEAR(s["chain"][1][1][1], 0.6, 1e-12);
+    EXPECT_LT(s["lambda_residuals"][0], first.lines.at(0)["lambda_residual"]);
+    if (continuity[0] == 'c')
+      EXPECT_NEAR(1 - s["chain"][0][2][0].get<double>(), s["chain"][1][1][0].get<double>() - 1, 1e-9);
+  }
+  const Answers torn = curve("spline", R"({"chain":[[[0,0],[0,1],[1,1],[1,0]],[[2,0],[2,1],[3,1],[3,0]]]})");
+  EXPECT_EQ(torn.code, 3);
+}
+
+TEST(CurveCommand, SplitPiecesJoinAndStayWithinTheirBound) {
+  const char* hook = R"({"bezier":[[0,0],[400,900],[900,-200],[1000,300]]})";
+  const Answers a = curve("split --tolerance 1 --candidates 12", hook);
+  ASSERT_EQ(a.code, 0);
+  const nlohmann::json& pieces = a.lines.at(0)["pieces"];
+  EXPECT_EQ(a.lines[0]["status"], "ok");
+  ASSERT_GE(pieces.size(), 1u);
+  EXPECT_EQ(pieces.front()["from"], 0);
+  EXPECT_EQ(pieces.back()["to"], 1);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    EXPECT_LE(pieces[i]["error_bound"], 1);
+    if (i == 0) continue;
+    EXPECT_EQ(pieces[i]["from"], pieces[i - 1]["to"]);
+    const Answers ends =
+        curve("sample", nlohmann::json{{"elastica", pieces[i - 1]["elastica"]}, {"n", 2}}.dump());
+    EXPECT_NEAR(ends.lines.at(0)["points"][1][0], pieces[i]["elastica"]["x"], 1e-6);
+    EXPECT_NEAR(ends.lines[0]["points"][1][1], pieces[i]["elastica"]["y"], 1e-6);
+  }
+  // A wider tolerance takes no more pieces.
+  EXPECT_LE(curve("split --tolerance 20 --candidates 12", hook).lines.at(0)["pieces"].size(), pieces.size());
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
