@@ -29,7 +29,7 @@ class Depth {
  public:
   explicit Depth(const Scene& scene) {
     Eigen::AlignedBox3d box;
-    for (const Eigen::Vector3d& vertex : scene.design.vertices) box.extend(vertex);
+    for (const Eigen::Vector3d& vertex : scene.design.vertices()) box.extend(vertex);
     for (const Eigen::Vector3d& vertex : scene.cut.vertices) box.extend(vertex);
     for (const Polyline& blade : scene.blades) box.extend(blade.points.front()).extend(blade.points.back());
     const double diagonal = box.isEmpty() ? 1 : box.diagonal().norm() + 1;
@@ -94,9 +94,9 @@ vtkPolyData& data_of(vtkActor& actor) {
 
 void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth,
                 SceneActors& actors) {
-  if (scene.design.triangles.empty()) return;
+  if (scene.design.triangles().empty()) return;
   vtkNew<vtkPolyData> mesh;
-  set_mesh(*mesh, scene.design.vertices, scene.design.triangles);
+  set_mesh(*mesh, scene.design.vertices(), scene.design.triangles());
   const auto design = surface_actor(*mesh, depth.behind());
   actors.design = design;
   vtkProperty& property = *actors.design->GetProperty();

@@ -55,11 +55,11 @@ class Extent {
  public:
   Extent(Eigen::Vector3d right, Eigen::Vector3d up) : right_(std::move(right)), up_(std::move(up)) {}
   void add(const Eigen::Vector3d& point) { box_.extend(Eigen::Vector2d(point.dot(right_), point.dot(up_))); }
-  void add_all(const std::vector<Eigen::Vector3d>& points) {
+  void add_all(std::span<const Eigen::Vector3d> points) {
     for (const Eigen::Vector3d& point : points) add(point);
   }
   void add_scene(const Scene& scene) {
-    add_all(scene.design.vertices);
+    add_all(scene.design.vertices());
     add_all(scene.cut.vertices);
     for (const Polyline& blade : scene.blades) add_all(blade.points);
     if (scene.blade_now) add_all(scene.blade_now->points);

@@ -10,8 +10,10 @@ namespace hotblade::pipeline::preview {
 namespace {
 
 Eigen::Vector3d area_vector(const surface::TriangleMesh& mesh, std::size_t triangle) {
-  const auto& [a, b, c] = mesh.triangles[triangle];
-  const auto at = [&](int i) -> const Eigen::Vector3d& { return mesh.vertices[static_cast<std::size_t>(i)]; };
+  const auto& [a, b, c] = mesh.triangles()[triangle];
+  const auto at = [&](int i) -> const Eigen::Vector3d& {
+    return mesh.vertices()[static_cast<std::size_t>(i)];
+  };
   return 0.5 * (at(b) - at(a)).cross(at(c) - at(a));
 }
 
@@ -21,7 +23,7 @@ double waste_sign(const surface::TriangleMesh& design, Keep keep) {
   if (keep == Keep::kBack) return 1;
   if (keep == Keep::kFront) return -1;
   double up = 0;
-  for (std::size_t i = 0; i < design.triangles.size(); ++i) up += area_vector(design, i).z();
+  for (std::size_t i = 0; i < design.triangles().size(); ++i) up += area_vector(design, i).z();
   return (up >= 0) == (keep != Keep::kAbove) ? 1 : -1;
 }
 
@@ -29,16 +31,16 @@ double waste_sign(const surface::TriangleMesh& design, Keep keep) {
 
 std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, Keep keep,
                                         const std::vector<Eigen::Vector3d>& points, double near_mm) {
-  const gpu::MeshDistance to_design(design.vertices, design.triangles);
+  const gpu::MeshDistance to_design(design.vertices(), design.triangles());
   const auto nearest = to_design.query(points);
   const auto sides = to_design.sides(points, nearest);
   const double to_waste = waste_sign(design, keep);
-  const MeshView mesh{design.vertices, design.triangles};
-  const DesignBorder border(mesh);
+  const MeshView mesh{design.vertices(), design.triangles()};
+  const DesignBorder border(design);
   std::vector<double> signed_mm(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     double distance = nearest[i].distance;
-    if (border.holds(mesh, nearest[i])) {
+    if (border.holds(nearest[i])) {
       const Eigen::Vector3d d = points[i] - nearest[i].point, n = facet(mesh, nearest[i].triangle).normal();
       const bool beyond = (d - n.dot(d) * n).norm() > near_mm;
       distance = beyond ? std::numeric_limits<double>::quiet_NaN() : std::abs(n.dot(d));

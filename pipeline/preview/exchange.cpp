@@ -74,9 +74,9 @@ vtkNew<vtkMultiBlockDataSet> blocks_of(const Scene& scene) {
     set_lines(*data, lines);
     add_block(*blocks, name, *data);
   };
-  if (!scene.design.triangles.empty()) {
+  if (!scene.design.triangles().empty()) {
     vtkNew<vtkPolyData> design;
-    set_mesh(*design, scene.design.vertices, scene.design.triangles);
+    set_mesh(*design, scene.design.vertices(), scene.design.triangles());
     add_block(*blocks, "design", *design);
   }
   if (!scene.cut.triangles.empty()) add_block(*blocks, "cut", *cut_block(scene));

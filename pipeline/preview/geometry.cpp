@@ -8,7 +8,7 @@
 namespace hotblade::pipeline::preview {
 namespace {
 
-vtkNew<vtkPoints> points_of(const std::vector<Eigen::Vector3d>& places) {
+vtkNew<vtkPoints> points_of(std::span<const Eigen::Vector3d> places) {
   vtkNew<vtkPoints> points;
   points->SetDataTypeToDouble();
   points->SetNumberOfPoints(static_cast<vtkIdType>(places.size()));
@@ -19,8 +19,8 @@ vtkNew<vtkPoints> points_of(const std::vector<Eigen::Vector3d>& places) {
 
 }  // namespace
 
-void set_mesh(vtkPolyData& data, const std::vector<Eigen::Vector3d>& vertices,
-              const std::vector<std::array<int, 3>>& triangles) {
+void set_mesh(vtkPolyData& data, std::span<const Eigen::Vector3d> vertices,
+              std::span<const std::array<int, 3>> triangles) {
   data.SetPoints(points_of(vertices));
   vtkNew<vtkCellArray> cells;
   for (const auto& [a, b, c] : triangles) {

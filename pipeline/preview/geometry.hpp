@@ -1,14 +1,19 @@
 // The scene's geometry as VTK data.
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
+#include <span>
+#include <vector>
+
 #include "pipeline/preview/scene.hpp"
 
 class vtkPolyData;
 
 namespace hotblade::pipeline::preview {
 
-void set_mesh(vtkPolyData& data, const std::vector<Eigen::Vector3d>& vertices,
-              const std::vector<std::array<int, 3>>& triangles);
+void set_mesh(vtkPolyData& data, std::span<const Eigen::Vector3d> vertices,
+              std::span<const std::array<int, 3>> triangles);
 void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines);
 
 // The twelve edges of every block.

@@ -153,7 +153,7 @@ Overlay overlay_of(const Scene& scene) {
   overlay.scale = scene.scale;
   if (!scene.cut.triangles.empty()) overlay.strip_names = scene.strip_names;
   auto& keys = overlay.keys;
-  if (!scene.design.triangles.empty()) {
+  if (!scene.design.triangles().empty()) {
     const char* words = scene.cut.triangles.empty() ? "design" : "design, not cut";
     keys.push_back({kDesignColor, words, 12, Layer::kDesign});
   }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -21,9 +23,9 @@ struct Hit {
 
 // The nearest of the first `count` triangles under the pixel that the clip plane leaves.
 template <class Keeps>
-Hit nearest_triangle(const std::vector<Eigen::Vector3d>& vertices,
-                     const std::vector<std::array<int, 3>>& triangles, std::size_t count, const Sight& sight,
-                     const Eigen::Vector2d& pixel, const Keeps& keeps) {
+Hit nearest_triangle(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles,
+                     std::size_t count, const Sight& sight, const Eigen::Vector2d& pixel,
+                     const Keeps& keeps) {
   std::vector<Eigen::Vector3d> seen;
   seen.reserve(vertices.size());
   for (const Eigen::Vector3d& vertex : vertices) seen.push_back(sight.pixel(vertex));
@@ -106,7 +108,7 @@ Eigen::Vector3d Sight::pixel(const Eigen::Vector3d& place) const {
 
 double clip_offset_mm(const ViewModel& model, const ClipPlane& clip) {
   Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& vertex : model.scene.design.vertices) box.extend(vertex);
+  for (const Eigen::Vector3d& vertex : model.scene.design.vertices()) box.extend(vertex);
   for (const Eigen::Vector3d& vertex : model.scene.cut.vertices) box.extend(vertex);
   if (box.isEmpty()) return 0;
   return box.min()[clip.axis] + clip.share * box.sizes()[clip.axis];
@@ -136,7 +138,8 @@ Picked pick(const ViewModel& model, const ViewState& state, const std::vector<Po
   }
   if (state.shows(Layer::kDesign)) {
     const auto& mesh = model.scene.design;
-    design = nearest_triangle(mesh.vertices, mesh.triangles, mesh.triangles.size(), sight, pixel, keeps);
+    design =
+        nearest_triangle(mesh.vertices(), mesh.triangles(), mesh.triangles().size(), sight, pixel, keeps);
   }
   const double deepest = std::min(hit.depth, design.depth) + kDepthSlack;
   if (state.shows(Layer::kBlade)) {

@@ -23,7 +23,7 @@ using Points = std::vector<Eigen::Vector3d>;
 class RibMeasure {
  public:
   RibMeasure(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
-      : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices, mesh_.triangles, backend) {}
+      : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices(), mesh_.triangles(), backend) {}
 
   // Of what lies on the design or no farther than `reach_mm` past its border.
   [[nodiscard]] double deviation_mm(const Points& points, const Eigen::Vector3d& plane_normal,
@@ -31,8 +31,8 @@ class RibMeasure {
     double worst = 0;
     const std::vector<gpu::Nearest> nearest = to_design_.query(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto& t = mesh_.triangles[static_cast<std::size_t>(nearest[i].triangle)];
-      const auto at = [&](std::size_t k) { return mesh_.vertices[static_cast<std::size_t>(t[k])]; };
+      const auto& t = mesh_.triangles()[static_cast<std::size_t>(nearest[i].triangle)];
+      const auto at = [&](std::size_t k) { return mesh_.vertices()[static_cast<std::size_t>(t[k])]; };
       const Eigen::Vector3d n = (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized();
       // Across the design's plane: a rib may end a little beyond the border.
       const Eigen::Vector3d d = points[i] - nearest[i].point;

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "surface/read/face_links.hpp"
-
 namespace hotblade::pipeline {
 
 namespace {
@@ -38,11 +36,10 @@ double interpolation_mm(const Program& program) {
 }  // namespace
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh) {
-  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
   // The face of a corner, seen from the corner's edge.
   const auto side = [&](std::size_t corner) -> Side {
-    const auto& t = mesh.triangles[corner / 3];
-    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i % 3])]; };
+    const auto& t = mesh.triangles()[corner / 3];
+    const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i % 3])]; };
     const Eigen::Vector3d a = at(corner % 3), b = at(corner % 3 + 1), c = at(corner % 3 + 2);
     const Eigen::Vector3d n = (b - a).cross(c - a);
     const double length = (b - a).norm();
@@ -50,9 +47,10 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh) {
     return {n.normalized(), n.norm() / length};
   };
   std::vector<double> chords;
-  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-    if (links.beyond[c] < static_cast<int>(c)) continue;  // none, or met from the other face
-    const Side p = side(c), q = side(static_cast<std::size_t>(links.beyond[c]));
+  for (int c = 0; c < 3 * static_cast<int>(mesh.triangles().size()); ++c) {
+    const int beyond = mesh.beyond(c);
+    if (beyond < c) continue;  // none, or met from the other face
+    const Side p = side(static_cast<std::size_t>(c)), q = side(static_cast<std::size_t>(beyond));
     if (!(p.height > 0) || !(q.height > 0)) continue;
     const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));
     // An arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.

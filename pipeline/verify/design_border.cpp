@@ -4,20 +4,8 @@
 
 namespace hotblade::pipeline {
 
-DesignBorder::DesignBorder(const MeshView& mesh)
-    : links_(surface::link_faces(mesh.triangles)), vertex_(mesh.vertices.size(), false) {
-  for (std::size_t c = 0; c < links_.beyond.size(); ++c) {
-    if (!edge(c)) continue;
-    const auto& t = mesh.triangles[c / 3];
-    vertex_[static_cast<std::size_t>(t[c % 3])] = vertex_[static_cast<std::size_t>(t[(c + 1) % 3])] = true;
-  }
-}
-
-bool DesignBorder::edge(std::size_t corner) const {
-  return links_.beyond[corner] == surface::FaceLinks::kNone;
-}
-
-bool DesignBorder::holds(const MeshView& mesh, const gpu::Nearest& nearest) const {
+bool lies_on(const MeshView& mesh, const gpu::Nearest& nearest, const std::function<bool(int)>& vertex,
+             const std::function<bool(int)>& edge) {
   constexpr double kOnEdge = 1e-7;  // shares of area below this are rounding
   const Facet f = facet(mesh, nearest.triangle);
   const auto& t = mesh.triangles[static_cast<std::size_t>(nearest.triangle)];
@@ -27,12 +15,27 @@ bool DesignBorder::holds(const MeshView& mesh, const gpu::Nearest& nearest) cons
                                     Facet{f.a, nearest.point, f.c}.area() / area,
                                     Facet{f.a, f.b, nearest.point}.area() / area};
   for (std::size_t i = 0; i < 3; ++i) {
-    if (share[i] > 1 - kOnEdge) return vertex_[static_cast<std::size_t>(t[i])];
+    if (share[i] > 1 - kOnEdge) return vertex(t[i]);
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (share[i] < kOnEdge && edge(3 * static_cast<std::size_t>(nearest.triangle) + (i + 1) % 3)) return true;
+  for (int i = 0; i < 3; ++i) {
+    if (share[static_cast<std::size_t>(i)] < kOnEdge && edge(3 * nearest.triangle + (i + 1) % 3)) return true;
   }
   return false;
+}
+
+DesignBorder::DesignBorder(const surface::TriangleMesh& mesh)
+    : mesh_(mesh), vertex_(mesh.vertices().size(), false) {
+  for (const int c : mesh.border()) {
+    vertex_[static_cast<std::size_t>(surface::vertex_at(mesh, c))] =
+        vertex_[static_cast<std::size_t>(surface::vertex_at(mesh, surface::next_corner(c)))] = true;
+  }
+}
+
+bool DesignBorder::holds(const gpu::Nearest& nearest) const {
+  return lies_on(
+      {mesh_.vertices(), mesh_.triangles()}, nearest,
+      [&](int v) { return vertex_[static_cast<std::size_t>(v)]; },
+      [&](int corner) { return mesh_.beyond(corner) == surface::TriangleMesh::kNone; });
 }
 
 }  // namespace hotblade::pipeline

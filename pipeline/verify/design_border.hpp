@@ -1,28 +1,30 @@
 // Where a design ends: edges of its mesh with one face.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/mesh_view.hpp"
-#include "surface/read/face_links.hpp"
+#include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::pipeline {
 
+// Tells whether a point on the mesh lies on one of its vertices or edges that are asked for: `vertex(v)`
+// answers for vertex v, `edge(c)` for the edge that starts at corner c % 3 of triangle c / 3.
+[[nodiscard]] bool lies_on(const MeshView& mesh, const gpu::Nearest& nearest,
+                           const std::function<bool(int)>& vertex, const std::function<bool(int)>& edge);
+
 class DesignBorder {
  public:
-  // Looks at the mesh's triangles here only.
-  explicit DesignBorder(const MeshView& mesh);
+  explicit DesignBorder(const surface::TriangleMesh& mesh);
 
-  // Does this point, the nearest one of the same mesh to some other point, lie on the border?
-  [[nodiscard]] bool holds(const MeshView& mesh, const gpu::Nearest& nearest) const;
+  // Tells whether this point, the nearest one of the mesh to some other point, lies on the border.
+  [[nodiscard]] bool holds(const gpu::Nearest& nearest) const;
 
  private:
-  // The edge that starts at corner `corner` % 3 of face `corner` / 3.
-  [[nodiscard]] bool edge(std::size_t corner) const;
-
-  surface::FaceLinks links_;
-  std::vector<bool> vertex_;
+  surface::TriangleMesh mesh_;
+  std::vector<bool> vertex_;  // on the border
 };
 
 }  // namespace hotblade::pipeline

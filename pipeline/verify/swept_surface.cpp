@@ -143,6 +143,12 @@ void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, Sw
   }
 }
 
+unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t column) {
+  const int bits = (row == 0 ? 1 : 0) | (row + 1 == grid.rows.size() ? 2 : 0) | (column == 0 ? 4 : 0) |
+                   (column + 1 == grid.columns ? 8 : 0);
+  return static_cast<unsigned char>(bits);
+}
+
 void add_strip(const Program& program, std::size_t index, const StripGrid& grid, SweptSurface& out) {
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(grid, from, to, out); });
   // Normals first, from the blade's points; then these move to the melted band's edge.
@@ -153,6 +159,7 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
         out.normals[v] = grid_normal(grid, out.vertices, i, j, out.normals[v]);
         out.strip_of_vertex[v] = static_cast<int>(index);
         out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
+        out.sides_of_vertex[v] = sides_at(grid, i, j);
       }
     }
   });
@@ -189,6 +196,7 @@ SweptSurface swept_surface(const Program& program, double sample_mm) {
   out.strip_of_vertex.resize(vertices);
   out.pose_of_vertex.resize(vertices);
   out.curvature_per_mm.resize(vertices);
+  out.sides_of_vertex.resize(vertices);
   out.triangles.resize(triangles);
   tbb::parallel_for(std::size_t{0}, grids.size(),
                     [&](std::size_t i) { add_strip(program, i, grids[i], out); });

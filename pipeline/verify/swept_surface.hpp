@@ -24,6 +24,9 @@ struct SweptSurface {
   std::vector<int> pose_of_vertex;             // index into its strip's poses
   std::vector<double> curvature_per_mm;        // of the blade there, without sign
   std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+  // The sides of its strip's surface that a vertex lies on, a bit each; an edge whose ends share one is the
+  // strip's edge.
+  std::vector<unsigned char> sides_of_vertex;
 };
 
 // Returns a grid over the poses that form the design (those with a foam interval), about `sample_mm` apart

@@ -103,11 +103,16 @@ class CutPart {
     return first_ + static_cast<std::size_t>(triangles_[static_cast<std::size_t>(triangle)][0]);
   }
   [[nodiscard]] int strip_of(int triangle) const { return cut_.strip_of_vertex[vertex_of(triangle)]; }
-  // Does the nearest point lie on the strips' edge? Few samples ask.
-  [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) {
-    const MeshView mesh{vertices_, triangles_};
-    if (!border_) border_.emplace(mesh);
-    return border_->holds(mesh, nearest);
+  // Does the nearest point lie on the strips' edge?
+  [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) const {
+    const auto sides = [&](int v) { return cut_.sides_of_vertex[first_ + static_cast<std::size_t>(v)]; };
+    return lies_on(
+        {vertices_, triangles_}, nearest, [&](int v) { return sides(v) != 0; },
+        [&](int corner) {
+          const auto& t = triangles_[static_cast<std::size_t>(corner / 3)];
+          const auto i = static_cast<std::size_t>(corner % 3);
+          return (sides(t[i]) & sides(t[(i + 1) % 3])) != 0;
+        });
   }
 
  private:
@@ -129,7 +134,6 @@ class CutPart {
   std::span<const std::array<int, 3>> triangles_;
   std::optional<NearCells> cells_;
   std::optional<gpu::MeshDistance> search_;
-  std::optional<DesignBorder> border_;
 };
 
 // One comparison of a cut with the design: its steps and what they share.
@@ -139,9 +143,9 @@ class CutMeasurement {
                  const VerifyOptions& options)
       : cut_(std::move(cut)),
         program_(program),
-        mesh_{design.mesh.vertices, design.mesh.triangles},
+        mesh_{design.mesh.vertices(), design.mesh.triangles()},
         options_(options) {
-    tbb::parallel_invoke([&] { border_.emplace(mesh_); },
+    tbb::parallel_invoke([&] { border_.emplace(design.mesh); },
                          [&] { to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend); });
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
@@ -202,7 +206,7 @@ class CutMeasurement {
   [[nodiscard]] Compared compare_with_design(std::size_t i, const gpu::Nearest& on_design) const {
     Compared c{on_design.distance};
     const Eigen::Vector3d n = facet(mesh_, on_design.triangle).normal();
-    if (border_->holds(mesh_, on_design)) {
+    if (border_->holds(on_design)) {
       const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > near();
@@ -311,7 +315,7 @@ class CutMeasurement {
       // Only what the same strip forms: another strip's part lies in another block.
       if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
         continue;
-      if (border_->holds(mesh_, touched[i]) || part_->on_edge(formed[i])) continue;
+      if (border_->holds(touched[i]) || part_->on_edge(formed[i])) continue;
       const std::size_t vertex = part_->vertex_of(formed[i].triangle);
       Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;

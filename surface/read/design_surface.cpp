@@ -9,7 +9,7 @@
 #include <memory>
 #include <utility>
 
-#include "surface/read/mesh_counts.hpp"
+#include "surface/read/mesh_health.hpp"
 #include "surface/read/mesh_repair.hpp"
 #include "surface/read/obj_text.hpp"
 
@@ -115,10 +115,11 @@ DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& opt
   }
   to_design_frame(obj.positions, design.scale_to_mm, options.up);
   std::vector<Eigen::Vector3d> positions = std::exchange(obj.positions, {});
-  RepairedMesh repaired = repair_mesh(obj, std::move(positions), options, file.string(), design.health);
-  measure_mesh(repaired, design.health);
+  RepairedMesh repaired =
+      repair_mesh(std::move(obj), std::move(positions), options, file.string(), design.health);
+  measure_mesh(repaired.mesh, design.health);
   warn_of_size(design.units, design.health);
-  design.mesh = std::move(repaired.mesh);
+  design.mesh = repaired.mesh;
   design.face_line = std::move(repaired.line);
   return design;
 }

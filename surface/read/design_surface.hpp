@@ -1,4 +1,4 @@
-// The design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health
+// Reads the design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health
 // measured.
 #pragma once
 
@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "surface/read/triangle_mesh.hpp"
+
 namespace hotblade::surface {
 
 // The text or the geometry of the input is not usable; what() reads `file:line: what (value, limit): hint`.
@@ -22,14 +24,9 @@ struct FileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct TriangleMesh {
-  std::vector<Eigen::Vector3d> vertices;      // mm
-  std::vector<std::array<int, 3>> triangles;  // indices into vertices, counter-clockwise seen from the front
-};
-
-// What was found in the file and in the mesh. Counts are of the mesh as used, but for non_manifold_vertices,
-// degenerate_faces, duplicate_faces and unused_vertices, which tell what was found and repaired. Border
-// figures of a mesh with blockers stay 0.
+// Says what was found in the file and in the mesh. Counts are of the mesh as used, but for
+// non_manifold_vertices, degenerate_faces, duplicate_faces and unused_vertices, which tell what was found and
+// repaired. Border figures of a mesh with blockers stay 0.
 struct Health {
   std::size_t file_vertices = 0, file_faces = 0;  // as written in the OBJ
   std::size_t vertices = 0, triangles = 0;
@@ -61,20 +58,21 @@ struct DesignSurface {
 struct ReadOptions {
   std::string units;       // required: mm, cm, m, in or ft
   char up = 'z';           // 'z' or 'y'; y-up input is turned (x, y, z) -> (x, -z, y)
-  std::string group = {};  // take the faces of this group or object only; empty: all
-  // Take the faces whose normal, as the file winds them, is within facing_max_rad of this direction of the
+  std::string group = {};  // takes the faces of this group or object only; empty: all
+  // Takes the faces whose normal, as the file winds them, is within facing_max_rad of this direction of the
   // design frame, of any length; absent: all.
   std::optional<Eigen::Vector3d> facing = std::nullopt;
   double facing_max_rad = 1.4;
-  double stitch_mm = 0;  // join border vertices of the design that lie within this distance; 0: none
+  double stitch_mm = 0;  // joins border vertices of the design that lie within this distance; 0: none
 };
 
-// Scale of a unit name to mm; throws std::logic_error for an unknown name.
+// Returns how many mm a unit of this name has; throws std::logic_error for an unknown name.
 [[nodiscard]] double scale_to_mm(const std::string& units);
 
-// Reads an OBJ: text checked line by line, then the mesh is built in OpenMesh and counted again.
-// Throws FileError, or MeshError for the first bad line. Geometry that can be read but not sliced is reported
-// in health.blockers, not thrown. Face normals are made to agree within a component where that is possible.
+// Reads an OBJ: the text is checked line by line, then its faces become a half-edge mesh, on which they are
+// repaired and measured. Throws FileError, or MeshError for the first bad line. Geometry that can be read but
+// not sliced is reported in health.blockers, not thrown. Face normals are made to agree within a component
+// where that is possible.
 [[nodiscard]] DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace hotblade::surface

@@ -8,14 +8,14 @@
 
 namespace hotblade::surface {
 
-// Stirs 64 bits into a hash; every bit of both reaches the low bits of the result.
+// Returns the hash with 64 bits stirred in; every bit of both reaches the low bits of the result.
 [[nodiscard]] constexpr std::uint64_t stir(std::uint64_t hash, std::uint64_t bits) {
   hash = (hash ^ bits) * 0x9e3779b97f4a7c15ULL;  // 2^64 over the golden ratio, after Knuth
   return hash ^ hash >> 32;
 }
 
-// For each of `count` items the first one equal to it: `hash(i)`, `equal(i, j)`. One table, no allocation an
-// item.
+// Returns for each of `count` items the first one equal to it, by `hash(i)` and `equal(i, j)`. It fills one
+// table and allocates nothing an item.
 template <class Hash, class Equal>
 [[nodiscard]] std::vector<int> first_of_equals(std::size_t count, const Hash& hash, const Equal& equal) {
   constexpr int kEmpty = -1;

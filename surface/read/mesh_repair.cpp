@@ -1,15 +1,17 @@
 #include "surface/read/mesh_repair.hpp"
 
+#include <OpenMesh/Core/Mesh/Handles.hh>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
+#include <optional>
+#include <utility>
 
-#include <Eigen/Geometry>
-
-#include "surface/read/face_links.hpp"
 #include "surface/read/first_of_equals.hpp"
+#include "surface/read/half_edges.hpp"
 #include "surface/read/needles.hpp"
 #include "surface/read/place_text.hpp"
 #include "surface/read/polygon.hpp"
@@ -53,49 +55,60 @@ std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangle
 
 class Repair {
  public:
-  Repair(const ObjText& obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
+  Repair(ObjText obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
          const std::string& name, Health& health)
-      : obj_(obj), options_(options), name_(name), health_(health) {
-    mesh_.vertices = std::move(positions);
+      : obj_(std::move(obj)), options_(options), name_(name), health_(health) {
+    soup_.vertices = std::move(positions);
   }
 
   RepairedMesh run() {
-    const std::vector<int> first = merge_positions(mesh_.vertices);
+    prepare_triangles();
+    TriangleMesh mesh(std::move(soup_));
+    report_crowded_edges(mesh);
+    turn_to_agree(mesh);
+    if (!(options_.stitch_mm > 0)) mention_gaps(mesh);
+    if (health_.blockers.empty()) part_touching_sheets(mesh);
+    return {mesh, std::move(line_)};
+  }
+
+ private:
+  const Eigen::Vector3d& at(int v) const { return soup_.vertices[static_cast<std::size_t>(v)]; }
+  static const Eigen::Vector3d& at(const TriangleMesh& mesh, int v) {
+    return mesh.vertices()[static_cast<std::size_t>(v)];
+  }
+
+  // Leaves the triangles that the mesh is made of in soup_.
+  void prepare_triangles() {
+    const std::vector<int> first = merge_positions(soup_.vertices);
     cut_into_triangles(first);
     if (options_.facing) take_facing(*options_.facing, std::cos(options_.facing_max_rad));
     if (options_.stitch_mm > 0) stitch();
     drop_duplicates();
     take_out_needles();
     drop_unused(first);
-    FaceLinks links = link_faces(mesh_.triangles);
-    report_crowded_edges(links);
-    turn_to_agree(links);
-    if (!(options_.stitch_mm > 0)) mention_gaps(links);
-    if (links.crowded_edges == 0) part_touching_sheets(links);
-    return {std::move(mesh_), std::move(line_), links.edges};
   }
-
- private:
-  const Eigen::Vector3d& at(int v) const { return mesh_.vertices[static_cast<std::size_t>(v)]; }
 
   void cut_into_triangles(std::span<const int> first) {
     std::vector<int> corners;
     std::vector<std::array<int, 3>> pieces;
     std::size_t crossing = 0, crossing_line = 0;
-    mesh_.triangles.reserve(obj_.faces());
+    soup_.triangles.reserve(obj_.faces());
     line_.reserve(obj_.faces());
     for (std::size_t f = 0; f < obj_.faces(); ++f) {
       clean_corners(obj_.face(f), first, corners);
       pieces.clear();
-      if (corners.size() >= 3 && !triangulate_polygon(mesh_.vertices, corners, pieces) && crossing++ == 0) {
+      if (corners.size() >= 3 && !triangulate_polygon(soup_.vertices, corners, pieces) && crossing++ == 0) {
         crossing_line = obj_.face_line[f];
       }
       // An outline bridged to a hole passes a vertex twice, and an ear may hold both.
       std::erase_if(pieces, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-      mesh_.triangles.insert(mesh_.triangles.end(), pieces.begin(), pieces.end());
-      line_.resize(mesh_.triangles.size(), obj_.face_line[f]);
+      soup_.triangles.insert(soup_.triangles.end(), pieces.begin(), pieces.end());
+      line_.resize(soup_.triangles.size(), obj_.face_line[f]);
       if (pieces.empty()) ++health_.degenerate_faces;
     }
+    faces_ = obj_.faces();
+    first_line_ = obj_.face_line[0];
+    obj_ = {};  // as large as the mesh, and told
     if (crossing > 0) {
       health_.warnings.push_back(counted(crossing, "face is", "faces are") +
                                  " not a simple polygon and cut as a fan, the first in line " +
@@ -116,53 +129,52 @@ class Repair {
 
   // The faces that look towards `direction`, before any is turned over.
   void take_facing(const Eigen::Vector3d& direction, double least_cosine) {
-    const std::size_t all = mesh_.triangles.size();
+    const std::size_t all = soup_.triangles.size();
     keep_triangles([&](const std::array<int, 3>& t) {
       const Eigen::Vector3d normal = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
       return normal.dot(direction) >= least_cosine * normal.norm() * direction.norm() && normal.norm() > 0;
     });
-    if (mesh_.triangles.empty()) {
+    if (soup_.triangles.empty()) {
       throw MeshError(name_ + ": no face looks in the direction of design.facing (" +
                       counted(all, "triangle", "triangles") + "): turn it round or allow a larger angle");
     }
-    health_.repairs.push_back("took the " + std::to_string(mesh_.triangles.size()) + " of " +
+    health_.repairs.push_back("took the " + std::to_string(soup_.triangles.size()) + " of " +
                               std::to_string(all) + " triangles that look in the direction of design.facing");
   }
 
   template <class Wanted>
   void keep_triangles(const Wanted& wanted) {
     std::size_t kept = 0;
-    for (std::size_t f = 0; f < mesh_.triangles.size(); ++f) {
-      if (!wanted(mesh_.triangles[f])) continue;
-      mesh_.triangles[kept] = mesh_.triangles[f];
+    for (std::size_t f = 0; f < soup_.triangles.size(); ++f) {
+      if (!wanted(soup_.triangles[f])) continue;
+      soup_.triangles[kept] = soup_.triangles[f];
       line_[kept++] = line_[f];
     }
-    mesh_.triangles.resize(kept);
+    soup_.triangles.resize(kept);
     line_.resize(kept);
   }
 
-  void mention_gaps(const FaceLinks& links) {
+  void mention_gaps(const TriangleMesh& mesh) {
     // Sheets are not drawn so close to each other on purpose.
     constexpr double kGap_mm = 0.1;
-    const Stitches found = find_stitches(mesh_.vertices, mesh_.triangles, links, kGap_mm);
+    const Stitches found = find_stitches(mesh, kGap_mm);
     if (found.joined == 0) return;
     health_.warnings.push_back(counted(found.joined, "border vertex", "border vertices") + " within " +
                                decimal(kGap_mm) + " mm of another border, the first at " +
-                               place_text(at(found.first)) +
+                               place_text(at(mesh, found.first)) +
                                ": if the sheets belong together, set design.stitch_mm");
   }
 
   // Joins borders that almost meet; a face whose corners become one has no area any more.
   void stitch() {
-    const FaceLinks links = link_faces(mesh_.triangles);
-    const Stitches found = find_stitches(mesh_.vertices, mesh_.triangles, links, options_.stitch_mm);
+    const Stitches found = find_stitches(TriangleMesh(soup_), options_.stitch_mm);
     if (found.joined == 0) return;
-    for (auto& t : mesh_.triangles) {
+    for (auto& t : soup_.triangles) {
       for (int& v : t) v = found.vertex[static_cast<std::size_t>(v)];
     }
-    const std::size_t before = mesh_.triangles.size();
+    const std::size_t before = soup_.triangles.size();
     keep_triangles([](const auto& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; });
-    health_.degenerate_faces += before - mesh_.triangles.size();
+    health_.degenerate_faces += before - soup_.triangles.size();
     stitched_ = found.joined;
     health_.repairs.push_back("stitched " + counted(found.joined, "border vertex", "border vertices") +
                               " to another border, moved by at most " + decimal(found.largest_move_mm) +
@@ -176,29 +188,29 @@ class Repair {
   }
 
   void take_out_needles() {
-    WithoutNeedles clean = remove_needles(mesh_.vertices, std::move(mesh_.triangles), std::move(line_));
-    mesh_.triangles = std::move(clean.triangles);
+    WithoutNeedles clean = remove_needles(soup_.vertices, std::move(soup_.triangles), std::move(line_));
+    soup_.triangles = std::move(clean.triangles);
     line_ = std::move(clean.line);
     health_.degenerate_faces += clean.removed;
     if (health_.degenerate_faces > 0) {
       health_.repairs.push_back("dropped " + counted(health_.degenerate_faces, "face", "faces") +
                                 " without area");
     }
-    if (mesh_.triangles.empty()) {
-      throw MeshError(name_ + ":" + std::to_string(obj_.face_line[0]) + ": no face has an area (" +
-                      counted(obj_.faces(), "face", "faces") + "): check the units and export again");
+    if (soup_.triangles.empty()) {
+      throw MeshError(name_ + ":" + std::to_string(first_line_) + ": no face has an area (" +
+                      counted(faces_, "face", "faces") + "): check the units and export again");
     }
   }
 
   // Of faces over the same three vertices the first stays, whichever way round the others are.
   void drop_duplicates() {
-    const std::vector<int> first = match_triangles(mesh_.triangles);
+    const std::vector<int> first = match_triangles(soup_.triangles);
     std::size_t face = 0;
     keep_triangles([&](const auto&) {
       const std::size_t f = face++;
       return first[f] == static_cast<int>(f);
     });
-    health_.duplicate_faces = first.size() - mesh_.triangles.size();
+    health_.duplicate_faces = first.size() - soup_.triangles.size();
     if (health_.duplicate_faces == 0) return;
     health_.repairs.push_back("dropped " + counted(health_.duplicate_faces, "face", "faces") +
                               " lying on another with the same corners");
@@ -209,170 +221,179 @@ class Repair {
     std::size_t merged = 0;
     for (std::size_t v = 0; v < first.size(); ++v) merged += first[v] != static_cast<int>(v) ? 1U : 0U;
     std::vector<int> renamed(first.size(), -1);
-    for (const auto& t : mesh_.triangles) {
+    for (const auto& t : soup_.triangles) {
       for (const int v : t) renamed[static_cast<std::size_t>(v)] = 0;
     }
     int kept = 0;
     for (std::size_t v = 0; v < renamed.size(); ++v) {
       if (renamed[v] < 0) continue;
-      mesh_.vertices[static_cast<std::size_t>(kept)] = mesh_.vertices[v];
+      soup_.vertices[static_cast<std::size_t>(kept)] = soup_.vertices[v];
       obj_number_.push_back(static_cast<int>(v) + 1);
       renamed[v] = kept++;
     }
-    for (auto& t : mesh_.triangles) {
+    for (auto& t : soup_.triangles) {
       for (int& v : t) v = renamed[static_cast<std::size_t>(v)];
     }
     health_.unused_vertices = first.size() - merged - stitched_ - static_cast<std::size_t>(kept);
-    mesh_.vertices.resize(static_cast<std::size_t>(kept));
-    mesh_.vertices.shrink_to_fit();
+    soup_.vertices.resize(static_cast<std::size_t>(kept));
+    soup_.vertices.shrink_to_fit();
     if (merged > 0) {
       health_.repairs.push_back("merged " + counted(merged, "vertex", "vertices") +
                                 " with another of exactly the same coordinates");
     }
   }
 
-  void report_crowded_edges(const FaceLinks& links) {
-    health_.non_manifold_edges = links.crowded_edges;
-    if (links.crowded_edges == 0) return;
-    const auto [a, b] = links.crowded_edge;
-    health_.blockers.push_back(
-        counted(links.crowded_edges, "edge has", "edges have") + " more than two faces, the first with " +
-        std::to_string(links.crowded_edge_faces) + " between vertex " + number(a) + " " + place_text(at(a)) +
-        " and vertex " + number(b) + " " + place_text(at(b)) + ": part or trim the sheets that meet there");
+  void report_crowded_edges(const TriangleMesh& mesh) {
+    const HalfEdges::Crowded& crowded = mesh.half_edges().crowded();
+    health_.non_manifold_edges = crowded.edges;
+    if (crowded.edges == 0) return;
+    const auto [a, b] = crowded.first;
+    health_.blockers.push_back(counted(crowded.edges, "edge has", "edges have") +
+                               " more than two faces, the first with " + std::to_string(crowded.triangles) +
+                               " between vertex " + number(a) + " " + place_text(at(mesh, a)) +
+                               " and vertex " + number(b) + " " + place_text(at(mesh, b)) +
+                               ": part or trim the sheets that meet there");
   }
 
   std::string number(int v) const { return std::to_string(obj_number_[static_cast<std::size_t>(v)]); }
 
-  // Do the two faces of this edge run round it in opposite senses, as faces of one side do?
-  bool agree(int corner, int other) const {
-    const auto vertex = [&](int c) {
-      return mesh_.triangles[static_cast<std::size_t>(c / 3)][static_cast<std::size_t>(c % 3)];
-    };
-    return vertex(corner) != vertex(other);
+  // Do two triangles run round their edge in opposite senses, as triangles of one side do?
+  static bool agree(const TriangleMesh& mesh, HalfEdges::Halfedge h, HalfEdges::Halfedge other) {
+    const HalfEdges& half_edges = mesh.half_edges();
+    if (other == half_edges.mesh().opposite_halfedge_handle(h)) return true;
+    return vertex_at(mesh, half_edges.corner_of(h)) != vertex_at(mesh, half_edges.corner_of(other));
   }
 
   // Spreads a sense from face to face. In each component the sense that turns fewer faces wins.
-  void turn_to_agree(FaceLinks& links) {
-    enum : unsigned char { kUnseen, kAsIs, kTurn };
-    std::vector<unsigned char> state(mesh_.triangles.size(), kUnseen);
+  void turn_to_agree(TriangleMesh& mesh) {
+    std::vector<Sense> sense(mesh.triangles().size(), Sense::kUnseen);
     std::vector<int> component;
     std::size_t turned = 0;
-    for (std::size_t seed = 0; seed < state.size(); ++seed) {
-      if (state[seed] != kUnseen) continue;
+    for (std::size_t seed = 0; seed < sense.size(); ++seed) {
+      if (sense[seed] != Sense::kUnseen) continue;
       ++health_.components;
       component.assign(1, static_cast<int>(seed));
-      state[seed] = kAsIs;
-      for (std::size_t k = 0; k < component.size(); ++k) {
-        const int f = component[k];
-        for (int c = 3 * f; c < 3 * f + 3; ++c) {
-          const int other = links.beyond[static_cast<std::size_t>(c)];
-          if (other == FaceLinks::kNone) continue;
-          const unsigned char mine = state[static_cast<std::size_t>(f)];
-          const unsigned char wanted =
-              agree(c, other) ? mine : static_cast<unsigned char>(kAsIs + kTurn - mine);
-          unsigned char& theirs = state[static_cast<std::size_t>(other / 3)];
-          if (theirs == kUnseen) {
-            theirs = wanted;
-            component.push_back(other / 3);
-          } else if (theirs != wanted && health_.orientable) {
-            report_moebius(f, other / 3);
-          }
-        }
-      }
-      turned += turn_fewer(component, state, kAsIs, kTurn);
+      sense[seed] = Sense::kAsIs;
+      for (std::size_t k = 0; k < component.size(); ++k) spread_sense(mesh, component[k], sense, component);
+      turned += turn_fewer(component, sense);
     }
     if (!health_.orientable || turned == 0) return;
-    for (std::size_t f = 0; f < state.size(); ++f) {
-      if (state[f] == kTurn) std::swap(mesh_.triangles[f][1], mesh_.triangles[f][2]);
-    }
-    links = link_faces(mesh_.triangles);
+    rebuild(mesh, [&](TriangleSoup& soup) {
+      for (std::size_t f = 0; f < sense.size(); ++f) {
+        if (sense[f] == Sense::kTurn) std::swap(soup.triangles[f][1], soup.triangles[f][2]);
+      }
+    });
     health_.repairs.push_back("turned " + counted(turned, "face", "faces") +
                               " over to agree with their neighbours");
   }
 
-  static std::size_t turn_fewer(std::span<const int> component, std::vector<unsigned char>& state,
-                                unsigned char as_is, unsigned char turn) {
+  enum class Sense : unsigned char { kUnseen, kAsIs, kTurn };
+
+  static Sense opposite(Sense sense) { return sense == Sense::kAsIs ? Sense::kTurn : Sense::kAsIs; }
+
+  // Gives the neighbours of a triangle that have no sense yet theirs, and adds them to the component.
+  void spread_sense(const TriangleMesh& mesh, int f, std::vector<Sense>& sense, std::vector<int>& component) {
+    const HalfEdges& half_edges = mesh.half_edges();
+    const Sense mine = sense[static_cast<std::size_t>(f)];
+    HalfEdges::Halfedge h = half_edges.first(f);
+    for (int i = 0; i < 3; ++i, h = half_edges.mesh().next_halfedge_handle(h)) {
+      const HalfEdges::Halfedge other = half_edges.across(h);
+      if (!other.is_valid()) continue;
+      const OpenMesh::FaceHandle beyond = half_edges.mesh().face_handle(other);
+      const Sense wanted = agree(mesh, h, other) ? mine : opposite(mine);
+      Sense& theirs = sense[static_cast<std::size_t>(beyond.idx())];
+      if (theirs == Sense::kUnseen) {
+        theirs = wanted;
+        component.push_back(beyond.idx());
+      } else if (theirs != wanted && health_.orientable) {
+        report_moebius(mesh, f, beyond.idx());
+      }
+    }
+  }
+
+  static std::size_t turn_fewer(std::span<const int> component, std::vector<Sense>& sense) {
     const auto count = static_cast<std::size_t>(std::count_if(component.begin(), component.end(), [&](int f) {
-      return state[static_cast<std::size_t>(f)] == turn;
+      return sense[static_cast<std::size_t>(f)] == Sense::kTurn;
     }));
     if (2 * count <= component.size()) return count;
     for (const int f : component) {
-      unsigned char& s = state[static_cast<std::size_t>(f)];
-      s = s == turn ? as_is : turn;
+      Sense& s = sense[static_cast<std::size_t>(f)];
+      s = opposite(s);
     }
     return component.size() - count;
   }
 
-  void report_moebius(int face, int other) {
+  void report_moebius(const TriangleMesh& mesh, int face, int other) {
     health_.orientable = false;
-    const auto& t = mesh_.triangles[static_cast<std::size_t>(face)];
-    const Eigen::Vector3d centre = (at(t[0]) + at(t[1]) + at(t[2])) / 3;
+    const auto& t = mesh.triangles()[static_cast<std::size_t>(face)];
+    const Eigen::Vector3d centre = (at(mesh, t[0]) + at(mesh, t[1]) + at(mesh, t[2])) / 3;
     health_.blockers.push_back("the surface has one side only, like a Moebius strip: the faces of lines " +
                                std::to_string(line_[static_cast<std::size_t>(face)]) + " and " +
                                std::to_string(line_[static_cast<std::size_t>(other)]) + " near " +
                                place_text(centre) + " cannot be made to agree: cut the strip open");
   }
 
+  // Half-edges keep no order when they are changed in place: what changes triangles makes the mesh anew,
+  // once.
+  template <class Change>
+  static void rebuild(TriangleMesh& mesh, const Change& change) {
+    TriangleSoup soup = mesh.soup();
+    mesh = {};
+    change(soup);
+    mesh = TriangleMesh(std::move(soup));
+  }
+
   // Gives every fan of faces round a vertex a vertex of its own, at the same place.
-  void part_touching_sheets(const FaceLinks& links) {
-    std::vector<int> fan = fans(links);
-    std::vector<bool> claimed(mesh_.vertices.size(), false);
-    std::vector<int> fan_vertex(fan.size(), -1);
+  void part_touching_sheets(TriangleMesh& mesh) {
+    if (!mesh.half_edges().has_seams()) return;
+    const int corners = 3 * static_cast<int>(mesh.triangles().size());
+    std::vector<bool> claimed(mesh.vertices().size(), false);
+    std::vector<int> own(static_cast<std::size_t>(corners), TriangleMesh::kNone);  // vertex, per corner
     std::vector<int> parted;
-    for (std::size_t c = 0; c < fan.size(); ++c) {
-      int& v = mesh_.triangles[c / 3][c % 3];
-      int& own = fan_vertex[static_cast<std::size_t>(fan[c])];
-      if (own < 0 && !claimed[static_cast<std::size_t>(v)]) {
-        claimed[static_cast<std::size_t>(v)] = true;
-        own = v;
-      } else if (own < 0) {
-        own = static_cast<int>(mesh_.vertices.size());
-        parted.push_back(v);
-        mesh_.vertices.push_back(Eigen::Vector3d(at(v)));
-      }
-      v = own;
+    for (int c = 0; c < corners; ++c) {
+      if (own[static_cast<std::size_t>(c)] != TriangleMesh::kNone) continue;
+      const int v = vertex_at(mesh, c);
+      const bool taken = claimed[static_cast<std::size_t>(v)];
+      claimed[static_cast<std::size_t>(v)] = true;
+      const int fan = taken ? static_cast<int>(mesh.vertices().size() + parted.size()) : v;
+      if (taken) parted.push_back(v);
+      for (const int member : fan_of(mesh, c)) own[static_cast<std::size_t>(member)] = fan;
     }
     if (parted.empty()) return;
+    rebuild(mesh, [&](TriangleSoup& soup) {
+      for (const int v : parted)
+        soup.vertices.push_back(Eigen::Vector3d(soup.vertices[static_cast<std::size_t>(v)]));
+      for (std::size_t c = 0; c < own.size(); ++c) soup.triangles[c / 3][c % 3] = own[c];
+    });
     const int shown = parted.front();
     std::sort(parted.begin(), parted.end());
     parted.erase(std::unique(parted.begin(), parted.end()), parted.end());
     health_.non_manifold_vertices = parted.size();
     health_.repairs.push_back("parted the sheets that touch only in a point at " +
                               counted(parted.size(), "vertex", "vertices") + ", the first vertex " +
-                              number(shown) + " " + place_text(at(shown)));
+                              number(shown) + " " + place_text(at(mesh, shown)));
   }
 
-  // For each corner the smallest corner of its fan: corners at one vertex, reached across edges.
-  static std::vector<int> fans(const FaceLinks& links) {
-    std::vector<int> parent(links.beyond.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int c) {
-      while (parent[static_cast<std::size_t>(c)] != c) {
-        int& p = parent[static_cast<std::size_t>(c)];
-        p = parent[static_cast<std::size_t>(p)];
-        c = p;
-      }
-      return c;
-    };
-    const auto join = [&](int a, int b) {
-      const int ra = root(a), rb = root(b);
-      parent[static_cast<std::size_t>(std::max(ra, rb))] = std::min(ra, rb);
-    };
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
-      const int other = links.beyond[static_cast<std::size_t>(c)];
-      if (other < c) continue;
-      join(c, next_corner(other));
-      join(next_corner(c), other);
+  // The corners at one vertex that are reached from `corner` across edges: round to where it began, or to the
+  // border on both sides.
+  static std::vector<int> fan_of(const TriangleMesh& mesh, int corner) {
+    std::vector<int> fan{corner};
+    for (int other = mesh.beyond(corner); other != TriangleMesh::kNone; other = mesh.beyond(fan.back())) {
+      if (next_corner(other) == corner) return fan;
+      fan.push_back(next_corner(other));
     }
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c) parent[static_cast<std::size_t>(c)] = root(c);
-    return parent;
+    const auto back = [&](int c) { return mesh.beyond(next_corner(next_corner(c))); };
+    for (int c = back(corner); c != TriangleMesh::kNone; c = back(c)) fan.push_back(c);
+    return fan;
   }
 
-  const ObjText& obj_;
+  ObjText obj_;  // empty once its polygons are triangles
+  std::size_t faces_ = 0;
+  std::uint32_t first_line_ = 0;
   const ReadOptions& options_;
   const std::string& name_;
   Health& health_;
-  TriangleMesh mesh_;
+  TriangleSoup soup_;                // empty once it is a mesh
   std::vector<std::uint32_t> line_;  // per triangle
   std::vector<int> obj_number_;      // per vertex, before sheets are parted
   std::size_t stitched_ = 0;         // vertices
@@ -380,9 +401,9 @@ class Repair {
 
 }  // namespace
 
-RepairedMesh repair_mesh(const ObjText& obj, std::vector<Eigen::Vector3d> positions,
-                         const ReadOptions& options, const std::string& name, Health& health) {
-  return Repair(obj, std::move(positions), options, name, health).run();
+RepairedMesh repair_mesh(ObjText obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
+                         const std::string& name, Health& health) {
+  return Repair(std::move(obj), std::move(positions), options, name, health).run();
 }
 
 }  // namespace hotblade::surface

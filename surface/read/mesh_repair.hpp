@@ -1,6 +1,8 @@
 // From checked OBJ text to an oriented triangle mesh whose vertices each have one fan of faces.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "surface/read/design_surface.hpp"
@@ -8,19 +10,18 @@
 
 namespace hotblade::surface {
 
-// A mesh with what is known about its connectivity; vertex numbers in messages are those of the OBJ, from 1.
 struct RepairedMesh {
   TriangleMesh mesh;
   std::vector<std::uint32_t> line;  // per triangle: of the OBJ, where its face starts
-  std::size_t edges = 0;            // distinct
 };
 
-// Merges vertices of exactly equal coordinates, cuts polygons into triangles, takes the faces that
-// options.facing asks for, drops degenerate and duplicate faces and unused vertices, turns faces to agree and
-// parts sheets that touch in a point only. No vertex is moved but those that options.stitch_mm joins. Writes
-// what it found and did to `health`: counts, repairs, warnings and blockers. `positions` are the design's, in
-// mm. Throws MeshError, with `name` in the message, when no face with an area is left.
-[[nodiscard]] RepairedMesh repair_mesh(const ObjText& obj, std::vector<Eigen::Vector3d> positions,
+// Returns the half-edge mesh of the text's faces: it merges vertices of exactly equal coordinates, cuts
+// polygons into triangles, takes the faces that options.facing asks for, drops degenerate and duplicate faces
+// and unused vertices, turns faces to agree and parts sheets that touch in a point only. No vertex is moved
+// but those that options.stitch_mm joins. What it found and did it writes to `health`: counts, repairs,
+// warnings and blockers; vertex numbers in them are those of the OBJ, from 1. `positions` are the design's,
+// in mm. Throws MeshError, with `name` in the message, when no face with an area is left.
+[[nodiscard]] RepairedMesh repair_mesh(ObjText obj, std::vector<Eigen::Vector3d> positions,
                                        const ReadOptions& options, const std::string& name, Health& health);
 
 }  // namespace hotblade::surface

@@ -1,24 +1,24 @@
-// Which faces of a mesh lie near each other: the pairs whose bounding boxes meet.
+// Finds which faces of a mesh lie near each other: the pairs whose bounding boxes meet.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
-
-#include "surface/read/design_surface.hpp"
 
 namespace hotblade::surface {
 
-// Faces in the order of a space-filling curve, four to a leaf, under a complete binary tree of boxes in
-// single precision, rounded outwards: 60 bytes a face, and a search in proportion to the faces of a surface.
-// Refers to nothing of the mesh once built. Throws std::logic_error when a vertex index is out of range.
+// Holds the faces in the order of a space-filling curve, eight to a leaf, under a binary tree of boxes in
+// single precision, rounded outwards: 34 bytes a face, and a search in proportion to the faces of a surface.
 class NearFaces {
  public:
-  explicit NearFaces(const TriangleMesh& mesh);
+  // Refers to neither span once built. Throws std::logic_error when a vertex index is out of range.
+  NearFaces(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles);
 
-  // The search falls into portions that may run side by side, the same whatever the number of threads.
+  // Returns into how many portions the search falls; they may run side by side, and are the same whatever the
+  // number of threads.
   [[nodiscard]] std::size_t portions() const { return portions_.size(); }
 
   // Calls meet(f, g) once for every two faces of this portion whose boxes meet, and for a few more that lie
@@ -26,26 +26,28 @@ class NearFaces {
   void visit(std::size_t portion, const std::function<void(int, int)>& meet) const;
 
  private:
-  using Four = float __attribute__((vector_size(16)));  // x, y, z and nothing
   struct Box {
-    Four low, high;
-    [[nodiscard]] bool meets(const Box& other) const;
-    void add(const Box& other);
+    std::array<float, 3> low, high;
+  };
+  // Nodes of one level, in the curve's order: node i has the children 2 i and 2 i + 1 of the level below.
+  struct Level {
+    std::size_t first, count;  // in nodes_
   };
   using Meet = std::function<void(int, int)>;
 
-  [[nodiscard]] Box box_of(const TriangleMesh& mesh, std::size_t face) const;
-  void sort_faces(const TriangleMesh& mesh);
+  void sort_faces(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles);
   void grow_tree();
   void divide();
-  void within(std::size_t node, const Meet& meet) const;
-  void between(std::size_t node, std::size_t other, const Meet& meet) const;
+  [[nodiscard]] bool meet_in(std::size_t level, std::size_t node, std::size_t other) const;
+  void within(std::size_t level, std::size_t node, const Meet& meet) const;
+  void between(std::size_t level, std::size_t node, std::size_t other, const Meet& meet) const;
   void compare(std::size_t leaf, std::size_t other, const Meet& meet) const;
 
-  std::vector<int> faces_;  // in the curve's order
-  std::vector<Box> boxes_;  // of faces_
-  std::vector<Box> nodes_;  // node i has children 2 i and 2 i + 1; leaves are nodes_[leaves_] and after
-  std::size_t leaves_ = 0;  // a power of two
+  std::vector<int> faces_;                            // in the curve's order
+  std::vector<Box> boxes_;                            // of faces_, and one to read past
+  std::vector<Box> nodes_;                            // and one to read past
+  std::vector<Level> levels_;                         // the leaves' first, the root's last
+  std::size_t top_ = 0;                               // the level that portions are made of
   std::vector<std::array<std::size_t, 2>> portions_;  // two nodes, or one twice
 };
 

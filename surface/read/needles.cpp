@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include "surface/read/face_links.hpp"
+#include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -59,15 +59,15 @@ WithoutNeedles remove_needles(std::span<const Eigen::Vector3d> vertices,
   result.removed = needles.size();
   // A chain of needles on one line loses at least one a round; the limit ends rounds that turn in a circle.
   for (std::size_t round = 0; round <= result.removed && !needles.empty(); ++round) {
-    const FaceLinks links = link_faces(triangles);
+    const TriangleMesh mesh({{vertices.begin(), vertices.end()}, triangles});
     std::vector<bool> touched(triangles.size(), false);
     std::vector<std::size_t> left;
     for (const std::size_t f : needles) {
       const int corner = 3 * static_cast<int>(f) + longest_edge(vertices, triangles[f]);
-      const int other = links.beyond[at(corner)];
-      if (touched[f] || (other != FaceLinks::kNone && touched[at(other / 3)])) {
+      const int other = mesh.beyond(corner);
+      if (touched[f] || (other != TriangleMesh::kNone && touched[at(other / 3)])) {
         left.push_back(f);
-      } else if (other != FaceLinks::kNone) {
+      } else if (other != TriangleMesh::kNone) {
         turn_edge(triangles, corner, other);
         touched[f] = touched[at(other / 3)] = true;
         if (is_needle(f)) left.push_back(f);

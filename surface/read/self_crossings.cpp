@@ -98,7 +98,8 @@ bool cross(const Triangle& t, const Triangle& u) {
 class Faces {
  public:
   explicit Faces(const TriangleMesh& mesh) : mesh_(mesh) {
-    for (const Eigen::Vector3d& p : mesh.vertices) largest_ = std::max(largest_, p.lpNorm<Eigen::Infinity>());
+    for (const Eigen::Vector3d& p : mesh.vertices())
+      largest_ = std::max(largest_, p.lpNorm<Eigen::Infinity>());
   }
 
   [[nodiscard]] Triangle triangle(int f) const {
@@ -114,8 +115,8 @@ class Faces {
   // edge, parts them but for that. True of nearly all neighbours of a surface, flat ones among them, whose
   // exact predicates would fail their filters. False: not known.
   [[nodiscard]] bool surely_apart(int f, int g) const {
-    const auto &t = mesh_.triangles[static_cast<std::size_t>(f)],
-               &u = mesh_.triangles[static_cast<std::size_t>(g)];
+    const auto &t = mesh_.triangles()[static_cast<std::size_t>(f)],
+               &u = mesh_.triangles()[static_cast<std::size_t>(g)];
     // Shared corners last.
     std::array<int, 3> own_t{}, own_u{};
     std::size_t count = 0, shared = 3, count_u = 0, shared_u = 3;
@@ -143,7 +144,7 @@ class Faces {
 
  private:
   [[nodiscard]] const Eigen::Vector3d& vertex(int v) const {
-    return mesh_.vertices[static_cast<std::size_t>(v)];
+    return mesh_.vertices()[static_cast<std::size_t>(v)];
   }
   // A difference of coordinates is off by half an ulp of itself, and so is each of the five operations of a
   // product's sum: together less than this times the largest coordinate and the sum of |across|.
@@ -175,7 +176,7 @@ class Faces {
   }
 
   [[nodiscard]] const Eigen::Vector3d& corner(int f, std::size_t i) const {
-    return mesh_.vertices[static_cast<std::size_t>(mesh_.triangles[static_cast<std::size_t>(f)][i])];
+    return mesh_.vertices()[static_cast<std::size_t>(mesh_.triangles()[static_cast<std::size_t>(f)][i])];
   }
   [[nodiscard]] Eigen::AlignedBox3d bounds(int f) const {
     Eigen::AlignedBox3d box;
@@ -190,7 +191,7 @@ class Faces {
 
 SelfCrossings find_self_crossings(const TriangleMesh& mesh) {
   const Faces faces(mesh);
-  const NearFaces near(mesh);
+  const NearFaces near(mesh.vertices(), mesh.triangles());
   std::vector<SelfCrossings> found(near.portions());
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
     near.visit(i, [&](int f, int g) {

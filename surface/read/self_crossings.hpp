@@ -1,4 +1,4 @@
-// Faces of a mesh that pass through each other or lie on each other.
+// Finds faces of a mesh that pass through each other or lie on each other.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,18 +17,20 @@ struct SelfCrossings {
   // The pair of the lowest numbers, and where it crosses, in mm. Meaningless when there is none.
   std::array<int, 2> faces{-1, -1};
   Eigen::Vector3d at = Eigen::Vector3d::Zero();
-  // Adds pairs, of which `pair` has the lowest numbers.
+  // Adds `more` pairs, of which `pair` has the lowest numbers.
   void count(const std::array<int, 2>& pair, std::size_t more) {
     if (pairs == 0 || pair < faces) faces = pair;
     pairs += more;
   }
 };
 
-// Boxes first (near_faces.hpp), then a plane between the faces in plain numbers, then exact predicates
-// (CGAL).
+// Returns how many pairs of faces cross, and where the first does. Boxes tell most pairs apart
+// (near_faces.hpp), a plane between the faces in plain numbers the next, and exact predicates (CGAL) the
+// rest.
 [[nodiscard]] SelfCrossings find_self_crossings(const TriangleMesh& mesh);
 
-// What to tell about them, with place and lines of the file; empty when there are none.
+// Returns what to tell about a design's crossing faces, with place and lines of the file; an empty text when
+// there are none.
 [[nodiscard]] std::string self_crossings_text(const DesignSurface& design);
 
 }  // namespace hotblade::surface

@@ -1,9 +1,11 @@
 #include "surface/read/stitches.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 
@@ -17,31 +19,13 @@ std::size_t at(int i) {
 }
 
 // Vertices on a border, in order.
-std::vector<int> border_vertices(std::span<const std::array<int, 3>> triangles, const FaceLinks& links) {
+std::vector<int> border_vertices(const TriangleMesh& mesh) {
   std::vector<int> members;
-  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-    if (links.beyond[c] == FaceLinks::kNone)
-      members.insert(members.end(), {triangles[c / 3][c % 3], triangles[c / 3][(c + 1) % 3]});
-  }
+  for (const int c : mesh.border())
+    members.insert(members.end(), {vertex_at(mesh, c), vertex_at(mesh, next_corner(c))});
   std::sort(members.begin(), members.end());
   members.erase(std::unique(members.begin(), members.end()), members.end());
   return members;
-}
-
-// Edges with both ends on a border, each with the smaller vertex first, sorted.
-std::vector<std::array<int, 2>> edges_between(std::span<const std::array<int, 3>> triangles,
-                                              std::span<const int> members, std::size_t vertices) {
-  std::vector<bool> member(vertices);
-  for (const int v : members) member[at(v)] = true;
-  std::vector<std::array<int, 2>> edges;
-  for (const auto& t : triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const int a = t[i], b = t[(i + 1) % 3];
-      if (member[at(a)] && member[at(b)]) edges.push_back({std::min(a, b), std::max(a, b)});
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
 }
 
 // Vertices by the cell of a grid as wide as the distance: who is near lies in one of 27 cells.
@@ -107,8 +91,7 @@ std::vector<Pair> close_pairs(std::span<const Eigen::Vector3d> vertices, std::sp
 // Vertices joined so far, each group under its lowest number.
 class Groups {
  public:
-  Groups(std::size_t vertices, const std::vector<std::array<int, 2>>& edges)
-      : edges_(edges), lowest_(vertices) {
+  explicit Groups(const TriangleMesh& mesh) : mesh_(mesh), lowest_(mesh.vertices().size()) {
     std::iota(lowest_.begin(), lowest_.end(), 0);
   }
 
@@ -120,8 +103,7 @@ class Groups {
     std::vector<int>& from = members(high);
     for (const int v : into) {
       for (const int w : from) {
-        if (std::binary_search(edges_.begin(), edges_.end(), std::array{std::min(v, w), std::max(v, w)}))
-          return;
+        if (mesh_.joined(v, w)) return;
       }
     }
     for (const int w : from) lowest_[at(w)] = low;
@@ -138,20 +120,17 @@ class Groups {
     return list;
   }
 
-  const std::vector<std::array<int, 2>>& edges_;
+  const TriangleMesh& mesh_;
   std::vector<int> lowest_;
   std::unordered_map<int, std::vector<int>> members_;
 };
 
 }  // namespace
 
-Stitches find_stitches(std::span<const Eigen::Vector3d> vertices,
-                       std::span<const std::array<int, 3>> triangles, const FaceLinks& links,
-                       double distance_mm) {
-  const std::vector<int> members = border_vertices(triangles, links);
-  const std::vector<std::array<int, 2>> edges = edges_between(triangles, members, vertices.size());
-  Groups groups(vertices.size(), edges);
-  for (const Pair& p : close_pairs(vertices, members, distance_mm)) groups.join(p.a, p.b);
+Stitches find_stitches(const TriangleMesh& mesh, double distance_mm) {
+  const auto vertices = mesh.vertices();
+  Groups groups(mesh);
+  for (const Pair& p : close_pairs(vertices, border_vertices(mesh), distance_mm)) groups.join(p.a, p.b);
   Stitches result;
   result.vertex = groups.take();
   for (std::size_t v = 0; v < result.vertex.size(); ++v) {

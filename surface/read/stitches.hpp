@@ -1,12 +1,9 @@
-// Border vertices that almost meet those of another border, and would close a gap when joined.
+// Finds border vertices that almost meet those of another border, and would close a gap when joined.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <span>
 #include <vector>
 
-#include "surface/read/face_links.hpp"
+#include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::surface {
 
@@ -17,10 +14,9 @@ struct Stitches {
   double largest_move_mm = 0;  // from a replaced vertex to the one that stands for it
 };
 
-// Joins border vertices within distance_mm of each other, the closest first, to the one of the lowest number.
-// The two ends of an edge are never joined, so no edge is lost to a distance larger than the mesh.
-[[nodiscard]] Stitches find_stitches(std::span<const Eigen::Vector3d> vertices,
-                                     std::span<const std::array<int, 3>> triangles, const FaceLinks& links,
-                                     double distance_mm);
+// Returns which border vertices within distance_mm of each other to join, the closest first, each group to
+// its lowest number. The two ends of an edge are never joined, so no edge is lost to a distance larger than
+// the mesh.
+[[nodiscard]] Stitches find_stitches(const TriangleMesh& mesh, double distance_mm);
 
 }  // namespace hotblade::surface

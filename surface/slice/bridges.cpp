@@ -1,6 +1,7 @@
 #include "surface/slice/bridges.hpp"
 
 #include <algorithm>
+#include <boost/pending/disjoint_sets.hpp>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -11,23 +12,6 @@ namespace {
 const SectionPiece& piece_of(const RibGraph& graph, const RibRef& ref) {
   return graph.sections[static_cast<std::size_t>(ref.section)].pieces[static_cast<std::size_t>(ref.piece)];
 }
-
-// Sets of chains, by one chain of each.
-class Sets {
- public:
-  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t a, std::size_t b) {
-    const std::size_t i = find(a), j = find(b);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 // Chord of the last `within_mm` of a piece before its end, or after its start.
 Eigen::Vector3d end_chord(const SectionPiece& piece, bool at_start, double within_mm) {
@@ -102,10 +86,14 @@ std::optional<Bridge> bridge_over(const RibGraph& graph, const std::vector<int>&
 
 std::vector<Bridge> find_bridges(const RibGraph& graph, std::span<const std::array<int, 2>> joined,
                                  double spacing_mm) {
-  Sets sets(graph.chains.size());
-  for (const auto& [a, b] : joined) sets.join(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+  std::vector<std::size_t> all(graph.chains.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  boost::disjoint_sets_with_storage<> sets(all.size());
+  for (const std::size_t c : all) sets.make_set(c);
+  for (const auto& [a, b] : joined) sets.union_set(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+  sets.normalize_sets(all.begin(), all.end());  // each set by its lowest chain
   std::map<std::size_t, std::vector<int>> together;
-  for (std::size_t c = 0; c < graph.chains.size(); ++c) together[sets.find(c)].push_back(static_cast<int>(c));
+  for (const std::size_t c : all) together[sets.find_set(c)].push_back(static_cast<int>(c));
   std::vector<Bridge> bridges;
   for (const auto& [first, chains] : together) {
     if (chains.size() < 2) continue;

@@ -30,10 +30,10 @@ double length_in(const std::array<Eigen::Vector3d, 3>& corner, const std::array<
 
 EndPlanes end_planes(const TriangleMesh& mesh, const PlaneFamily& planes, const SliceOptions& options) {
   std::vector<double> height;
-  height.reserve(mesh.vertices.size());
-  for (const Eigen::Vector3d& p : mesh.vertices) height.push_back(planes.offset(p));
+  height.reserve(mesh.vertices().size());
+  for (const Eigen::Vector3d& p : mesh.vertices()) height.push_back(planes.offset(p));
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const auto& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles()) {
     for (const int v : t) {
       low = std::min(low, height[static_cast<std::size_t>(v)]);
       high = std::max(high, height[static_cast<std::size_t>(v)]);
@@ -48,12 +48,12 @@ EndPlanes end_planes(const TriangleMesh& mesh, const PlaneFamily& planes, const 
   if (insets.size() < 2) return ends;
   std::array<std::vector<double>, 2> length{std::vector<double>(insets.size()),
                                             std::vector<double>(insets.size())};
-  for (const auto& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles()) {
     std::array<double, 3> h{};
     for (std::size_t i = 0; i < 3; ++i) h[i] = height[static_cast<std::size_t>(t[i])];
     const auto [least, most] = std::minmax({h[0], h[1], h[2]});
     if (least - low > insets.back() && high - most > insets.back()) continue;
-    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+    const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i])]; };
     for (std::size_t k = 0; k < insets.size(); ++k) {
       for (std::size_t end = 0; end < 2; ++end) {
         const double plane = end == 0 ? low + insets[k] : high - insets[k];

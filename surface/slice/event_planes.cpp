@@ -3,19 +3,14 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "surface/read/face_links.hpp"
-
 namespace hotblade::surface {
 namespace {
 
 std::vector<bool> border_vertices(const TriangleMesh& mesh) {
-  std::vector<bool> border(mesh.vertices.size(), false);
-  const FaceLinks links = link_faces(mesh.triangles);
-  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-    if (links.beyond[c] != FaceLinks::kNone) continue;
-    const auto& t = mesh.triangles[c / 3];
-    border[static_cast<std::size_t>(t[c % 3])] = border[static_cast<std::size_t>(t[(c + 1) % 3])] = true;
-  }
+  std::vector<bool> border(mesh.vertices().size(), false);
+  for (const int c : mesh.border())
+    border[static_cast<std::size_t>(vertex_at(mesh, c))] =
+        border[static_cast<std::size_t>(vertex_at(mesh, next_corner(c)))] = true;
   return border;
 }
 
@@ -34,17 +29,17 @@ std::vector<bool> gaps_with_ends(std::span<const RibNode> nodes, std::size_t pla
 
 std::vector<double> critical_heights(const TriangleMesh& mesh, const PlaneFamily& planes) {
   std::vector<double> height;
-  height.reserve(mesh.vertices.size());
-  for (const Eigen::Vector3d& p : mesh.vertices) height.push_back(planes.offset(p));
+  height.reserve(mesh.vertices().size());
+  for (const Eigen::Vector3d& p : mesh.vertices()) height.push_back(planes.offset(p));
   const auto below = [&](int a, int b) {
     const double ha = height[static_cast<std::size_t>(a)], hb = height[static_cast<std::size_t>(b)];
     return ha < hb || (ha == hb && a < b);
   };
   // How often the ring of neighbours passes through the vertex's height: twice for a regular vertex, once at
   // a border.
-  std::vector<std::uint32_t> passes(mesh.vertices.size(), 0);
-  std::vector<bool> used(mesh.vertices.size(), false);
-  for (const auto& t : mesh.triangles) {
+  std::vector<std::uint32_t> passes(mesh.vertices().size(), 0);
+  std::vector<bool> used(mesh.vertices().size(), false);
+  for (const auto& t : mesh.triangles()) {
     for (std::size_t i = 0; i < 3; ++i) {
       const int v = t[i], a = t[(i + 1) % 3], b = t[(i + 2) % 3];
       used[static_cast<std::size_t>(v)] = true;

@@ -1,5 +1,5 @@
-// Heights at which the sections of a mesh part, join, begin or end: chains of ribs reach up to there, so
-// planes are wanted just below and just above.
+// Finds the heights at which the sections of a mesh part, join, begin or end: chains of ribs reach up to
+// there, so planes are wanted just below and just above.
 #pragma once
 
 #include <span>
@@ -9,15 +9,15 @@
 
 namespace hotblade::surface {
 
-// Offsets of the critical vertices, ascending: those round which the surface does not simply
-// pass from below to above (Banchoff 1967, "Critical points and curvature for embedded polyhedra"; at a
-// border the half of that). Equal heights are told apart by vertex number, so a level edge is critical at
+// Returns the offsets of the critical vertices in mm, ascending: those round which the surface does not
+// simply pass from below to above (Banchoff 1967, "Critical points and curvature for embedded polyhedra"; at
+// a border the half of that). Equal heights are told apart by vertex number, so a level edge is critical at
 // most twice.
 [[nodiscard]] std::vector<double> critical_heights(const TriangleMesh& mesh, const PlaneFamily& planes);
 
-// The offsets with planes added `inset_mm` below and above the critical heights between planes where chains
-// of `nodes` end or begin. At most four heights a gap are taken, evenly chosen: a ragged border needs no
-// more. Returns `offsets` unchanged when there are none.
+// Returns the offsets with planes added `inset_mm` below and above the critical heights between planes where
+// chains of `nodes` end or begin. It takes at most four heights a gap, evenly chosen: a ragged border needs
+// no more. Where there are none it returns `offsets` unchanged.
 [[nodiscard]] std::vector<double> with_event_planes(const TriangleMesh& mesh, const PlaneFamily& planes,
                                                     std::span<const RibNode> nodes,
                                                     const std::vector<double>& offsets, double inset_mm);

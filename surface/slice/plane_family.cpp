@@ -148,9 +148,9 @@ std::string PlaneFamily::describe(double offset_mm) const {
 }
 
 PlaneFamily parallel_about(const TriangleMesh& mesh, const Vector3d& normal) {
-  if (mesh.vertices.empty()) throw std::logic_error("parallel_about: the design has no vertices");
-  Vector3d low = mesh.vertices.front(), high = low;
-  for (const Vector3d& p : mesh.vertices) {
+  if (mesh.vertices().empty()) throw std::logic_error("parallel_about: the design has no vertices");
+  Vector3d low = mesh.vertices().front(), high = low;
+  for (const Vector3d& p : mesh.vertices()) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
@@ -158,16 +158,16 @@ PlaneFamily parallel_about(const TriangleMesh& mesh, const Vector3d& normal) {
 }
 
 PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
-  if (mesh.triangles.empty()) throw std::logic_error("fan_about: the design has no faces");
+  if (mesh.triangles().empty()) throw std::logic_error("fan_about: the design has no faces");
   const PlaneFamily any = PlaneFamily::fan(axis, axis.direction.unitOrthogonal(), 1);
   const Vector3d x = axis.direction.unitOrthogonal(), y = any.normal(0);
   std::vector<Arc> arcs;
   double outermost = 0;
   Vector3d towards = Vector3d::Zero();
-  for (const auto& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles()) {
     std::array<Vector2d, 3> q;
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3d d = mesh.vertices[static_cast<std::size_t>(t[i])] - axis.point;
+      const Vector3d d = mesh.vertices()[static_cast<std::size_t>(t[i])] - axis.point;
       q[i] = {x.dot(d), y.dot(d)};
       // As far vertices, as on a circle: only a clearly farther one counts, so that rounding does not decide.
       constexpr double kClearly = 1 + 1e-9;
@@ -179,8 +179,8 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
       std::array<char, 128> amount{};
       std::snprintf(amount.data(), amount.size(),
                     ": distance from the fan's axis (%.3f mm, at least %.0f mm)", distance, kLeastRadiusMm);
-      throw FanError("face at " + place_text(mesh.vertices[static_cast<std::size_t>(t[0])]) + amount.data() +
-                     ": move slice.fan_axis off the design or cut the design there");
+      throw FanError("face at " + place_text(mesh.vertices()[static_cast<std::size_t>(t[0])]) +
+                     amount.data() + ": move slice.fan_axis off the design or cut the design there");
     }
     arcs.push_back(arc_of(q));
   }

@@ -27,21 +27,21 @@ struct FanError : std::runtime_error {
 class PlaneFamily {
  public:
   PlaneFamily() = default;  // parallel planes square to x
-  // `normal` is a unit vector; offset 0 goes through `centre`.
+  // Returns parallel planes: `normal` is a unit vector, and offset 0 goes through `centre`.
   [[nodiscard]] static PlaneFamily parallel(const Eigen::Vector3d& normal,
                                             const Eigen::Vector3d& centre = Eigen::Vector3d::Zero());
-  // Offset 0 is the half plane towards `reference`, a direction that need not be square to the axis; offsets
-  // grow right-handed about the axis. Throws std::logic_error when an argument is not finite, the radius not
-  // positive, or the reference along the axis.
+  // Returns a fan: offset 0 is the half plane towards `reference`, a direction that need not be square to the
+  // axis; offsets grow right-handed about the axis. Throws std::logic_error when an argument is not finite,
+  // the radius not positive, or the reference along the axis.
   [[nodiscard]] static PlaneFamily fan(const FanAxis& axis, const Eigen::Vector3d& reference,
                                        double radius_mm);
 
   [[nodiscard]] bool turns() const { return radius_mm_ > 0; }
-  // The design goes all the way round the axis: it is cut open at half a turn from offset 0
+  // Tells whether the design goes all the way round the axis: it is cut open at half a turn from offset 0
   // (surface/slice/ring.hpp).
   [[nodiscard]] bool closed() const { return closed_; }
   [[nodiscard]] double radius_mm() const { return radius_mm_; }  // 0: parallel
-  // On the axis: a point of every plane; of parallel planes a point of the one at offset 0. In-plane
+  // Returns a point of every plane, on the axis; of parallel planes a point of the one at offset 0. In-plane
   // coordinates are measured from it.
   [[nodiscard]] const Eigen::Vector3d& centre() const { return centre_; }
   [[nodiscard]] const Eigen::Vector3d& axis() const { return axis_; }  // unit; zero: parallel
@@ -49,16 +49,17 @@ class PlaneFamily {
   [[nodiscard]] double offset(const Eigen::Vector3d& p) const;              // of the plane through p
   [[nodiscard]] double distance_from_axis(const Eigen::Vector3d& p) const;  // fans only
   [[nodiscard]] double angle(double offset_mm) const;                       // rad from offset 0; 0: parallel
-  // Unit, towards larger offsets.
+  // Returns the unit normal of the plane at an offset, towards larger offsets.
   [[nodiscard]] Eigen::Vector3d normal(double offset_mm) const { return turned(normal_, offset_mm); }
+  // Returns a direction given at offset 0 as the plane at another offset carries it.
   [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& at_zero, double offset_mm) const;
 
-  // Share in [0, 1] of the way from a to b, whose offsets lie on both sides of a plane's, at which it passes
-  // through the plane.
+  // Returns the share in [0, 1] of the way from a to b, whose offsets lie on both sides of a plane's, at
+  // which it passes through the plane.
   [[nodiscard]] double crossing(const Eigen::Vector3d& a, double offset_a, const Eigen::Vector3d& b,
                                 double offset_b, double offset_mm) const;
 
-  // For messages: `normal . p = 12.500 mm` or `12.500 degrees about the axis`.
+  // Returns what messages call a plane: `normal . p = 12.500 mm` or `12.500 degrees about the axis`.
   [[nodiscard]] std::string describe(double offset_mm) const;
 
  private:
@@ -70,13 +71,14 @@ class PlaneFamily {
   friend PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis);
 };
 
-// Parallel planes for this design: offset 0 in the middle of its bounding box, so that offsets and in-plane
-// coordinates move with the design and have the same digits wherever it lies.
+// Returns parallel planes for a design: offset 0 lies in the middle of its bounding box, so that offsets and
+// in-plane coordinates move with the design and have the same digits wherever it lies.
 [[nodiscard]] PlaneFamily parallel_about(const TriangleMesh& mesh, const Eigen::Vector3d& normal);
 
-// The fan about an axis for this design: offset 0 in the middle of the angle that the design takes up, the
-// radius that of its outermost vertex. Of a design that goes all the way round it, offset 0 lies towards that
-// vertex. Throws FanError when the axis crosses the design or comes nearer to it than a millimetre.
+// Returns the fan about an axis for a design: offset 0 lies in the middle of the angle that the design takes
+// up, and the radius is that of its outermost vertex. Of a design that goes all the way round it, offset 0
+// lies towards that vertex. Throws FanError when the axis crosses the design or comes nearer to it than a
+// millimetre.
 [[nodiscard]] PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis);
 
 }  // namespace hotblade::surface

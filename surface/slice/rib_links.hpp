@@ -1,4 +1,4 @@
-// Which pieces of neighbouring sections continue each other, and loops cut open so that they can.
+// Links pieces of neighbouring sections that continue each other, and cuts loops open so that they can.
 #pragma once
 
 #include <vector>
@@ -17,11 +17,11 @@ struct RibNode {
   int surface_below = kNone, surface_above = kNone;
 };
 
-// Links pieces that are each other's best match in neighbouring sections, open to open and loop to loop.
-// Where the surface joins exactly one piece to exactly one, they link if either one is covered by the other
-// for most of its length; where it branches, only if both are covered nearly whole, so a Y ends its chains
-// and a sliver does not. Pieces on sheets that are not joined link when they are as near as joined ones would
-// be. `spacing_mm` is the distance of the planes.
+// Returns the pieces, section by section, linked where they are each other's best match in neighbouring
+// sections, open to open and loop to loop. Where the surface joins exactly one piece to exactly one, they
+// link if either one is covered by the other for most of its length; where it branches, only if both are
+// covered nearly whole, so a Y ends its chains and a sliver does not. Pieces on sheets that are not joined
+// link when they are as near as joined ones would be. `spacing_mm` is the distance of the planes.
 [[nodiscard]] std::vector<RibNode> link_pieces(std::vector<std::vector<MarchedPiece>> sections,
                                                double spacing_mm);
 

@@ -26,7 +26,7 @@ void check(const DesignSurface& design, const SliceOptions& options) {
   if (!design.health.blockers.empty()) {
     throw std::logic_error("slice: the design cannot be sliced: " + design.health.blockers.front());
   }
-  if (design.mesh.triangles.empty()) throw std::logic_error("slice: the design has no faces");
+  if (design.mesh.triangles().empty()) throw std::logic_error("slice: the design has no faces");
   if (options.fan && !(options.fan->point.allFinite() && options.fan->direction.allFinite() &&
                        options.fan->direction.norm() > 0)) {
     throw std::logic_error("slice: the fan's axis must be finite and its direction not zero");

@@ -1,5 +1,5 @@
-// Sections of the design by parallel planes or by a fan of half planes about an axis, and the pieces linked
-// from plane to plane into strips of ribs.
+// Cuts the design into sections by parallel planes or by a fan of half planes about an axis, and links their
+// pieces from plane to plane into strips of ribs.
 //
 // Planes are told apart by their offset (surface/slice/plane_family.hpp). A section piece is a polyline on
 // the mesh. Pieces of neighbouring planes that the surface between them joins one to one, or that lie beside
@@ -72,14 +72,14 @@ struct SliceOptions {
   bool keep_tips = false;
 };
 
-// Section planes are spread evenly from the first to the last. Where a border runs so nearly along the first
-// or the last that it leaves only a part of a section, the section a little further in is taken and moved
-// along the surface to that plane, so that its ribs say what the strip's end needs
-// (surface/slice/end_planes.hpp). Where chains end or begin on the way, planes are added as far below and
-// above the place as the first and last plane lie inside the design. Closed loops are cut open into two open
-// pieces where the loop is extreme across its longest extent, at the same side in every section. Throws
-// std::logic_error when options are not finite or the design's health has blockers, and FanError when the
-// fan's axis and the design do not go together.
+// Returns the design's sections and the chains of their pieces. Planes are spread evenly from the first to
+// the last. Where a border runs so nearly along the first or the last that it leaves only a part of a
+// section, the section a little further in is taken and moved along the surface to that plane, so that its
+// ribs say what the strip's end needs (surface/slice/end_planes.hpp). Where chains end or begin on the way,
+// planes are added as far below and above the place as the first and last plane lie inside the design. Closed
+// loops are cut open into two open pieces where the loop is extreme across its longest extent, at the same
+// side in every section. Throws std::logic_error when options are not finite or the design's health has
+// blockers, and FanError when the fan's axis and the design do not go together.
 [[nodiscard]] RibGraph slice(const DesignSurface& design, const SliceOptions& options);
 
 }  // namespace hotblade::surface

@@ -22,10 +22,10 @@ using namespace hotblade;
 using Eigen::Vector3d;
 
 // Every triangle into four, twice.
-surface::TriangleMesh refined(surface::TriangleMesh mesh) {
+surface::TriangleSoup refined(surface::TriangleSoup mesh) {
   for (int n = 0; n < 2; ++n) {
     std::map<std::pair<int, int>, int> middles;
-    surface::TriangleMesh fine;
+    surface::TriangleSoup fine;
     fine.vertices = mesh.vertices;
     const auto middle = [&](int a, int b) {
       const auto [at, fresh] =
@@ -59,7 +59,7 @@ struct Case {
   Case() {
     const std::string base = std::string(HOTBLADE_SOURCE_DIR) + "/samples/barrel_vault";
     const pipeline::Settings settings = pipeline::resolve({{base + ".toml"}, {}, {}});
-    const surface::TriangleMesh mesh = refined(surface::read_obj(base + ".obj", {"mm", 'z'}).mesh);
+    const surface::TriangleSoup mesh = refined(surface::read_obj(base + ".obj", {"mm", 'z'}).mesh.soup());
     const pipeline::testing::TemporaryDirectory directory;
     {
       std::ofstream out(directory / "vault.obj");
@@ -74,9 +74,9 @@ struct Case {
     // As many points of the design, face by face.
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> u(0, 1);
-    const std::size_t each = std::max<std::size_t>(1, cut.vertices.size() / design.mesh.triangles.size());
-    for (const auto& t : design.mesh.triangles) {
-      const auto at = [&](std::size_t k) { return design.mesh.vertices[static_cast<std::size_t>(t[k])]; };
+    const std::size_t each = std::max<std::size_t>(1, cut.vertices.size() / design.mesh.triangles().size());
+    for (const auto& t : design.mesh.triangles()) {
+      const auto at = [&](std::size_t k) { return design.mesh.vertices()[static_cast<std::size_t>(t[k])]; };
       for (std::size_t i = 0; i < each; ++i) {
         const double s = std::sqrt(u(random)), v = u(random);
         on_design.push_back((1 - s) * at(0) + s * (1 - v) * at(1) + s * v * at(2));
@@ -109,7 +109,7 @@ void distances_million(benchmark::State& state) {
   const auto limit = threads(state);
   const Case& c = vault();
   for (auto _ : state) {
-    const gpu::MeshDistance to_design(c.design.mesh.vertices, c.design.mesh.triangles);
+    const gpu::MeshDistance to_design(c.design.mesh.vertices(), c.design.mesh.triangles());
     benchmark::DoNotOptimize(to_design.query(c.cut.vertices));
     const gpu::MeshDistance to_cut(c.cut.vertices, c.cut.triangles);
     benchmark::DoNotOptimize(to_cut.query(c.on_design));
@@ -128,7 +128,8 @@ template <std::unique_ptr<bench::Peer> (*kMake)(const bench::PeerMesh&)>
 void peer_million(benchmark::State& state) {
   const auto limit = threads(state);
   const Case& c = vault();
-  const bench::PeerMesh design{plain(c.design.mesh.vertices), c.design.mesh.triangles},
+  const surface::TriangleSoup soup = c.design.mesh.soup();
+  const bench::PeerMesh design{plain(soup.vertices), soup.triangles},
       cut{plain(c.cut.vertices), c.cut.triangles};
   const Plain on_design = plain(c.on_design);
   std::vector<double> distances;

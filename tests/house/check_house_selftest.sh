@@ -19,7 +19,9 @@ printf '#include "elastica/kernels/curve.h"\n' > "$tree/gpu/mesh/near.cpp"
 printf '#include "elastica/curve/curve.hpp"\n' > "$tree/robot/pose/pose.cpp"
 printf '#include "robot/pose/pose.hpp"\n#include "gpu/mesh/near.hpp"\n' > "$tree/pipeline/plan/plan.cpp"
 printf '#include "pipeline/plan/ribs/target.hpp"\n' > "$tree/pipeline/plan/motion/motion.cpp"
-echo elastica/curve/curve.hpp > "$tree/headers.txt"
+printf '#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>\n' > "$tree/surface/read/half_edges.hpp"
+printf '#include "surface/read/half_edges.hpp"\n' > "$tree/surface/slice/march.cpp"
+printf 'elastica/curve/curve.hpp\nsurface/read/half_edges.hpp\n' > "$tree/headers.txt"
 good=$(bash "$check" "$tree" headers.txt) || fail "a good tree must pass, but: $good"
 [[ -z $good ]] || fail "a good tree must pass in silence, but: $good"
 
@@ -31,6 +33,8 @@ printf '#include "pipeline/plan/motion/motion.hpp"\n' > "$tree/pipeline/plan/rib
 printf '#include "pipeline/plan/plan.hpp"\n' > "$tree/pipeline/program/bad_uphill.cpp"
 printf '#include "curve.hpp"\n' > "$tree/pipeline/plan/bad_root.cpp"
 printf '#include <string>\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/read/bad_heavy.hpp"
+printf '#include "surface/read/half_edges.hpp"\n' | tee "$tree/surface/read/bad_private.hpp" > "$tree/pipeline/plan/bad_private.cpp"
+echo surface/read/bad_private.hpp >> "$tree/headers.txt"
 seq 601 > "$tree/surface/read/bad_long.cpp"
 : > "$tree/surface/bad_room.cpp"
 echo surface/read/bad_heavy.hpp >> "$tree/headers.txt"
@@ -39,10 +43,12 @@ expected='elastica/curve/bad_direction.cpp:1: direction: elastica/curve may not 
 surface/bad_room.cpp:1: room: surface is no room of the house
 surface/read/bad_heavy.hpp:2: heavy: <CGAL/Surface_mesh.h> belongs in a .cpp
 surface/read/bad_long.cpp:601: long: 601 lines, at most 600
+surface/read/bad_private.hpp:1: private: only sources of surface may include "surface/read/half_edges.hpp"
 surface/read/bad_uphill.cpp:1: direction: surface/read may not include "surface/slice/slice.hpp"
 gpu/mesh/bad_direction.cpp:2: direction: gpu/mesh may not include "elastica/curve/curve.hpp"
 robot/pose/bad_direction.cpp:1: direction: robot/pose may not include "pipeline/plan/plan.hpp"
 robot/pose/bad_unlisted.hpp:1: unlisted: not in its room'\''s HEADERS, so not compiled alone
+pipeline/plan/bad_private.cpp:1: private: only sources of surface may include "surface/read/half_edges.hpp"
 pipeline/plan/bad_root.cpp:1: root: "curve.hpp" does not start with a room
 pipeline/plan/ribs/bad_uphill.cpp:1: direction: pipeline/plan/ribs may not include "pipeline/plan/motion/motion.hpp"
 pipeline/program/bad_uphill.cpp:1: direction: pipeline/program may not include "pipeline/plan/plan.hpp"'

@@ -54,17 +54,17 @@ std::string message_of(const std::function<void()>& f) {
   return "(nothing thrown)";
 }
 
-inline DesignSurface from_mesh(TriangleMesh mesh) {
+inline DesignSurface from_mesh(TriangleSoup soup) {
   DesignSurface design;
-  design.mesh = std::move(mesh);
+  design.mesh = TriangleMesh(std::move(soup));
   return design;
 }
 
 // A grid of columns x rows cells over parameters in [0, 1]^2; `keep(i, j)` says which cells have faces.
-inline TriangleMesh grid(
+inline TriangleSoup grid(
     int columns, int rows, const std::function<Eigen::Vector3d(double, double)>& f,
     const std::function<bool(int, int)>& keep = [](int, int) { return true; }, bool wrap = false) {
-  TriangleMesh mesh;
+  TriangleSoup mesh;
   const int stride = wrap ? columns : columns + 1;
   for (int j = 0; j <= rows; ++j) {
     for (int i = 0; i < stride; ++i) {
@@ -83,7 +83,7 @@ inline TriangleMesh grid(
 }
 
 // Upright tube of the given radius about the z axis, normals outwards.
-inline TriangleMesh tube(double radius, double height, int around, int up) {
+inline TriangleSoup tube(double radius, double height, int around, int up) {
   return grid(
       around, up,
       [=](double s, double t) {
@@ -94,14 +94,14 @@ inline TriangleMesh tube(double radius, double height, int around, int up) {
 }
 
 // The part of a sphere of the given radius over a square of the given half width, normals upwards.
-inline TriangleMesh dome(double radius, double half, int cells) {
+inline TriangleSoup dome(double radius, double half, int cells) {
   return grid(cells, cells, [=](double s, double t) {
     const double x = half * (2 * s - 1), y = half * (2 * t - 1);
     return Eigen::Vector3d(x, y, std::sqrt(radius * radius - x * x - y * y));
   });
 }
 
-inline std::string to_obj(const TriangleMesh& mesh) {
+inline std::string to_obj(const TriangleSoup& mesh) {
   std::string text;
   char line[120];
   for (const auto& p : mesh.vertices) {

@@ -6,20 +6,18 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/read/face_links.hpp"
-
 namespace hotblade::pipeline {
 
 namespace {
 
 const Eigen::Vector3d& at(const surface::TriangleMesh& mesh, int v) {
-  return mesh.vertices[static_cast<std::size_t>(v)];
+  return mesh.vertices()[static_cast<std::size_t>(v)];
 }
 
 // Calls f(area, centre) for every triangle.
 template <class F>
 void for_each_area(const surface::TriangleMesh& mesh, const F& f) {
-  for (const auto& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles()) {
     const Eigen::Vector3d &a = at(mesh, t[0]), &b = at(mesh, t[1]), &c = at(mesh, t[2]);
     f(0.5 * (b - a).cross(c - a).norm(), (a + b + c) / 3);
   }
@@ -33,7 +31,7 @@ Eigen::Vector3d towards_farthest(const surface::TriangleMesh& mesh, const Eigen:
   constexpr double kClearly = 1 + 1e-9;
   Eigen::Vector3d best = axis.unitOrthogonal();
   double farthest = 0;
-  for (const Eigen::Vector3d& p : mesh.vertices) {
+  for (const Eigen::Vector3d& p : mesh.vertices()) {
     const Eigen::Vector3d d = p - centre, out = d - d.dot(axis) * axis;
     if (!(out.squaredNorm() > kClearly * farthest)) continue;
     farthest = out.squaredNorm();
@@ -49,10 +47,10 @@ BodyAxes body_axes(const surface::TriangleMesh& mesh) {
   double total = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
-    sum += area * (c - mesh.vertices.front());
+    sum += area * (c - mesh.vertices().front());
     total += area;
   });
-  body.centre = mesh.vertices.front() + sum / total;
+  body.centre = mesh.vertices().front() + sum / total;
   // About the centre: about the origin a design far from it would lose its digits.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
@@ -111,11 +109,9 @@ std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh, co
     return bins[static_cast<std::size_t>((i + kBins) % kBins)];
   };
   double total = 0;
-  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
-  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-    if (links.beyond[c] != surface::FaceLinks::kNone) continue;
-    const auto& t = mesh.triangles[c / 3];
-    const Eigen::Vector3d e = at(mesh, t[(c + 1) % 3]) - at(mesh, t[c % 3]);
+  for (const int c : mesh.border()) {
+    const Eigen::Vector3d e =
+        at(mesh, surface::vertex_at(mesh, surface::next_corner(c))) - at(mesh, surface::vertex_at(mesh, c));
     Eigen::Vector2d flat(e.dot(body.axes[0]), e.dot(body.axes[1]));
     const double heading = std::atan2(flat.y(), flat.x()) + 2 * std::numbers::pi;
     const int bin = static_cast<int>(std::lround(heading * kBins / std::numbers::pi)) % kBins;
@@ -151,7 +147,7 @@ std::vector<Eigen::Vector3d> along_borders(const surface::TriangleMesh& mesh, co
 std::optional<Eigen::Vector3d> least_steep(const surface::TriangleMesh& mesh) {
   Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
   double total = 0;
-  for (const auto& t : mesh.triangles) {
+  for (const auto& t : mesh.triangles()) {
     const Eigen::Vector3d cross = (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
     const double area = cross.norm();
     if (!(area > 0)) continue;

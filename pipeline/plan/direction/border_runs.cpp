@@ -5,9 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
-
-#include "surface/read/face_links.hpp"
 
 namespace hotblade::pipeline {
 
@@ -17,41 +14,25 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// An edge of the border with the normal, not of unit length, of the face beside it.
+// An edge of the border with the unit normal of the face beside it.
 struct BorderEdge {
   int from = 0, to = 0;
   Vector3d normal;
 };
 
-std::vector<BorderEdge> border_edges(const surface::TriangleMesh& mesh) {
-  const surface::FaceLinks links = surface::link_faces(mesh.triangles);
-  const auto at = [&](int v) -> const Vector3d& { return mesh.vertices[static_cast<std::size_t>(v)]; };
-  std::vector<BorderEdge> edges;
-  for (std::size_t c = 0; c < links.beyond.size(); ++c) {
-    if (links.beyond[c] != surface::FaceLinks::kNone) continue;
-    const auto& t = mesh.triangles[c / 3];
-    const Vector3d normal = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalized();
-    edges.push_back({t[c % 3], t[(c + 1) % 3], normal});
-  }
-  return edges;
+BorderEdge border_edge(const surface::TriangleMesh& mesh, int corner) {
+  const auto at = [&](int v) -> const Vector3d& { return mesh.vertices()[static_cast<std::size_t>(v)]; };
+  const auto& t = mesh.triangles()[static_cast<std::size_t>(corner / 3)];
+  return {surface::vertex_at(mesh, corner), surface::vertex_at(mesh, surface::next_corner(corner)),
+          (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).normalized()};
 }
 
 // Closed loops of edges, each in the sense of its faces.
-std::vector<std::vector<BorderEdge>> border_loops(const std::vector<BorderEdge>& edges) {
-  std::multimap<int, std::size_t> leaving;
-  for (std::size_t i = 0; i < edges.size(); ++i) leaving.emplace(edges[i].from, i);
-  std::vector<bool> used(edges.size(), false);
+std::vector<std::vector<BorderEdge>> border_loops(const surface::TriangleMesh& mesh) {
   std::vector<std::vector<BorderEdge>> loops;
-  for (std::size_t start = 0; start < edges.size(); ++start) {
-    std::vector<BorderEdge> loop;
-    for (std::size_t i = start; !used[i];) {
-      used[i] = true;
-      loop.push_back(edges[i]);
-      const auto [from, to] = leaving.equal_range(edges[i].to);
-      const auto next = std::find_if(from, to, [&](const auto& e) { return !used[e.second]; });
-      if (next != to) i = next->second;
-    }
-    if (!loop.empty()) loops.push_back(std::move(loop));
+  for (const std::vector<int>& corners : mesh.border_loops()) {
+    std::vector<BorderEdge>& loop = loops.emplace_back();
+    for (const int corner : corners) loop.push_back(border_edge(mesh, corner));
   }
   return loops;
 }
@@ -104,12 +85,12 @@ std::vector<BorderRun> border_runs(const surface::TriangleMesh& mesh) {
   constexpr double kCornerCosine = 0.8660254037844387;  // of 30 degrees
   std::vector<BorderRun> runs;
   double total = 0;
-  const auto at = [&](int v) -> const Vector3d& { return mesh.vertices[static_cast<std::size_t>(v)]; };
+  const auto at = [&](int v) -> const Vector3d& { return mesh.vertices()[static_cast<std::size_t>(v)]; };
   const auto turns = [&](const BorderEdge& a, const BorderEdge& b) {
     const Vector3d along = at(a.to) - at(a.from), next = at(b.to) - at(b.from);
     return along.dot(next) < kCornerCosine * along.norm() * next.norm();
   };
-  for (std::vector<BorderEdge>& loop : border_loops(border_edges(mesh))) {
+  for (std::vector<BorderEdge>& loop : border_loops(mesh)) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       if (!turns(loop[(i + loop.size() - 1) % loop.size()], loop[i])) continue;
       std::rotate(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(i), loop.end());

@@ -60,7 +60,7 @@ std::optional<DirectionTrial> try_axis(const surface::DesignSurface& design, con
   try {
     const surface::PlaneFamily planes = fan_about(design.mesh, axis);
     double least = planes.radius_mm(), low = 0, high = 0;
-    for (const Vector3d& p : design.mesh.vertices) {
+    for (const Vector3d& p : design.mesh.vertices()) {
       const double angle = planes.angle(planes.offset(p));
       low = std::min(low, angle);
       high = std::max(high, angle);

@@ -32,7 +32,7 @@ Extent extent(const surface::TriangleMesh& mesh, const PlaneFamily& planes) {
   const double half_turn = std::numbers::pi * planes.radius_mm();
   if (planes.closed()) return {-half_turn, half_turn};
   Extent found;
-  for (const Eigen::Vector3d& p : mesh.vertices) {
+  for (const Eigen::Vector3d& p : mesh.vertices()) {
     const double h = planes.offset(p);
     found.low = std::min(found.low, h);
     found.high = std::max(found.high, h);
@@ -57,8 +57,8 @@ std::map<double, double> widths(const surface::RibGraph& graph, const Extent& en
 double too_steep_mm2(const surface::TriangleMesh& mesh, const PlaneFamily& planes) {
   const double limit = std::sin(kUnseenSlopeRad);
   double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+  for (const auto& t : mesh.triangles()) {
+    const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i])]; };
     const Eigen::Vector3d cross = (at(1) - at(0)).cross(at(2) - at(0));
     const Eigen::Vector3d sweep = planes.normal(planes.offset((at(0) + at(1) + at(2)) / 3));
     if (std::abs(cross.dot(sweep)) > limit * cross.norm()) sum += 0.5 * cross.norm();

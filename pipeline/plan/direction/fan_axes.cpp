@@ -28,8 +28,8 @@ LineComplex line_complex(const surface::TriangleMesh& mesh, const BodyAxes& body
   };
   std::vector<Facet> facets;
   double total = 0, square = 0;
-  for (const auto& t : mesh.triangles) {
-    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+  for (const auto& t : mesh.triangles()) {
+    const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i])]; };
     const Vector3d cross = (at(1) - at(0)).cross(at(2) - at(0));
     const double area = 0.5 * cross.norm();
     if (!(area > 0)) continue;
@@ -132,7 +132,7 @@ std::vector<FanAxis> revolution_axes(const surface::TriangleMesh& mesh, const Bo
 std::vector<FanAxis> fan_axes(const surface::TriangleMesh& mesh, const BodyAxes& body,
                               const std::vector<BorderRun>& sides) {
   double size = 0;
-  for (const Vector3d& p : mesh.vertices) size = std::max(size, (p - body.centre).norm());
+  for (const Vector3d& p : mesh.vertices()) size = std::max(size, (p - body.centre).norm());
   std::vector<FanAxis> axes;
   const auto add = [&](const FanAxis& found) {
     constexpr double kSameRad = 0.035, kSamePlace = 0.02;

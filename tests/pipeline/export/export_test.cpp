@@ -187,7 +187,7 @@ TEST(AsCutObj, ReadsBackAsTheSweptSurface) {
   const SweptSurface swept = swept_surface(program, 5);
   ASSERT_EQ(read.health.file_vertices, swept.vertices.size());
   EXPECT_EQ(read.health.file_faces, swept.triangles.size());
-  for (const Eigen::Vector3d& p : read.mesh.vertices) {
+  for (const Eigen::Vector3d& p : read.mesh.vertices()) {
     EXPECT_NEAR(std::hypot(p.x(), p.z() + testing::kVaultRadius * std::cos(testing::kVaultHalfAngle)),
                 testing::kVaultRadius, 0.05);
   }

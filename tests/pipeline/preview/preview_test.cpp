@@ -170,8 +170,9 @@ TEST(SceneOf, MeasuresFeedAndCurvature) {
 
 TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
   const auto design = vault_design(1);
-  auto turned = design.mesh;
-  for (auto& triangle : turned.triangles) std::swap(triangle[1], triangle[2]);
+  surface::TriangleSoup soup = design.mesh.soup();
+  for (auto& triangle : soup.triangles) std::swap(triangle[1], triangle[2]);
+  const surface::TriangleMesh turned(std::move(soup));
   const double top = pipeline::testing::kVaultRadius * (1 - std::cos(pipeline::testing::kVaultHalfAngle));
   const std::vector<Eigen::Vector3d> above{{0, 100, top + 2}};
   EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kBelow, above, 3)[0], 2, 1e-9);
@@ -183,9 +184,8 @@ TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
 }
 
 TEST(SignedDeviation, PastTheBorderIsAcrossTheDesignsPlaneAndThenNothing) {
-  surface::TriangleMesh square;
-  square.vertices = {{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}};
-  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const surface::TriangleMesh square(
+      {{{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}}, {{0, 1, 2}, {0, 2, 3}}});
   const std::vector<Eigen::Vector3d> points{
       {50, 40, 0.5}, {102, 40, 0.5}, {103.5, 40, 0.5}, {102, 101, -0.25}};
   const std::vector<double> mm = signed_deviation_mm(square, Keep::kBelow, points, 3);
@@ -201,9 +201,9 @@ class PreviewCommand : public ::testing::Test {
   PreviewCommand() {
     const auto design = vault_design(1);
     std::string obj;
-    for (const auto& v : design.mesh.vertices)
+    for (const auto& v : design.mesh.vertices())
       obj += "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z()) + "\n";
-    for (const auto& [a, b, c] : design.mesh.triangles)
+    for (const auto& [a, b, c] : design.mesh.triangles())
       obj += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
     write_file_atomically(file("vault.obj"), obj, false);
     write_file_atomically(file("other.obj"), obj + "# edited\n", false);

@@ -105,9 +105,9 @@ class PreviewWindow : public ::testing::Test {
     if (!server_.started()) GTEST_SKIP() << "no Xvfb (Debian package xvfb)";
     const auto design = vault_design(2);
     std::string obj;
-    for (const auto& v : design.mesh.vertices)
+    for (const auto& v : design.mesh.vertices())
       obj += "v " + std::to_string(v.x()) + " " + std::to_string(v.y()) + " " + std::to_string(v.z()) + "\n";
-    for (const auto& [a, b, c] : design.mesh.triangles)
+    for (const auto& [a, b, c] : design.mesh.triangles())
       obj += "f " + std::to_string(a + 1) + " " + std::to_string(b + 1) + " " + std::to_string(c + 1) + "\n";
     write_file_atomically(directory_ / "vault.obj", obj, false);
     Program program = vault_program({.strips = 2, .bulge_mm = 0.7});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -57,10 +58,18 @@ TEST(SweptSurface, AMicrometreAtTheEndDoesNotTiltIt) {
   EXPECT_NEAR(reach, pose.frame.origin.x(), 1e-2);
 }
 
+surface::DesignSurface with_vertices(surface::DesignSurface design,
+                                     const std::function<void(Eigen::Vector3d&)>& move) {
+  surface::TriangleSoup soup = design.mesh.soup();
+  for (Eigen::Vector3d& p : soup.vertices) move(p);
+  design.mesh = surface::TriangleMesh(std::move(soup));
+  return design;
+}
+
 TEST(Verify, MeasuresADesignMovedAway) {
   for (const double by : {0.2, 0.7, 1.4}) {
-    surface::DesignSurface moved = cylinder_design();
-    for (Eigen::Vector3d& p : moved.mesh.vertices) p *= (400 + by) / 400;
+    const surface::DesignSurface moved =
+        with_vertices(cylinder_design(), [&](Eigen::Vector3d& p) { p *= (400 + by) / 400; });
     const VerifyReport report = verify(cylinder_plan().program, moved, {});
     EXPECT_NEAR(report.deviation.p99, by, 0.03);
     // At the straight edges the scaled design also moves sideways, by 0.3 of the shift.
@@ -71,12 +80,10 @@ TEST(Verify, MeasuresADesignMovedAway) {
 }
 
 TEST(Verify, MeasuresADentWhereItIs) {
-  surface::DesignSurface dented = cylinder_design();
-  auto& mesh = dented.mesh;
   const Eigen::Vector3d place(150, 0, 400);
-  for (Eigen::Vector3d& p : mesh.vertices) {
+  const surface::DesignSurface dented = with_vertices(cylinder_design(), [&](Eigen::Vector3d& p) {
     if ((p - place).norm() < 8) p.z() -= 1.7;
-  }
+  });
   const VerifyReport report = verify(cylinder_plan().program, dented, {});
   EXPECT_NEAR(report.deviation.max, 1.7, 0.1);
   EXPECT_LT(std::abs(report.deviation.at.x() - 150), 90);
@@ -137,12 +144,14 @@ TEST(Verify, SeesAFinBetweenTheRibsThatIsCutOff) {
   // A fin 20 mm tall stands between two rib planes: the cut runs below it, well inside its own edges.
   surface::DesignSurface fin = cylinder_design();
   const Eigen::Vector3d a(149, -20, 399.5), b(149, 20, 399.5), up(0, 0, 20);
-  const int base = static_cast<int>(fin.mesh.vertices.size());
+  surface::TriangleSoup soup = fin.mesh.soup();
+  const int base = static_cast<int>(soup.vertices.size());
   for (const Eigen::Vector3d& p : {a, b, Eigen::Vector3d(b + up), Eigen::Vector3d(a + up)}) {
-    fin.mesh.vertices.push_back(p);
+    soup.vertices.push_back(p);
   }
-  fin.mesh.triangles.push_back({base, base + 1, base + 2});
-  fin.mesh.triangles.push_back({base, base + 2, base + 3});
+  soup.triangles.push_back({base, base + 1, base + 2});
+  soup.triangles.push_back({base, base + 2, base + 3});
+  fin.mesh = surface::TriangleMesh(std::move(soup));
   const VerifyReport report = verify(cylinder_plan().program, fin, {});
   EXPECT_GT(report.deviation.max, 15);
   EXPECT_FALSE(report.within_tolerance);

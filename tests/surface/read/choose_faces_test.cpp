@@ -62,8 +62,8 @@ TEST(ReadFacing, TakesTheFacesThatLookInADirection) {
 
 // A plate in two halves whose borders along x = 50 miss each other by `gap`, in `rows` cells.
 std::string halves(double gap, int rows) {
-  TriangleMesh both = grid(5, rows, [](double s, double t) { return Eigen::Vector3d(50 * s, 100 * t, 0); });
-  const TriangleMesh right =
+  TriangleSoup both = grid(5, rows, [](double s, double t) { return Eigen::Vector3d(50 * s, 100 * t, 0); });
+  const TriangleSoup right =
       grid(5, rows, [&](double s, double t) { return Eigen::Vector3d(50 + 50 * s, 100 * t, gap); });
   const int offset = static_cast<int>(both.vertices.size());
   both.vertices.insert(both.vertices.end(), right.vertices.begin(), right.vertices.end());
@@ -103,10 +103,9 @@ TEST(ReadStitched, NeverJoinsTheEndsOfAnEdge) {
 
 TEST(FindStitches, JoinsTheClosestFirst) {
   // Two triangles' corners near each other, a third a little farther: the pairs of least distance win.
-  const std::vector<Eigen::Vector3d> v{{0, 0, 0},   {10, 0, 0},  {0, 10, 0},
-                                       {0, 0, 0.3}, {-10, 0, 0}, {0, -10, 0}};
-  const std::vector<std::array<int, 3>> t{{0, 1, 2}, {3, 4, 5}};
-  const Stitches s = find_stitches(v, t, link_faces(t), 0.5);
+  const TriangleMesh mesh(
+      {{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {0, 0, 0.3}, {-10, 0, 0}, {0, -10, 0}}, {{0, 1, 2}, {3, 4, 5}}});
+  const Stitches s = find_stitches(mesh, 0.5);
   EXPECT_THAT(s.vertex, ElementsAre(0, 1, 2, 0, 4, 5));
   EXPECT_EQ(s.joined, 1u);
   EXPECT_EQ(s.first, 3);

@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-DesignSurface read_mesh(const TriangleMesh& mesh) {
+DesignSurface read_mesh(const TriangleSoup& mesh) {
   return read_text(to_obj(mesh));
 }
 
@@ -57,25 +57,25 @@ TEST(MeshHealth, SeesThatATetrahedronIsClosed) {
 }
 
 TEST(MeshHealth, TurnsTheFewerFacesToAgreeInEachComponent) {
-  TriangleMesh mesh = dome(500, 100, 6);
-  const TriangleMesh right = mesh;
+  TriangleSoup mesh = dome(500, 100, 6);
+  const TriangleSoup right = mesh;
   for (std::size_t f = 0; f < mesh.triangles.size(); f += 3)
     std::swap(mesh.triangles[f][0], mesh.triangles[f][1]);
   const DesignSurface d = read_mesh(mesh);
   EXPECT_THAT(d.health.repairs, ElementsAre(HasSubstr("turned 24 faces over")));
   EXPECT_THAT(d.health.blockers, IsEmpty());
-  for (const auto& t : d.mesh.triangles) {
-    const auto& v = d.mesh.vertices;
+  for (const auto& t : d.mesh.triangles()) {
+    const auto v = d.mesh.vertices();
     const Eigen::Vector3d a = v[static_cast<std::size_t>(t[0])];
     EXPECT_GT((v[static_cast<std::size_t>(t[1])] - a).cross(v[static_cast<std::size_t>(t[2])] - a).z(), 0);
   }
 }
 
 TEST(MeshHealth, LeavesAgreeingFacesAsTheyAre) {
-  const TriangleMesh mesh = dome(500, 100, 6);
+  const TriangleSoup mesh = dome(500, 100, 6);
   const DesignSurface d = read_mesh(mesh);
-  EXPECT_EQ(d.mesh.triangles, mesh.triangles);
-  EXPECT_EQ(d.mesh.vertices, mesh.vertices);
+  EXPECT_EQ(d.mesh.soup().triangles, mesh.triangles);
+  EXPECT_EQ(d.mesh.soup().vertices, mesh.vertices);
   EXPECT_THAT(d.health.repairs, IsEmpty());
 }
 
@@ -140,7 +140,7 @@ TEST(MeshHealth, TakesOutNeedlesWithoutOpeningAGap) {
 }
 
 TEST(MeshHealth, TakesFacesInAnyOrder) {
-  TriangleMesh mesh = tube(100, 200, 24, 10);
+  TriangleSoup mesh = tube(100, 200, 24, 10);
   const Health sorted = read_mesh(mesh).health;
   std::mt19937 random(7);
   for (int round = 0; round < 20; ++round) {
@@ -163,7 +163,7 @@ TEST(MeshHealth, AgreesWithEulersFormulaOnRandomSheets) {
         grid(12, 12, flat, [&](int i, int j) { return cells[static_cast<std::size_t>(12 * j + i)]; }));
     ASSERT_THAT(d.health.blockers, IsEmpty());
     std::set<std::pair<int, int>> edges;
-    for (const auto& t : d.mesh.triangles) {
+    for (const auto& t : d.mesh.triangles()) {
       for (std::size_t i = 0; i < 3; ++i) edges.insert(std::minmax({t[i], t[(i + 1) % 3]}));
     }
     // Flat sheets: V - E + F = 2 components - border loops.

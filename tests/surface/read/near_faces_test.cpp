@@ -13,8 +13,8 @@ namespace {
 
 using Pairs = std::multiset<std::array<int, 2>>;
 
-Pairs found_in(const TriangleMesh& mesh) {
-  const NearFaces near(mesh);
+Pairs found_in(const TriangleSoup& mesh) {
+  const NearFaces near(mesh.vertices, mesh.triangles);
   Pairs pairs;
   for (std::size_t i = 0; i < near.portions(); ++i) {
     near.visit(i, [&](int f, int g) { pairs.insert({std::min(f, g), std::max(f, g)}); });
@@ -22,7 +22,7 @@ Pairs found_in(const TriangleMesh& mesh) {
   return pairs;
 }
 
-Eigen::AlignedBox3d box_of(const TriangleMesh& mesh, std::size_t f, double more) {
+Eigen::AlignedBox3d box_of(const TriangleSoup& mesh, std::size_t f, double more) {
   Eigen::AlignedBox3d box;
   for (const int v : mesh.triangles[f]) box.extend(mesh.vertices[static_cast<std::size_t>(v)]);
   const Eigen::Vector3d wide = Eigen::Vector3d::Constant(more);
@@ -30,7 +30,7 @@ Eigen::AlignedBox3d box_of(const TriangleMesh& mesh, std::size_t f, double more)
 }
 
 // All pairs, one by one; boxes grown by `more` on every side.
-Pairs brute_force(const TriangleMesh& mesh, double more) {
+Pairs brute_force(const TriangleSoup& mesh, double more) {
   Pairs pairs;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     for (std::size_t g = f + 1; g < mesh.triangles.size(); ++g) {
@@ -41,9 +41,9 @@ Pairs brute_force(const TriangleMesh& mesh, double more) {
   return pairs;
 }
 
-TriangleMesh soup(std::mt19937& random, int triangles, double size, double offset) {
+TriangleSoup soup(std::mt19937& random, int triangles, double size, double offset) {
   std::uniform_real_distribution<double> place(offset, offset + 100), away(-size, size);
-  TriangleMesh mesh;
+  TriangleSoup mesh;
   for (int f = 0; f < triangles; ++f) {
     const Eigen::Vector3d p(place(random), place(random), 0.1 * place(random));
     for (int i = 0; i < 3; ++i)
@@ -58,7 +58,7 @@ TEST(NearFaces, AreThePairsWhoseBoxesMeetEachOnce) {
   for (const int triangles : {1, 2, 3, 4, 5, 8, 9, 33, 300}) {
     for (const double size : {0.5, 5.0, 50.0}) {
       for (const double offset : {0.0, 1e6}) {
-        const TriangleMesh mesh = soup(random, triangles, size, offset);
+        const TriangleSoup mesh = soup(random, triangles, size, offset);
         const Pairs found = found_in(mesh), least = brute_force(mesh, 0),
                     most = brute_force(mesh, 1e-7 * (offset + 200));
         EXPECT_TRUE(std::includes(found.begin(), found.end(), least.begin(), least.end()));
@@ -79,8 +79,9 @@ TEST(NearFaces, AreInProportionToTheFacesOfASurface) {
 }
 
 TEST(NearFaces, AreNoneOfAnEmptyMeshAndRefuseWildIndices) {
-  EXPECT_EQ(NearFaces({}).portions(), 0U);
-  EXPECT_THROW(NearFaces({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 3}}}), std::logic_error);
+  EXPECT_EQ(NearFaces({}, {}).portions(), 0U);
+  const TriangleSoup wild{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 3}}};
+  EXPECT_THROW(NearFaces(wild.vertices, wild.triangles), std::logic_error);
 }
 
 }  // namespace

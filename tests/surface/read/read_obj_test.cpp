@@ -100,10 +100,10 @@ TEST(ReadObj, RefusesUnknownUnitsAndAxes) {
 
 TEST(ReadObj, TakesEveryWayToWriteANumber) {
   const DesignSurface d = read_text("v .8e-1 2. +3.0\nv -0 1e+2 0\nv 1E2 -.5 1e-400\nf 1 2 3\n");
-  ASSERT_THAT(d.mesh.vertices, SizeIs(3));
-  EXPECT_EQ(d.mesh.vertices[0], Eigen::Vector3d(0.08, 2, 3));
-  EXPECT_EQ(d.mesh.vertices[1], Eigen::Vector3d(0, 100, 0));
-  EXPECT_EQ(d.mesh.vertices[2], Eigen::Vector3d(100, -0.5, 0));
+  ASSERT_THAT(d.mesh.vertices(), SizeIs(3));
+  EXPECT_EQ(d.mesh.vertices()[0], Eigen::Vector3d(0.08, 2, 3));
+  EXPECT_EQ(d.mesh.vertices()[1], Eigen::Vector3d(0, 100, 0));
+  EXPECT_EQ(d.mesh.vertices()[2], Eigen::Vector3d(100, -0.5, 0));
 }
 
 TEST(ReadObj, TakesWeightsColoursTriplesAndStatementsWithoutFaces) {
@@ -112,7 +112,7 @@ TEST(ReadObj, TakesWeightsColoursTriplesAndStatementsWithoutFaces) {
       "0\nvn 0 0 1\n"
       "vp 0.1\ng a b\ns off\nusemtl x\n# stray \x01\xff bytes \\\nf 1/1/1 2//1 3/1 # corner kinds\nl 1 2\np "
       "1");
-  EXPECT_THAT(d.mesh.triangles, SizeIs(1));
+  EXPECT_THAT(d.mesh.triangles(), SizeIs(1));
   EXPECT_THAT(d.health.warnings, IsEmpty());
   EXPECT_THAT(d.health.repairs, IsEmpty());
 }
@@ -132,8 +132,8 @@ TEST(ReadObj, CountsRelativeIndicesFromTheFacesPlaceInTheFile) {
 }
 
 TEST(ReadObj, JoinsContinuedLines) {
-  EXPECT_THAT(read_text(kSquare + "f 1 2 \\\n3 \\\r\n 4\n").mesh.triangles, SizeIs(2));
-  EXPECT_THAT(read_text(kSquare + "f 1 2\\\n 3\n").mesh.triangles, SizeIs(1));
+  EXPECT_THAT(read_text(kSquare + "f 1 2 \\\n3 \\\r\n 4\n").mesh.triangles(), SizeIs(2));
+  EXPECT_THAT(read_text(kSquare + "f 1 2\\\n 3\n").mesh.triangles(), SizeIs(1));
 }
 
 TEST(ReadObj, TakesFacesBeforeTheirVertices) {
@@ -147,9 +147,9 @@ TEST(ReadObj, ScalesUnitsAndTurnsYUp) {
   for (const auto& [unit, scale] : scales) {
     const DesignSurface z = read_text(text, {unit, 'z'}), y = read_text(text, {unit, 'y'});
     EXPECT_EQ(z.scale_to_mm, scale);
-    EXPECT_EQ(z.mesh.vertices[0], Eigen::Vector3d(1 * scale, 2 * scale, 3 * scale)) << unit;
-    EXPECT_EQ(y.mesh.vertices[0], Eigen::Vector3d(1 * scale, -3 * scale, 2 * scale)) << unit;
-    EXPECT_EQ(y.mesh.triangles, z.mesh.triangles);  // a turn, not a mirror image
+    EXPECT_EQ(z.mesh.vertices()[0], Eigen::Vector3d(1 * scale, 2 * scale, 3 * scale)) << unit;
+    EXPECT_EQ(y.mesh.vertices()[0], Eigen::Vector3d(1 * scale, -3 * scale, 2 * scale)) << unit;
+    EXPECT_EQ(y.mesh.soup().triangles, z.mesh.soup().triangles);  // a turn, not a mirror image
   }
 }
 
@@ -206,7 +206,7 @@ TEST(ReadObj, CutsPolygonsWithoutChangingTheirArea) {
   for (const Polygon& polygon : polygons) {
     const int n = static_cast<int>(polygon.corners.size());
     for (int start = 0; start < n; ++start) {
-      TriangleMesh points;
+      TriangleSoup points;
       std::string face = "f";
       for (int i = 0; i < n; ++i) {
         const Eigen::Vector2d& c = polygon.corners[static_cast<std::size_t>((start + i) % n)];
@@ -215,9 +215,9 @@ TEST(ReadObj, CutsPolygonsWithoutChangingTheirArea) {
       }
       const DesignSurface d = read_text(to_obj(points) + face + "\n");
       EXPECT_NEAR(d.health.area_mm2, polygon.area, 1e-8) << polygon.what << " from corner " << start;
-      EXPECT_THAT(d.mesh.triangles, SizeIs(static_cast<std::size_t>(n - 2))) << polygon.what;
-      for (const auto& t : d.mesh.triangles) {
-        const auto& v = d.mesh.vertices;
+      EXPECT_THAT(d.mesh.triangles(), SizeIs(static_cast<std::size_t>(n - 2))) << polygon.what;
+      for (const auto& t : d.mesh.triangles()) {
+        const auto v = d.mesh.vertices();
         const Eigen::Vector3d a = v[static_cast<std::size_t>(t[0])];
         EXPECT_GT((v[static_cast<std::size_t>(t[1])] - a)
                       .cross(v[static_cast<std::size_t>(t[2])] - a)

@@ -22,7 +22,7 @@ class Oracle {
  public:
   using K = CGAL::Exact_predicates_exact_constructions_kernel;
 
-  explicit Oracle(const TriangleMesh& mesh) : mesh_(mesh) {}
+  explicit Oracle(const TriangleSoup& mesh) : mesh_(mesh) {}
 
   [[nodiscard]] bool cross(std::size_t f, std::size_t g) const {
     const K::Triangle_3 t = triangle(f), u = triangle(g);
@@ -50,10 +50,10 @@ class Oracle {
     }
     return true;
   }
-  const TriangleMesh& mesh_;
+  const TriangleSoup& mesh_;
 };
 
-std::size_t crossings_by_oracle(const TriangleMesh& mesh) {
+std::size_t crossings_by_oracle(const TriangleSoup& mesh) {
   const Oracle oracle(mesh);
   std::size_t pairs = 0;
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
@@ -63,9 +63,9 @@ std::size_t crossings_by_oracle(const TriangleMesh& mesh) {
 }
 
 // Triangles over few vertices on a coarse grid: shared corners and edges, touching and coplanar ones abound.
-TriangleMesh random_soup(std::mt19937& random, int vertices, int triangles, int cells) {
+TriangleSoup random_soup(std::mt19937& random, int vertices, int triangles, int cells) {
   std::uniform_int_distribution<int> coordinate(0, cells), vertex(0, vertices - 1);
-  TriangleMesh mesh;
+  TriangleSoup mesh;
   for (int v = 0; v < vertices; ++v)
     mesh.vertices.emplace_back(coordinate(random), coordinate(random), coordinate(random));
   while (static_cast<int>(mesh.triangles.size()) < triangles) {
@@ -80,8 +80,8 @@ TEST(SelfCrossings, AgreeWithExactIntersectionsOnSmallGrids) {
   std::mt19937 random(11);
   std::size_t found = 0;
   for (int k = 0; k < 60; ++k) {
-    const TriangleMesh mesh = random_soup(random, 12, 12, 3);
-    const SelfCrossings crossings = find_self_crossings(mesh);
+    const TriangleSoup mesh = random_soup(random, 12, 12, 3);
+    const SelfCrossings crossings = find_self_crossings(TriangleMesh(mesh));
     ASSERT_EQ(crossings.pairs, crossings_by_oracle(mesh)) << k;
     if (crossings.pairs > 0) {
       EXPECT_TRUE(Oracle(mesh).cross(static_cast<std::size_t>(crossings.faces[0]),
@@ -101,7 +101,7 @@ TEST(SelfCrossings, AgreeWithExactIntersectionsWhereFacesAreNearlyFlat) {
   std::uniform_real_distribution<double> unit(-1, 1);
   std::size_t found = 0;
   for (int k = 0; k < 60; ++k) {
-    TriangleMesh mesh = random_soup(random, 12, 12, 4);
+    TriangleSoup mesh = random_soup(random, 12, 12, 4);
     const double thick = std::pow(10.0, -4 * (k % 5)), wide = k % 2 == 0 ? 1 : 1e-5,
                  far = k % 3 == 0 ? 1e5 : 0;
     for (Eigen::Vector3d& p : mesh.vertices) {
@@ -113,7 +113,7 @@ TEST(SelfCrossings, AgreeWithExactIntersectionsWhereFacesAreNearlyFlat) {
       const Eigen::Vector3d a = at(1) - at(0), b = at(2) - at(0);
       return a.cross(b).norm() <= 1e-9 * a.norm() * b.norm();
     });
-    const SelfCrossings crossings = find_self_crossings(mesh);
+    const SelfCrossings crossings = find_self_crossings(TriangleMesh(mesh));
     ASSERT_EQ(crossings.pairs, crossings_by_oracle(mesh)) << k;
     found += crossings.pairs;
   }
@@ -121,16 +121,13 @@ TEST(SelfCrossings, AgreeWithExactIntersectionsWhereFacesAreNearlyFlat) {
 }
 
 TEST(SelfCrossings, AreNoneOnSurfacesThatOnlyTouchThemselves) {
-  EXPECT_EQ(find_self_crossings(dome(500, 300, 12)).pairs, 0u);
-  EXPECT_EQ(find_self_crossings(tube(100, 300, 24, 6)).pairs, 0u);
+  EXPECT_EQ(find_self_crossings(TriangleMesh(dome(500, 300, 12))).pairs, 0u);
+  EXPECT_EQ(find_self_crossings(TriangleMesh(tube(100, 300, 24, 6))).pairs, 0u);
   // A saddle: neighbours pass through each other's planes everywhere.
-  EXPECT_EQ(find_self_crossings(grid(20, 20,
-                                     [](double s, double t) {
-                                       return Eigen::Vector3d(1000 * s, 1000 * t,
-                                                              800 * (s - 0.5) * (t - 0.5));
-                                     }))
-                .pairs,
-            0u);
+  const TriangleMesh saddle(grid(20, 20, [](double s, double t) {
+    return Eigen::Vector3d(1000 * s, 1000 * t, 800 * (s - 0.5) * (t - 0.5));
+  }));
+  EXPECT_EQ(find_self_crossings(saddle).pairs, 0u);
 }
 
 TEST(SelfCrossings, AreToldWithLinesAndPlace) {

@@ -19,7 +19,7 @@ Vector3d arch(double s, double t) {
 }
 
 // Sections along x, in that sense; their offsets run against y.
-RibGraph along_x(const TriangleMesh& mesh) {
+RibGraph along_x(const TriangleSoup& mesh) {
   SliceOptions options;
   options.normal = -Vector3d::UnitY();
   return slice(from_mesh(mesh), options);

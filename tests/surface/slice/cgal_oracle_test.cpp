@@ -14,7 +14,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-CgalMesh to_cgal(const TriangleMesh& mesh) {
+CgalMesh to_cgal(const TriangleSoup& mesh) {
   CgalMesh out;
   std::vector<CgalMesh::Vertex_index> vertices;
   for (const auto& p : mesh.vertices)
@@ -33,7 +33,7 @@ double total_length(const std::vector<std::vector<Kernel::Point_3>>& polylines) 
   return length;
 }
 
-void expect_same_sections(const TriangleMesh& mesh, const Eigen::Vector3d& normal, double inset) {
+void expect_same_sections(const TriangleSoup& mesh, const Eigen::Vector3d& normal, double inset) {
   const CgalMesh cgal_mesh = to_cgal(mesh);
   const CGAL::Polygon_mesh_slicer<CgalMesh, Kernel> slicer(cgal_mesh);
   SliceOptions options;
@@ -64,9 +64,9 @@ TEST(SliceAgainstCgal, FindsTheSameLengthsOnRandomPlanes) {
     return Eigen::Vector3d(300 * s, 200 * t, 40 * std::sin(9 * s + 2 * t) + 10 * std::cos(9 * t));
   };
   const auto frame = [](int i, int j) { return i < 10 || i > 16 || j < 5 || j > 9; };
-  const std::vector<TriangleMesh> meshes = {dome(400, 150, 12), tube(80, 150, 30, 7),
+  const std::vector<TriangleSoup> meshes = {dome(400, 150, 12), tube(80, 150, 30, 7),
                                             grid(30, 20, wave, frame)};
-  for (const TriangleMesh& mesh : meshes) {
+  for (const TriangleSoup& mesh : meshes) {
     for (int round = 0; round < 25; ++round) {
       expect_same_sections(mesh, Eigen::Vector3d(any(random), any(random), any(random)), 0.05);
     }
@@ -75,7 +75,7 @@ TEST(SliceAgainstCgal, FindsTheSameLengthsOnRandomPlanes) {
 
 TEST(SliceAgainstCgal, FindsTheSameLengthsThroughVertices) {
   const auto ramp = [](double s, double t) { return Eigen::Vector3d(100 * s, 100 * t, 50 * s * t); };
-  const TriangleMesh mesh = grid(10, 10, ramp);
+  const TriangleSoup mesh = grid(10, 10, ramp);
   expect_same_sections(mesh, Eigen::Vector3d::UnitX(), 10);
   expect_same_sections(mesh, Eigen::Vector3d::UnitY(), 10);
 }

@@ -37,14 +37,14 @@ Vector3d on_torus(double a, double b) {
 }
 
 // Part of a torus about z through `turn` radians: a closed tube of 100 mm at 500 mm.
-TriangleMesh pipe_bend(double turn, int along, int around) {
+TriangleSoup pipe_bend(double turn, int along, int around) {
   return grid(
       around, along, [=](double s, double t) { return on_torus(turn * (t - 0.5), 2 * pi * s); },
       [](int, int) { return true; }, true);
 }
 
 // Of its tube the arcs from -open to open about the outermost line.
-TriangleMesh gutter_bend(double turn, int along, int around, double open) {
+TriangleSoup gutter_bend(double turn, int along, int around, double open) {
   return grid(along, around,
               [=](double s, double t) { return on_torus(turn * (s - 0.5), open * (2 * t - 1)); });
 }
@@ -122,7 +122,7 @@ TEST(SliceFan, EndsOnTheBorderRulingsOfACone) {
 }
 
 TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
-  const TriangleMesh mesh = gutter_bend(1.5, 50, 20, 1.0);
+  const TriangleSoup mesh = gutter_bend(1.5, 50, 20, 1.0);
   const FanAxis axis{{30, -20, 0}, {0.1, 0.05, 1}};
   const RibGraph straight = slice(from_mesh(mesh), about(axis, 45));
   for (int k = 0; k < 8; ++k) {
@@ -130,7 +130,7 @@ TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
     const Eigen::AngleAxisd turn(0.8 * k,
                                  k < 4 ? axis.direction.normalized() : Vector3d(1, k - 6, 2).normalized());
     const Vector3d shift(100 * k, -300, 50);
-    TriangleMesh moved = mesh;
+    TriangleSoup moved = mesh;
     for (Vector3d& p : moved.vertices) p = turn * p + shift;
     const RibGraph g = slice(from_mesh(moved), about({turn * axis.point + shift, turn * axis.direction}, 45));
     ASSERT_EQ(g.sections.size(), straight.sections.size());
@@ -150,7 +150,7 @@ TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
 }
 
 TEST(SliceFan, AnAxisFarAwayGivesParallelPlanes) {
-  const TriangleMesh mesh = dome(400, 150, 30);
+  const TriangleSoup mesh = dome(400, 150, 30);
   SliceOptions options;
   options.normal = Vector3d::UnitX();
   const RibGraph parallel = slice(from_mesh(mesh), options);
@@ -170,7 +170,7 @@ TEST(SliceFan, StripsReachUpToAWindowsAngles) {
     const double a = 0.9 * s, out = 400 + 300 * t;
     return Vector3d(out * std::cos(a), out * std::sin(a), 0);
   };
-  const TriangleMesh mesh =
+  const TriangleSoup mesh =
       grid(45, 30, panel, [](int i, int j) { return !(i >= 15 && i < 30 && j >= 10 && j < 20); });
   const RibGraph g = slice(from_mesh(mesh), about({{0, 0, 0}, {0, 0, 1}}, 25));
   ASSERT_EQ(g.chains.size(), 4u);  // before, two beside it, behind
@@ -201,7 +201,7 @@ TEST(SliceFan, AnAxisThroughOrNextToTheDesignIsRefusedWithThePlace) {
 }
 
 // A conical ring about z; with an even number of cells the cut runs along vertices, with an odd one between.
-TriangleMesh conical_ring(int around, int up) {
+TriangleSoup conical_ring(int around, int up) {
   return grid(
       around, up,
       [](double s, double t) {
@@ -213,8 +213,8 @@ TriangleMesh conical_ring(int around, int up) {
 
 double area(const TriangleMesh& mesh) {
   double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const auto at = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(t[i])]; };
+  for (const auto& t : mesh.triangles()) {
+    const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i])]; };
     sum += 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
   }
   return sum;
@@ -222,16 +222,16 @@ double area(const TriangleMesh& mesh) {
 
 TEST(CutOpen, KeepsTheAreaAndLeavesNoFaceAcrossTheCut) {
   for (const int around : {40, 41, 97}) {
-    const TriangleMesh ring = conical_ring(around, 7);
+    const TriangleMesh ring(conical_ring(around, 7));
     const PlaneFamily fan = fan_about(ring, {{0, 0, 10}, {0, 0, -2}});
     ASSERT_TRUE(fan.closed());
     const TriangleMesh open = cut_open(ring, fan);
     EXPECT_NEAR(area(open), area(ring), 1e-6 * 500);  // a billionth of a radian along a border of 320 mm
     double low = 0, high = 0;
-    for (const auto& t : open.triangles) {
+    for (const auto& t : open.triangles()) {
       std::array<double, 3> angle{};
       for (std::size_t i = 0; i < 3; ++i)
-        angle[i] = fan.angle(fan.offset(open.vertices[static_cast<std::size_t>(t[i])]));
+        angle[i] = fan.angle(fan.offset(open.vertices()[static_cast<std::size_t>(t[i])]));
       const auto [least, most] = std::minmax_element(angle.begin(), angle.end());
       EXPECT_LT(*most - *least, 2 * pi / around + 1e-8) << around;
       low = std::min(low, *least);

@@ -44,7 +44,7 @@ void for_each_point(const RibGraph& graph, const F& f) {
   }
 }
 
-double distance_to_edges(const TriangleMesh& mesh, const Vector3d& p) {
+double distance_to_edges(const TriangleSoup& mesh, const Vector3d& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& t : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -99,9 +99,9 @@ TEST(Slice, SpreadsThePlanesEvenlyFromInsetToInset) {
 }
 
 TEST(Slice, MeasuresFromTheDesignsMiddleWhereverItLies) {
-  const TriangleMesh mesh = dome(400, 150, 30);
+  const TriangleSoup mesh = dome(400, 150, 30);
   const Vector3d normal(3, 1, -0.4), by(1e6, -3e6, 2e6);
-  TriangleMesh far = mesh;
+  TriangleSoup far = mesh;
   for (Vector3d& p : far.vertices) p += by;
   const RibGraph a = slice(from_mesh(mesh), along(normal)), b = slice(from_mesh(far), along(normal));
   // Coordinates of up to 4e6 mm are multiples of 2^-31 mm: a vertex is off by half of that, the middle by
@@ -158,7 +158,7 @@ TEST(Slice, CutsAPlateIntoStraightEqualRibs) {
 }
 
 TEST(Slice, RunsTheSameWayWhicheverSideIsTheFront) {
-  TriangleMesh mesh = grid(13, 7, plate);
+  TriangleSoup mesh = grid(13, 7, plate);
   for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   const RibGraph g = slice(from_mesh(mesh), along(Vector3d::UnitX()));
   for_each_point(g, [](const Section&, const SectionPoint& q) { EXPECT_EQ(q.normal, -Vector3d::UnitZ()); });
@@ -192,7 +192,7 @@ TEST(Slice, CutsDiagonallyThroughVertices) {
 }
 
 TEST(Slice, PutsPointsOnThePlaneAndOnTheMesh) {
-  const TriangleMesh mesh = dome(400, 150, 9);
+  const TriangleSoup mesh = dome(400, 150, 9);
   const Vector3d normal = Vector3d(3, 1, -0.4).normalized();
   const RibGraph g = slice(from_mesh(mesh), along(normal));
   for_each_point(g, [&](const Section& section, const SectionPoint& q) {
@@ -214,7 +214,7 @@ TEST(Slice, EndsOpenPiecesOnTheBorder) {
 }
 
 // Border fans see one side of the surface only, so normals are judged away from the border.
-double worst_normal(const TriangleMesh& mesh, double inner,
+double worst_normal(const TriangleSoup& mesh, double inner,
                     const std::function<Vector3d(const Vector3d&)>& exact) {
   double worst = 0;
   for_each_point(slice(from_mesh(mesh), along(Vector3d::UnitX())),
@@ -277,7 +277,7 @@ TEST(Slice, CutsTheLoopsOfATubeOpenOnOneSide) {
 }
 
 TEST(Slice, CutsTheLoopsOfAnOvalTubeAtItsLongEnds) {
-  TriangleMesh mesh = tube(100, 200, 72, 10);
+  TriangleSoup mesh = tube(100, 200, 72, 10);
   const Vector3d longest(std::cos(0.6), std::sin(0.6), 0);
   for (Vector3d& p : mesh.vertices) p += 1.5 * longest.dot(p) * longest;
   const RibGraph g = slice(from_mesh(mesh), along(Vector3d::UnitZ()));
@@ -342,14 +342,15 @@ TEST(Slice, ReachesUpToTheEdgesOfAWindow) {
 TEST(CriticalHeights, OfAPlateWithAWindowAreItsEdges) {
   const auto flat = [](double s, double t) { return Vector3d(200 * s, 200 * t, 0); };
   const auto frame = [](int i, int j) { return i < 7 || i > 12 || j < 7 || j > 12; };
-  EXPECT_THAT(critical_heights(grid(20, 20, flat, frame), PlaneFamily::parallel(Vector3d::UnitX())),
-              ::testing::ElementsAre(0, 70, 130, 200));
+  EXPECT_THAT(
+      critical_heights(TriangleMesh(grid(20, 20, flat, frame)), PlaneFamily::parallel(Vector3d::UnitX())),
+      ::testing::ElementsAre(0, 70, 130, 200));
 }
 
 TEST(CriticalHeights, OfATorusAreFour) {
   // Upright: a minimum, two saddles, a maximum (Euler characteristic 0).
   constexpr int kAround = 40, kTube = 24;
-  TriangleMesh torus;
+  TriangleSoup torus;
   for (int i = 0; i < kAround; ++i) {
     for (int j = 0; j < kTube; ++j) {
       const double a = 2 * std::numbers::pi * (i + 0.3) / kAround,
@@ -361,7 +362,8 @@ TEST(CriticalHeights, OfATorusAreFour) {
       torus.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
     }
   }
-  const std::vector<double> heights = critical_heights(torus, PlaneFamily::parallel(Vector3d::UnitZ()));
+  const std::vector<double> heights =
+      critical_heights(TriangleMesh(torus), PlaneFamily::parallel(Vector3d::UnitZ()));
   ASSERT_THAT(heights, SizeIs(4));
   const double expected[] = {-260, -140, 140, 260};
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(heights[i], expected[i], 3);
@@ -377,7 +379,7 @@ TEST(Slice, GoesOnPastASliver) {
 
 TEST(Slice, KeepsToItsSheetWhereAnotherIsClose) {
   // Two sheets 1 mm apart, sloping, so that straight across to the other sheet is as near as along one's own.
-  TriangleMesh mesh = grid(10, 5, [](double s, double t) { return Vector3d(200 * s, 100 * t, 10 * s); });
+  TriangleSoup mesh = grid(10, 5, [](double s, double t) { return Vector3d(200 * s, 100 * t, 10 * s); });
   const int count = static_cast<int>(mesh.vertices.size());
   const auto triangles = mesh.triangles;
   for (int v = 0; v < count; ++v)
@@ -396,7 +398,7 @@ TEST(Slice, KeepsToItsSheetWhereAnotherIsClose) {
 }
 
 TEST(Slice, LinksPatchesAcrossASeam) {
-  TriangleMesh mesh = grid(10, 5, plate);
+  TriangleSoup mesh = grid(10, 5, plate);
   const int count = static_cast<int>(mesh.vertices.size());
   const auto triangles = mesh.triangles;
   for (int v = 0; v < count; ++v) {
@@ -409,7 +411,7 @@ TEST(Slice, LinksPatchesAcrossASeam) {
 
 TEST(Slice, DoesNotLinkSheetsThatLookApart) {
   // The second plate begins where the first ends, but its front looks down.
-  TriangleMesh mesh = grid(10, 5, plate);
+  TriangleSoup mesh = grid(10, 5, plate);
   const int count = static_cast<int>(mesh.vertices.size());
   const auto triangles = mesh.triangles;
   for (int v = 0; v < count; ++v) {
@@ -420,7 +422,7 @@ TEST(Slice, DoesNotLinkSheetsThatLookApart) {
 }
 
 TEST(Slice, DropsShortPiecesAndSaysWhere) {
-  TriangleMesh triangle;
+  TriangleSoup triangle;
   triangle.vertices = {{0, 0, 0}, {100, -50, 0}, {100, 50, 0}};
   triangle.triangles = {{0, 1, 2}};
   SliceOptions options = along(Vector3d::UnitX(), 10, 2);
@@ -438,7 +440,7 @@ TEST(Slice, DropsShortPiecesAndSaysWhere) {
 
 TEST(Slice, KeepsTheTipsOfTheDesignAndOfItsArmsWhereAskedTo) {
   // Two triangles on a strip, with tips at x = 100 and at x = 75.
-  TriangleMesh comb;
+  TriangleSoup comb;
   comb.vertices = {{0, 0, 0}, {0, 40, 0}, {0, 80, 0}, {100, 20, 0}, {75, 60, 0}, {-50, 0, 0}, {-50, 80, 0}};
   comb.triangles = {{0, 3, 1}, {1, 4, 2}, {5, 0, 1}, {5, 1, 6}, {6, 1, 2}};
   SliceOptions options = along(Vector3d::UnitX(), 20, 0.05);
@@ -492,14 +494,14 @@ TEST(Slice, IsTheSameForATurnedDesign) {
     return Vector3d(300 * s, 200 * t, 30 * std::sin(5 * s + 2 * t) + 10 * std::cos(9 * t));
   };
   const auto frame = [](int i, int j) { return i < 10 || i > 16 || j < 5 || j > 9; };
-  const TriangleMesh mesh = grid(30, 20, wave, frame);
+  const TriangleSoup mesh = grid(30, 20, wave, frame);
   std::mt19937 random(3);
   std::normal_distribution<double> any;
   const RibGraph straight = slice(from_mesh(mesh), along(Vector3d(1, 0.2, 0.1)));
   for (int round = 0; round < 20; ++round) {
     const Eigen::Quaterniond turn =
         Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized();
-    TriangleMesh turned = mesh;
+    TriangleSoup turned = mesh;
     for (Vector3d& p : turned.vertices) p = turn * p;
     const RibGraph g = slice(from_mesh(turned), along(turn * Vector3d(1, 0.2, 0.1)));
     ASSERT_EQ(g.sections.size(), straight.sections.size());
@@ -518,12 +520,12 @@ TEST(Slice, IsTheSameForATurnedDesign) {
 }
 
 TEST(Slice, DoesNotDependOnTheOrderOfFaces) {
-  TriangleMesh mesh = tube(100, 200, 48, 10);
+  TriangleSoup mesh = tube(100, 200, 48, 10);
   for (Vector3d& p : mesh.vertices) p.x() += 0.3 * p.z() + 20 * std::sin(p.y() / 30);
   for (const Vector3d& normal : {Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(1, 2, 3)}) {
     const RibGraph sorted = slice(from_mesh(mesh), along(normal));
     expect_sound_chains(sorted);
-    TriangleMesh shuffled = mesh;
+    TriangleSoup shuffled = mesh;
     std::mt19937 random(5);
     std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
     for (auto& t : shuffled.triangles) std::rotate(t.begin(), t.begin() + 1, t.end());
@@ -549,7 +551,7 @@ TEST(Slice, DoesNotDependOnTheOrderOfFaces) {
 TEST(Slice, NeverRepeatsAPoint) {
   std::mt19937 random(9);
   std::uniform_int_distribution<int> whole(-3, 3);
-  const TriangleMesh mesh = dome(400, 150, 10);
+  const TriangleSoup mesh = dome(400, 150, 10);
   for (int round = 0; round < 200; ++round) {
     const Vector3d normal(whole(random), whole(random), 0);
     if (normal.isZero()) continue;

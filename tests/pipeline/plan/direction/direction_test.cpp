@@ -48,7 +48,9 @@ Sample sample(const std::string& name, const Eigen::Isometry3d& placed = Eigen::
   s.settings.slice.direction.reset();
   s.settings.slice.fan_axis.reset();
   s.design = read_design(base.string() + ".obj", s.settings.design);
-  for (Vector3d& p : s.design.mesh.vertices) p = placed * p;
+  surface::TriangleSoup soup = s.design.mesh.soup();
+  for (Vector3d& p : soup.vertices) p = placed * p;
+  s.design.mesh = surface::TriangleMesh(std::move(soup));
   return s;
 }
 

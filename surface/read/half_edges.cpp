@@ -1,0 +1,142 @@
+#include "surface/read/half_edges.hpp"
+
+#include <OpenMesh/Core/System/omstream.hh>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace hotblade::surface {
+namespace {
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+OpenMesh::VertexHandle vertex(int v) {
+  return OpenMesh::VertexHandle(v);
+}
+
+std::array<int, 2> edge_between(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+void check(const TriangleSoup& soup) {
+  for (const auto& t : soup.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (t[i] < 0 || at(t[i]) >= soup.vertices.size() || t[i] == t[(i + 1) % 3])
+        throw std::logic_error("TriangleMesh: a triangle needs three different vertices of the mesh");
+    }
+  }
+}
+
+// A surface has V + F edges less its Euler characteristic, which holes and handles lower: an eighth of the
+// faces leaves room for those. What is reserved and not used takes no memory.
+std::size_t most_edges(const TriangleSoup& soup) {
+  const std::size_t faces = soup.triangles.size();
+  return std::min(3 * faces, soup.vertices.size() + faces + faces / 8);
+}
+
+}  // namespace
+
+HalfEdges::HalfEdges(TriangleSoup soup) : vertices_(soup.vertices.size()) {
+  check(soup);
+  // Refused triangles are reported by what reads the mesh, not printed by the library.
+  [[maybe_unused]] static const bool silent = [] {
+    omerr().disable();
+    return true;
+  }();
+  add(soup);
+  mesh_.add_property(corners_);
+  mesh_.property(corners_).data_vector() = std::move(soup.triangles);
+  if (!refused_.empty()) link_refused();
+}
+
+void HalfEdges::add(const TriangleSoup& soup) {
+  mesh_.reserve(vertices_, most_edges(soup), soup.triangles.size());
+  for (const Eigen::Vector3d& p : soup.vertices) mesh_.add_vertex(p);
+  for (std::size_t f = 0; f < soup.triangles.size(); ++f) {
+    const auto& t = soup.triangles[f];
+    if (mesh_.add_face(vertex(t[0]), vertex(t[1]), vertex(t[2])).is_valid()) continue;
+    refused_.push_back(static_cast<int>(f));
+    add_beside(t);
+  }
+}
+
+void HalfEdges::add_beside(const std::array<int, 3>& t) {
+  std::array<OpenMesh::VertexHandle, 3> copies;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Eigen::Vector3d p = mesh_.point(vertex(t[i]));
+    copies[i] = mesh_.add_vertex(p);
+  }
+  mesh_.add_face(copies[0], copies[1], copies[2]);
+}
+
+HalfEdges::Halfedge HalfEdges::at_corner(int corner) const {
+  Halfedge h = first(corner / 3);
+  for (int i = 0; i < corner % 3; ++i) h = mesh_.next_halfedge_handle(h);
+  return h;
+}
+
+int HalfEdges::corner_of(Halfedge h) const {
+  const int f = mesh_.face_handle(h).idx();
+  const Halfedge zero = first(f);
+  if (h == zero) return 3 * f;
+  return h == mesh_.next_halfedge_handle(zero) ? 3 * f + 1 : 3 * f + 2;
+}
+
+bool HalfEdges::joined(int v, int other) const {
+  return mesh_.find_halfedge(vertex(v), vertex(other)).is_valid() ||
+         std::binary_search(refused_edges_.begin(), refused_edges_.end(), edge_between(v, other));
+}
+
+bool HalfEdges::has_seams() const {
+  if (!refused_.empty()) return true;
+  for (const auto v : mesh_.vertices()) {
+    if (!mesh_.is_manifold(v)) return true;
+  }
+  return false;
+}
+
+std::vector<HalfEdges::EdgeUse> HalfEdges::uses_at_refused() const {
+  std::vector<EdgeUse> uses;
+  for (const int f : refused_) {
+    for (int c = 3 * f; c < 3 * f + 3; ++c) {
+      const auto& t = triangles()[at(f)];
+      const auto edge = edge_between(t[at(c % 3)], t[at((c + 1) % 3)]);
+      uses.push_back({edge, at_corner(c)});
+      const Halfedge there = mesh_.find_halfedge(vertex(edge[0]), vertex(edge[1]));
+      if (!there.is_valid()) continue;
+      for (const Halfedge h : {there, mesh_.opposite_halfedge_handle(there)}) {
+        if (!mesh_.is_boundary(h)) uses.push_back({edge, h});
+      }
+    }
+  }
+  std::sort(uses.begin(), uses.end());
+  const auto same = [](const EdgeUse& a, const EdgeUse& b) { return a.halfedge == b.halfedge; };
+  uses.erase(std::unique(uses.begin(), uses.end(), same), uses.end());
+  return uses;
+}
+
+void HalfEdges::link_refused() {
+  mesh_.add_property(across_);
+  for (const Halfedge h : mesh_.halfedges()) {
+    const Halfedge opposite = mesh_.opposite_halfedge_handle(h);
+    mesh_.property(across_, h) = mesh_.is_boundary(opposite) ? Halfedge() : opposite;
+  }
+  const std::vector<EdgeUse> uses = uses_at_refused();
+  for (auto from = uses.begin(), to = from; from != uses.end(); from = to) {
+    to = std::find_if(from, uses.end(), [&](const EdgeUse& use) { return use.edge != from->edge; });
+    refused_edges_.push_back(from->edge);
+    for (auto use = from; use != to; ++use) {
+      mesh_.property(across_, use->halfedge) =
+          to - from == 2 ? (use == from ? from + 1 : from)->halfedge : Halfedge();
+    }
+    if (to - from > 2 && crowded_.edges++ == 0) {
+      crowded_.first = from->edge;
+      crowded_.triangles = static_cast<std::size_t>(to - from);
+    }
+  }
+}
+
+}  // namespace hotblade::surface

@@ -1,0 +1,58 @@
+#include "surface/read/triangle_mesh.hpp"
+
+#include <utility>
+
+#include "surface/read/half_edges.hpp"
+
+namespace hotblade::surface {
+
+TriangleMesh::TriangleMesh(TriangleSoup soup)
+    : half_edges_(std::make_shared<const HalfEdges>(std::move(soup))),
+      vertices_(half_edges_->vertices()),
+      triangles_(half_edges_->triangles()) {}
+
+TriangleSoup TriangleMesh::soup() const {
+  return {{vertices_.begin(), vertices_.end()}, {triangles_.begin(), triangles_.end()}};
+}
+
+int TriangleMesh::beyond(int corner) const {
+  const HalfEdges::Halfedge other = half_edges_->across(half_edges_->at_corner(corner));
+  return other.is_valid() ? half_edges_->corner_of(other) : kNone;
+}
+
+std::vector<int> TriangleMesh::border() const {
+  std::vector<int> corners;
+  for (int f = 0; f < static_cast<int>(triangles_.size()); ++f) {
+    HalfEdges::Halfedge h = half_edges_->first(f);
+    for (int c = 3 * f; c < 3 * f + 3; ++c, h = half_edges_->mesh().next_halfedge_handle(h)) {
+      if (!half_edges_->across(h).is_valid()) corners.push_back(c);
+    }
+  }
+  return corners;
+}
+
+std::vector<std::vector<int>> TriangleMesh::border_loops() const {
+  // Turns about the edge's end, from triangle to triangle, to the border's next edge.
+  const auto after = [&](int corner) {
+    int c = next_corner(corner);
+    for (int other = beyond(c); other != kNone; other = beyond(c)) c = next_corner(other);
+    return c;
+  };
+  std::vector<bool> seen(3 * triangles_.size(), false);
+  std::vector<std::vector<int>> loops;
+  for (const int start : border()) {
+    std::vector<int> loop;
+    for (int c = start; !seen[static_cast<std::size_t>(c)]; c = after(c)) {
+      seen[static_cast<std::size_t>(c)] = true;
+      loop.push_back(c);
+    }
+    if (!loop.empty()) loops.push_back(std::move(loop));
+  }
+  return loops;
+}
+
+bool TriangleMesh::joined(int vertex, int other) const {
+  return half_edges_ && half_edges_->joined(vertex, other);
+}
+
+}  // namespace hotblade::surface
