@@ -108,7 +108,7 @@ std::string small_program() {
   program.design.keep = pipeline::Keep::kBelow;
   program.design.sha256 = std::string(64, '0');
   program.blade = {{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0}, {600}};
-  program.verification.status = "passed";
+  program.verification.status = pipeline::VerificationStatus::kPassed;
   program.verification.tolerance_mm = 1;
   return to_json(program);
 }
