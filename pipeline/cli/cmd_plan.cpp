@@ -102,8 +102,7 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
 
 // With --strict a warning is as good as a limit.
 void refuse_warnings(PlanResult& result) {
-  result.refusals.push_back({"design", "", "warnings with --strict",
-                             static_cast<double>(result.warnings.size()), 0, "",
+  result.refusals.push_back({"design", "", Limit::kWarnings, static_cast<double>(result.warnings.size()), 0,
                              "first: " + result.warnings.front()});
   result.program.verification.status = VerificationStatus::kRefused;
 }

@@ -88,6 +88,7 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
      "a shorter or wider blade, or another slice.direction"},
     {Limit::kUncutShare, "uncut share of the area", "%",
      "another slice.direction, a trimmed design or a larger design.max_uncut_share"},
+    {Limit::kWarnings, "warnings with --strict", "", "see to them, or plan without --strict"},
 
     {Limit::kUnknown, "unknown limit", "", "the controller speaks of a limit that came after this program", 0,
      "unknown limit"},

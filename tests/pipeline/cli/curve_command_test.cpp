@@ -257,8 +257,9 @@ TEST(CurveCommand, SplinesKeepTheirJointsAndLowerTheirResiduals) {
     EXPECT_NEAR(s["chain"][0][2][1], 0.6, 1e-12);  // on the joint's tangent
     EXPECT_NEAR(s["chain"][1][1][1], 0.6, 1e-12);
     EXPECT_LT(s["lambda_residuals"][0], first.lines.at(0)["lambda_residual"]);
-    if (continuity[0] == 'c')
+    if (continuity[0] == 'c') {
       EXPECT_NEAR(1 - s["chain"][0][2][0].get<double>(), s["chain"][1][1][0].get<double>() - 1, 1e-9);
+    }
   }
   const Answers torn = curve("spline", R"({"chain":[[[0,0],[0,1],[1,1],[1,0]],[[2,0],[2,1],[3,1],[3,0]]]})");
   EXPECT_EQ(torn.code, 3);
