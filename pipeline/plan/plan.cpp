@@ -15,6 +15,7 @@
 #include "elastica/bezier/lambda_residual.hpp"
 #include "elastica/curve/placement.hpp"
 #include "pipeline/plan/strips/strips.hpp"
+#include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -264,6 +265,26 @@ void measure_ribs(Program& program, gpu::Backend backend) {
   }
 }
 
+// Poses the strips of a layout, and measures what they cut.
+void pose_and_verify(const StripLayout& layout, const surface::DesignSurface& design,
+                     const Settings& settings, const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
+  pose_strips(layout, settings, hooks, result);
+  watch.lap("pose");
+  measure_ribs(result.program, hooks.backend);
+  hooks.progress("verify", 0.8);
+  check_interrupt(hooks);
+  VerifyOptions verify_options;
+  verify_options.tolerance_mm = settings.design.tolerance_mm;
+  verify_options.max_uncut_share = settings.design.max_uncut_share;
+  verify_options.backend = hooks.backend;
+  verify_options.min_margin = settings.blade.min_margin;
+  result.verification = verify(result.program, design, verify_options);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
+  }
+  watch.lap("verify");
+}
+
 // Slices, fits, poses and verifies at one rib spacing. Whether every rib found its strip and blade: what is
 // refused then is refused by the motion.
 bool plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
@@ -285,21 +306,7 @@ bool plan_once(const surface::DesignSurface& design, const Settings& settings, c
   result.refusals = layout.refusals;
   result.warnings.insert(result.warnings.end(), layout.warnings.begin(), layout.warnings.end());
   watch.lap("fit");
-  pose_strips(layout, settings, hooks, result);
-  watch.lap("pose");
-  measure_ribs(result.program, hooks.backend);
-  hooks.progress("verify", 0.8);
-  check_interrupt(hooks);
-  VerifyOptions verify_options;
-  verify_options.tolerance_mm = settings.design.tolerance_mm;
-  verify_options.max_uncut_share = settings.design.max_uncut_share;
-  verify_options.backend = hooks.backend;
-  verify_options.min_margin = settings.blade.min_margin;
-  result.verification = verify(result.program, design, verify_options);
-  for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
-  }
-  watch.lap("verify");
+  pose_and_verify(layout, design, settings, hooks, watch, result);
   return layout.refusals.empty();
 }
 
@@ -419,6 +426,79 @@ void try_others(const surface::DesignSurface& design, const Settings& settings, 
   result = std::move(other);
 }
 
+// What came of a try.
+Decision decision_of(const std::string& way, const PlanResult& result) {
+  Decision d;
+  d.way = way;
+  d.normal = result.ranking.front().normal;
+  d.fan = result.ranking.front().fan.has_value();
+  d.strips = result.strips.size();
+  for (const StripFacts& f : result.strips) {
+    d.ribs += f.ribs;
+    d.fit_mm = std::max(d.fit_mm, f.worst_fit_mm);
+  }
+  d.deviation_mm = result.verification.deviation.max;
+  d.passed = result.refusals.empty();
+  if (!d.passed) d.why = describe(result.refusals.front());
+  return d;
+}
+
+Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
+  Decision d;
+  if (swept.strips.empty()) {
+    d.normal = swept.normal;
+    d.why = swept.refusal ? describe(*swept.refusal) : "no blade serves its fit";
+  } else {
+    d = decision_of("sweep", result);
+  }
+  d.way = "sweep";
+  d.fit_mm = swept.deviation_mm;
+  return d;
+}
+
+// Verifies a swept plan in full.
+void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, const Settings& settings,
+                const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
+  result.program.strips.clear();
+  result.strips.clear();
+  result.warnings.clear();
+  result.refusals.clear();
+  result.refinements = 0;
+  DirectionScore direction;
+  direction.normal = swept.normal;
+  direction.estimated = false;
+  direction.strips = swept.strips.size();
+  direction.deviation_mm = swept.deviation_mm;
+  result.ranking.insert(result.ranking.begin(), direction);
+  const std::vector<RibFit>& ribs = swept.strips.front().ribs;
+  result.spacing_mm = (ribs.back().offset_mm - ribs.front().offset_mm) / static_cast<double>(ribs.size() - 1);
+  StripLayout layout;
+  layout.strips = swept.strips;
+  pose_and_verify(layout, design, settings, hooks, watch, result);
+  judge(settings, result);
+}
+
+// What is refused with its ribs fitted one by one may pass with each strip as one swept family: the first
+// such plan that passes is taken.
+void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+                Stopwatch& watch, PlanResult& result) {
+  if (result.refusals.empty() || settings.slice.fan_axis) return;
+  hooks.progress("sweep", 0.3);
+  search_sweeps(design, settings, [&](const SweptPlan& swept) {
+    watch.lap("sweep");
+    check_interrupt(hooks);
+    PlanResult other = result;
+    if (!swept.strips.empty()) plan_swept(swept, design, settings, hooks, watch, other);
+    result.decisions.push_back(decision_of(swept, other));
+    if (swept.strips.empty() || !other.refusals.empty()) return false;
+    other.decisions = std::move(result.decisions);
+    other.times = std::move(result.times);
+    result = std::move(other);
+    for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
+    return true;
+  });
+}
+
 }  // namespace
 
 std::string clamp_coordinate_name(std::size_t coordinate) {
@@ -446,6 +526,9 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   check_interrupt(hooks);
   plan_along(0, design, settings, hooks, watch, result);
   try_others(design, settings, hooks, watch, result);
+  result.decisions.push_back(decision_of("ribs", result));
+  result.decisions.back().taken = true;
+  try_sweeps(design, settings, hooks, watch, result);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;

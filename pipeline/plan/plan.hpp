@@ -54,6 +54,18 @@ struct PlannedStrip {
 // turn_b.
 [[nodiscard]] std::string clamp_coordinate_name(std::size_t coordinate);
 
+// One try at the plan, in the order they were made.
+struct Decision {
+  std::string way;  // "ribs": fitted one by one; "sweep": each strip one family (plan/sweep/sweep_search.hpp)
+  Eigen::Vector3d normal{0, 0, 0};  // of the planes, of a fan the middle one
+  bool fan = false;
+  std::size_t strips = 0, ribs = 0;
+  double fit_mm = 0;        // what the fit itself was off, where that was found
+  double deviation_mm = 0;  // verified; 0 where it never came to that
+  bool passed = false, taken = false;
+  std::string why;  // what it failed by; empty: nothing
+};
+
 // What one stage of the plan took.
 struct StageTime {
   std::string stage;
@@ -70,6 +82,7 @@ struct PlanResult {
   VerifyReport verification;
   double spacing_mm = 0;  // of the ribs in the end
   int refinements = 0;    // times the spacing was halved
+  std::vector<Decision> decisions;
   std::vector<StageTime> times;
 };
 
@@ -83,7 +96,8 @@ struct PlanHooks {
 
 // Returns the plan of a design whose health was checked (no blockers). Throws Error (kNotCuttable) when
 // slice.fan_axis does not go with the design. Rib spacing is halved, at most three times, while the deviation
-// between the ribs is over the tolerance.
+// between the ribs is over the tolerance. What is refused with its ribs fitted one by one is tried with each
+// strip as one swept family.
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
                               const PlanHooks& hooks);
 

@@ -123,6 +123,23 @@ Json ranking_json(const std::vector<DirectionScore>& ranking) {
   return list;
 }
 
+Json decisions_json(const std::vector<Decision>& decisions) {
+  Json list = Json::array();
+  for (const Decision& d : decisions) {
+    list.push_back({{"way", d.way},
+                    {"normal", vector_json(d.normal)},
+                    {"fan", d.fan},
+                    {"strips", d.strips},
+                    {"ribs", d.ribs},
+                    {"fit_mm", d.fit_mm},
+                    {"deviation_mm", d.deviation_mm},
+                    {"passed", d.passed},
+                    {"taken", d.taken},
+                    {"why", d.why}});
+  }
+  return list;
+}
+
 // Strips whose texts are held at once.
 constexpr std::size_t kStripsAtOnce = 8;
 
@@ -226,6 +243,7 @@ std::string report_json(const PlanResult& result) {
   report["budget_sum_mm"] = budget_sum_mm(v.budget_mm);
   report["rib_spacing_mm"] = result.spacing_mm;
   report["spacing_halved"] = result.refinements;
+  report["decisions"] = decisions_json(result.decisions);
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
   report["remedies"] = Json::array();

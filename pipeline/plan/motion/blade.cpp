@@ -111,7 +111,8 @@ double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
 // Between ribs the clamps pass the block a little nearer than at them: by a percent on ribs 300 mm apart.
 constexpr double kClearanceReserve = 1.04;
 
-RibCheck check_rib(const PlacedRib& placed, double length, double share, const Settings& settings) {
+RibCheck check_rib(const PlacedRib& placed, double length, double share, double most_sag_mm,
+                   const Settings& settings) {
   const RibFit& rib = placed.rib;
   RibCheck c;
   const double sharpest = max_curvature_per_mm(settings.blade);
@@ -141,12 +142,12 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, const S
   c.margin = elastica::stability_margin(curve);
   if (c.margin < settings.blade.min_margin) return {Limit::kPlannedMargin, c.margin};
   const double sag = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
-  if (!(sag <= kSagShare * settings.design.tolerance_mm)) return {Limit::kSag, sag};
+  if (!(sag <= most_sag_mm)) return {Limit::kSag, sag};
   return c;
 }
 
 // What is allowed of a limit.
-double bound_of(Limit limit, const Settings& settings) {
+double bound_of(Limit limit, double most_sag_mm, const Settings& settings) {
   switch (limit) {
     case Limit::kRibRadius:
     case Limit::kBladeYield:
@@ -158,7 +159,7 @@ double bound_of(Limit limit, const Settings& settings) {
     case Limit::kFreePart:
       return kFreePartDepthMm;
     case Limit::kSag:
-      return kSagShare * settings.design.tolerance_mm;
+      return most_sag_mm;
     case Limit::kPlannedMargin:
       return settings.blade.min_margin;
     default:
@@ -185,8 +186,8 @@ std::string hint_of(Limit limit, double length) {
   }
 }
 
-Refusal refusal_of(const RibCheck& c, double length, const Settings& settings) {
-  return {"", "", c.limit, c.value, bound_of(c.limit, settings), hint_of(c.limit, length)};
+Refusal refusal_of(const RibCheck& c, double length, double most_sag_mm, const Settings& settings) {
+  return {"", "", c.limit, c.value, bound_of(c.limit, most_sag_mm, settings), hint_of(c.limit, length)};
 }
 
 // The earlier check, then the larger amount: depth, length and sag grow with the harm, everything else
@@ -258,14 +259,15 @@ struct LengthTrial {
 };
 
 LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<BetweenRibs>& between,
-                       double length, const Settings& settings) {
+                       double length, double most_sag_mm, const Settings& settings) {
   // Of the extension, on clamp A's side; the more even ones first.
   constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
   LengthTrial trial;
   for (const double share : kShares) {
     std::vector<RibCheck> checks(ribs.size());
-    tbb::parallel_for(std::size_t{0}, ribs.size(),
-                      [&](std::size_t i) { checks[i] = check_rib(ribs[i], length, share, settings); });
+    tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
+      checks[i] = check_rib(ribs[i], length, share, most_sag_mm, settings);
+    });
     auto worst = std::min_element(checks.begin(), checks.end(), worse);
     if (worst->limit == Limit::kNone) {
       const auto [clearance, rib] = clearance_between(between, length, share);
@@ -321,7 +323,8 @@ FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::
 }
 
 BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
-                         const Settings& settings) {
+                         const Settings& settings, std::optional<double> sag_mm) {
+  const double most_sag_mm = sag_mm.value_or(kSagShare * settings.design.tolerance_mm);
   const Eigen::Vector3d down = axes.planes.normal(0.5 * (ribs.front().offset_mm + ribs.back().offset_mm));
   std::vector<PlacedRib> placed;
   for (std::size_t i = 0; i < ribs.size(); ++i) {
@@ -340,12 +343,12 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
   std::size_t furthest = 0;
   std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
-    const LengthTrial trial = try_length(placed, between, length, settings);
+    const LengthTrial trial = try_length(placed, between, length, most_sag_mm, settings);
     if (trial.choice) {
       report.choice = trial.choice;
       return report;
     }
-    const Refusal refusal = refusal_of(trial.furthest, length, settings);
+    const Refusal refusal = refusal_of(trial.furthest, length, most_sag_mm, settings);
     details.push_back(fmt::format("blade of {:.0f} mm: {}", length, describe_amount(refusal)));
     const std::size_t passed = checks_passed(trial.furthest.limit);
     if (report.rib < 0 || passed > furthest) {

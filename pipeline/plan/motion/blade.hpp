@@ -52,8 +52,9 @@ inline constexpr std::size_t kBladeSamples = 97;
 inline constexpr double kFreePartDepthMm = 0.1;
 
 // Returns the blade for a strip's ribs. It hangs as in a block that lies with its middle plane level, sweep
-// downwards.
+// downwards. Its weight may move the cut by `sag_mm`; a quarter of the tolerance where nothing is said.
 [[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes,
-                                       const Block& block, const Settings& settings);
+                                       const Block& block, const Settings& settings,
+                                       std::optional<double> sag_mm = {});
 
 }  // namespace hotblade::pipeline

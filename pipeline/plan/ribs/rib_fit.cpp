@@ -59,18 +59,8 @@ RibFit fit_rib(const RibTarget& rib, double u0, double u1, const FitSettings& se
   fit.offset_mm = rib.offset_mm;
   fit.max_slope_rad = rib.max_slope_rad;
   set_course(rib, u0, u1, fit);
-  const elastica::BezierFit bezier = elastica::fit_bezier(fit.followed());
-  fit.bezier = bezier.bezier;
-  fit.bezier_deviation_mm = bezier.max;
-  elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
-  if (residual.value > settings.lambda_threshold) {
-    const elastica::Projection projection =
-        elastica::project_optimal(fit.bezier, elastica::WantedBranch::kBest);
-    fit.projected = projection.bezier != fit.bezier;
-    fit.bezier = projection.bezier;
-    residual = elastica::lambda_residual(fit.bezier);
-  }
-  fit.lambda_residual = residual.value;
+  give_bezier(fit, fit.followed(), settings);
+  const elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
   std::vector<Elastica> starts;
   if (has_value(residual.status)) starts.push_back(first_guess(fit.bezier, residual));
   const elastica::ElasticaFit best =
@@ -172,6 +162,21 @@ std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double 
   tbb::parallel_for(std::size_t{0}, ribs.size(),
                     [&](std::size_t i) { fits[i] = fit_rib(ribs[i], u0, u1, settings); });
   return fits;
+}
+
+void give_bezier(RibFit& fit, std::span<const Eigen::Vector2d> points, const FitSettings& settings) {
+  const elastica::BezierFit bezier = elastica::fit_bezier(points);
+  fit.bezier = bezier.bezier;
+  fit.bezier_deviation_mm = bezier.max;
+  elastica::LambdaResidual residual = elastica::lambda_residual(fit.bezier);
+  if (residual.value > settings.lambda_threshold) {
+    const elastica::Projection projection =
+        elastica::project_optimal(fit.bezier, elastica::WantedBranch::kBest);
+    fit.projected = projection.bezier != fit.bezier;
+    fit.bezier = projection.bezier;
+    residual = elastica::lambda_residual(fit.bezier);
+  }
+  fit.lambda_residual = residual.value;
 }
 
 void settle(RibFit& rib, const MidState& state) {

@@ -55,6 +55,10 @@ inline constexpr double kLeastTensionWeight = 1e-6;
 [[nodiscard]] std::vector<RibFit> fit_ribs(std::span<const RibTarget> ribs, double u0, double u1,
                                            const FitSettings& settings);
 
+// The Bezier of a rib that runs along these evenly spaced points: near them, and projected where its
+// lambda-residual is above the threshold.
+void give_bezier(RibFit& fit, std::span<const Eigen::Vector2d> points, const FitSettings& settings);
+
 // Takes the elastica of this state and measures it. A rib with shared ends is fitted to them again, pulled to
 // the state's curvature and tensions.
 void settle(RibFit& rib, const elastica::MidState& state);

@@ -1,0 +1,56 @@
+// One elastica from its middle to both sides, with its derivatives: what a section of a swept family needs.
+//
+// In the axes of its middle point, tangent along x, the curve obeys theta' = kappa + tension2 x - tension1 y
+// (MidState's tensions). The variational equations for kappa and both tensions are solved with it, by the
+// classical fourth-order steps of Runge and Kutta; between the nodes the curve goes on as a Taylor series.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace hotblade::pipeline {
+
+// What bends the curve: kappa in 1/mm, tensions in 1/mm^2.
+struct Bend {
+  double kappa = 0, tension1 = 0, tension2 = 0;
+};
+
+// A point of the curve, and how it moves with kappa, tension1 and tension2 at a fixed arc length.
+struct SweepPoint {
+  Eigen::Vector2d position{0, 0}, tangent{1, 0};
+  double theta = 0, kappa = 0;
+  Eigen::Matrix<double, 2, 3> by_bend = Eigen::Matrix<double, 2, 3>::Zero();
+  Eigen::RowVector3d theta_by_bend{0, 0, 0}, kappa_by_bend{0, 0, 0};
+
+  [[nodiscard]] Eigen::Vector2d normal() const { return {-tangent.y(), tangent.x()}; }  // on the left
+};
+
+class SweepCurve {
+ public:
+  // Reaches `reach_mm` > 0 to both sides of the middle in steps of about 20 mm.
+  SweepCurve(const Bend& bend, double reach_mm);
+
+  [[nodiscard]] double reach_mm() const { return step_mm_ * half_; }
+  // Nodes from one end to the other, the middle among them.
+  [[nodiscard]] const std::vector<SweepPoint>& nodes() const { return nodes_; }
+  [[nodiscard]] SweepPoint at(double s_mm) const;  // clamped to the reach
+  // Arc length of the point nearest to q, by Newton steps from `guess_mm`; an end of the curve where it lies
+  // beyond.
+  [[nodiscard]] double nearest(const Eigen::Vector2d& q, double guess_mm) const;
+
+ private:
+  // The way from the node nearest to s, and the curvature with its derivatives by arc length there.
+  struct Onward {
+    const SweepPoint* node = nullptr;
+    double d = 0, k1 = 0, k2 = 0;
+    Eigen::Vector2d way{0, 0};
+  };
+  [[nodiscard]] Onward onward(double s) const;
+
+  Bend bend_;
+  double step_mm_ = 0;
+  int half_ = 0;
+  std::vector<SweepPoint> nodes_;
+};
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,54 @@
+// The fit of a strip: one family of elastica near all samples of the design at once.
+//
+// Unknown are five functions of the sweep, the state of the blade at its middle (SweepFamily). Each section
+// of the data is followed by one elastica of the family; a sample's residual is its distance from that curve
+// along the curve's normal, times the cosine of the slope. Where there is no design there is no residual. A
+// section meets only four coefficients of each function, so the normal equations are banded, and one
+// integration of the curve and its variations serves all samples of a section.
+//
+// What the blade must keep to is part of the fit, along the whole blade with its free ends: its radius, where
+// its clamps are, and how far its ends turn.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "pipeline/plan/sweep/sweep_family.hpp"
+#include "pipeline/plan/sweep/sweep_sections.hpp"
+
+namespace hotblade::pipeline {
+
+struct SweepFitOptions {
+  int coefficients = 7;         // of each function; at least 4
+  double blade_length_mm = 0;   // free length, its middle on the family's x; the limits below hold on it
+  double smallest_radius_mm = 75;
+  double largest_turn_rad = 1.4;  // of the blade's ends against x
+  // Box that both clamps stay out of, on the frame's axes: the block and the clearance; none: anywhere.
+  struct Box {
+    Eigen::Vector2d low{0, 0}, high{0, 0};
+  };
+  std::optional<Box> block;
+  double over_first_mm = 4, over_last_mm = 4;  // the family goes on past the first and last section
+  double calm = 1;           // factor of the pull towards few and smooth tensions
+  int most_iterations = 40;  // of each stage
+  std::vector<double> exponents{2};  // of the mean that is made small, stage by stage; the last ones near the maximum
+};
+
+struct SweepFitReport {
+  SweepFamily family;
+  double rms_mm = 0, max_mm = 0;  // over the samples, in space
+  double max_offset_mm = 0;       // where: along the sweep
+  double arc_low_mm = 0, arc_high_mm = 0;  // arc lengths from the middle that the samples lie between
+  double smallest_radius_mm = 0;  // of the whole blade at the sections
+  double largest_turn_rad = 0;    // of its ends
+  double clamp_depth_mm = 0;      // of the deeper clamp in the box; 0: both outside
+  int iterations = 0;
+  bool converged = false;  // the last stage ended by itself
+};
+
+// From flat blades at the design's mean height, or from `start`. At least one section, finite samples, a
+// positive blade length (std::logic_error). The same input gives the same bytes.
+[[nodiscard]] SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options,
+                                       const SweepFamily* start = nullptr);
+
+}  // namespace hotblade::pipeline

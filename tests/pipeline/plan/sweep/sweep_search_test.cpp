@@ -1,0 +1,160 @@
+// Sections of moved surfaces, and whole swept plans measured again by code that shares nothing with the fit.
+#include "pipeline/plan/sweep/sweep_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "elastica/curve/elastica.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/plan/ribs/rib_spline.hpp"
+#include "pipeline/plan/sweep/sweep_sections.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// A twisted patch whose corners are oblique to any planes.
+Vector3d patch(double u, double v) {
+  const double x = 620 * u + 60 * v, y = 480 * v + 50 * u * u;
+  return {x, y, 60 * std::sin(2.2 * u + 0.4) * (1 + v) + 45 * v * v - 30 * u * v};
+}
+
+surface::DesignSurface patch_design(const Eigen::Isometry3d& turn = Eigen::Isometry3d::Identity()) {
+  return grid_design("patch", 48, 40, [&](double u, double v) -> Vector3d { return turn * patch(u, v); });
+}
+
+Settings back_of() {
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = Keep::kBack;
+  return settings;
+}
+
+SweptPlan first_plan(const surface::DesignSurface& design, const Settings& settings) {
+  SweptPlan found;
+  search_sweeps(design, settings, [&](const SweptPlan& plan) {
+    found = plan;
+    return !plan.strips.empty();
+  });
+  return found;
+}
+
+TEST(SweepSections, OfASphereAreThoseOfALargerSphere) {
+  // Square to the planes' normal the band is the kerf's; elsewhere the sphere is moved by more.
+  const surface::DesignSurface design = grid_design("sphere", 60, 60, [](double u, double v) -> Vector3d {
+    const double a = 0.8 * (u - 0.5), b = 0.8 * (v - 0.5);
+    return 500 * Vector3d(std::sin(a), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b));
+  });
+  const WasteSurface surface = waste_surface(design.mesh, 1);
+  const SweepFrame frame = sweep_frame(surface, Vector3d::UnitX(), Vector3d::Zero());
+  EXPECT_LT((frame.x.cross(frame.y) - frame.sweep).norm(), 1e-12);
+  const SweepData data = sweep_sections(surface, frame, {1, 8, 20, 20, {}, {}});
+  ASSERT_GT(data.sections.size(), 15U);
+  for (const SweepSection& section : data.sections) {
+    // A point at angle a lies at (500 + half a band) sin a along the sweep.
+    double a = std::asin(section.offset_mm / 500);
+    for (int i = 0; i < 50; ++i)
+      a = std::asin(section.offset_mm / (500 + 0.5 * (1 + 8 * std::abs(std::sin(a)))));
+    const double radius = (500 + 0.5 * (1 + 8 * std::abs(std::sin(a)))) * std::cos(a);
+    // A border vertex has the normal of half a cell inwards, 0.007 rad off: 4 mm of half a band times that.
+    for (const SweepSample& sample : section.samples) {
+      EXPECT_NEAR(sample.q.norm(), radius, 0.06) << section.offset_mm;
+      EXPECT_NEAR(sample.cosine, std::cos(a), 5e-3);
+    }
+  }
+}
+
+TEST(SweepSections, KeepToTheirWindow) {
+  const surface::DesignSurface design = patch_design();
+  const WasteSurface surface = waste_surface(design.mesh, 1);
+  const SweepFrame frame = sweep_frame(surface, Vector3d::UnitX(), Vector3d::Zero());
+  SweepSectionOptions options;
+  options.window.first_mm = 100;
+  options.window.last_mm = 300;
+  options.window.high_mm = 250;
+  const SweepData data = sweep_sections(surface, frame, options);
+  ASSERT_FALSE(data.sections.empty());
+  for (const SweepSection& section : data.sections) {
+    EXPECT_GE(section.offset_mm, 100);
+    EXPECT_LE(section.offset_mm, 300);
+    for (const SweepSample& sample : section.samples) EXPECT_LE(sample.q.x(), 250);
+  }
+}
+
+// Distance in space of each point of the true surface, moved by its own normal, from the strips' blades.
+double largest_distance(const SweptPlan& plan, const Eigen::Isometry3d& turn) {
+  double worst = 0;
+  for (int i = 0; i <= 40; ++i) {
+    for (int j = 0; j <= 40; ++j) {
+      const double u = i / 40.0, v = j / 40.0, d = 1e-4;
+      const Vector3d p = turn * patch(u, v);
+      const Vector3d n = (turn.linear() * (patch(u + d, v) - patch(u - d, v)).cross(patch(u, v + d) - patch(u, v - d)))
+                             .normalized();
+      double nearest = 1e300;
+      for (const StripPlan& strip : plan.strips) {
+        const double sine = std::abs(n.dot(strip.sweep));
+        const Vector3d t = p + 0.5 * (1 + 8 * sine) * n - strip.planes.centre();
+        const double offset = t.dot(strip.sweep);
+        if (offset < strip.ribs.front().offset_mm || offset > strip.ribs.back().offset_mm) continue;
+        const elastica::Elastica e = RibSpline(strip.ribs).at(offset);
+        const std::vector<elastica::CurvePoint> points = sample(e, 3000);
+        for (const elastica::CurvePoint& q : points)
+          nearest = std::min(nearest, std::sqrt(1 - sine * sine) *
+                                          (q.position() - Vector2d(t.dot(strip.x), t.dot(strip.y))).norm());
+      }
+      worst = std::max(worst, nearest);
+    }
+  }
+  return worst;
+}
+
+TEST(SweepSearch, FollowsTheTrueSurfaceAsCloselyAsItSays) {
+  const SweptPlan plan = first_plan(patch_design(), back_of());
+  ASSERT_EQ(plan.strips.size(), 1U);
+  EXPECT_LT(plan.deviation_mm, 0.3);
+  // Facets of the file and points 0.3 mm apart on the blades.
+  EXPECT_LT(largest_distance(plan, Eigen::Isometry3d::Identity()), plan.deviation_mm + 0.1);
+}
+
+TEST(SweepSearch, DoesNotDependOnHowTheDesignLies) {
+  const SweptPlan as_it_is = first_plan(patch_design(), back_of());
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.rotate(Eigen::AngleAxisd(1.1, Vector3d(0.3, -0.5, 0.8).normalized()));
+  turn.pretranslate(Vector3d(4000, -2500, 900));
+  const SweptPlan turned = first_plan(patch_design(turn), back_of());
+  ASSERT_EQ(turned.strips.size(), as_it_is.strips.size());
+  EXPECT_NEAR(turned.deviation_mm, as_it_is.deviation_mm, 0.02);
+  EXPECT_LT(largest_distance(turned, turn), turned.deviation_mm + 0.1);
+}
+
+TEST(SweepSearch, GivesTheSameStripsEachTime) {
+  const SweptPlan a = first_plan(patch_design(), back_of()), b = first_plan(patch_design(), back_of());
+  ASSERT_EQ(a.strips.size(), b.strips.size());
+  EXPECT_EQ(a.normal, b.normal);
+  for (std::size_t i = 0; i < a.strips[0].ribs.size(); ++i)
+    EXPECT_EQ(a.strips[0].ribs[i].elastica.kappa, b.strips[0].ribs[i].elastica.kappa);
+}
+
+TEST(SweepSearch, SplitsWhatNoBlockHolds) {
+  Settings small = back_of();
+  small.stock.max_size_mm = {420, 600, 300};
+  const SweptPlan plan = first_plan(patch_design(), small);
+  ASSERT_GE(plan.strips.size(), 2U);
+  for (const StripPlan& strip : plan.strips) {
+    Vector3d size = strip.stock.size_mm;
+    std::sort(size.begin(), size.end());
+    EXPECT_LE(size[0], 300);
+    EXPECT_LE(size[1], 420);
+    EXPECT_LE(size[2], 600);
+  }
+  EXPECT_LT(largest_distance(plan, Eigen::Isometry3d::Identity()), plan.deviation_mm + 0.1);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
