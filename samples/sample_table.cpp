@@ -49,11 +49,11 @@ std::string row(const Case& c) {
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     const pipeline::StripFacts& f = result.strips[i];
     ribs += f.ribs;
-    kink = std::max(kink, f.seam_kink_deg);
-    gap = std::max(gap, f.seam_gap_mm);
+    kink = std::max(kink, f.seam.kink_deg);
+    gap = std::max(gap, f.seam.gap_mm);
     kept += f.stock_volume_mm3 * pipeline::foam_kept_share(result.program.strips[i]);
     volume += f.stock_volume_mm3;
-    duration += f.duration_s;
+    duration += f.motion.duration_s;
   }
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
@@ -64,7 +64,7 @@ std::string row(const Case& c) {
       "{} | {} |",
       name, design.health.triangles, result.strips.size(), ribs, settings.design.tolerance_mm, d.max, d.p99,
       gap, kink, volume > 0 ? 100 * kept / volume : 0, result.verification.uncut_mm2, duration / 60, seconds,
-      used.ru_maxrss / 1024, result.program.verification.status);
+      used.ru_maxrss / 1024, pipeline::name(result.program.verification.status));
 }
 
 bool print_row(const Case& c) {
