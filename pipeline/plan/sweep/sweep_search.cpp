@@ -148,8 +148,12 @@ class Search {
     const double edge = *std::max_element(stock.begin(), stock.end()) - 2 * settings_.stock.border_mm;
     const double rib = settings_.blade.free_lengths_mm.back() - 2 * clear_mm();
     const Eigen::Vector2d size = extent.sizes();
-    return size.x() <= edge * static_cast<double>(parts.along_sweep) &&
-           size.y() <= std::min(edge, rib) * static_cast<double>(parts.along_ribs);
+    const double piece = std::min(edge, rib);
+    // Splits beyond those that the length asks for are the user's to allow.
+    const double least = std::ceil(size.y() / piece);
+    return piece > 0 && size.x() <= edge * static_cast<double>(parts.along_sweep) &&
+           size.y() <= piece * static_cast<double>(parts.along_ribs) &&
+           static_cast<double>(parts.along_ribs) <= least + settings_.fit.max_splits;
   }
 
   // The windows of even parts of the design's extent.

@@ -91,10 +91,11 @@ TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
 }
 
 TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
-  const Ended ended = plan(arc(400, 0.6), {"blade.free_lengths_mm=[250]", "fit.max_splits=0"});
+  const Ended ended = plan(arc(400, 0.6), {"blade.free_lengths_mm=[250]", "stock.clearance_mm=130",
+                                           "motion.approach_mm=200", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(ended.err,
-              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 41.6 mm\\)"));
+              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 135.2 mm\\)"));
 }
 
 TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {
@@ -107,6 +108,7 @@ TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {
   EXPECT_THAT(sound.out, HasSubstr("held on one branch"));
   auto program = nlohmann::ordered_json::parse(testing::read_bytes(file));
   program["blade"]["yield_strength_mpa"] = 100;
+  program["blade"]["max_curvature_per_mm"] = 2 * 100 / (1.5 * 190000 * 0.5);  // 712.5 mm
   std::ofstream(file) << program.dump();
   const Ended weak = verify();
   EXPECT_EQ(weak.code, 4);

@@ -46,20 +46,13 @@ class DesignFile {
     first_ += (kAlong + 1) * (kAcross + 1);
   }
   void line(const std::string& text) { out_ << text << "\n"; }
-  // A wall of 8 x 8 mm that no strip can cut.
-  void crumb() {
-    for (const char* corner : {"200 0 0", "208 0 0", "208 0 8", "200 0 8"}) line(std::string("v ") + corner);
-    line("f " + std::to_string(first_) + " " + std::to_string(first_ + 1) + " " + std::to_string(first_ + 2));
-    line("f " + std::to_string(first_) + " " + std::to_string(first_ + 2) + " " + std::to_string(first_ + 3));
-    first_ += 4;
-  }
 
  private:
   std::ofstream out_;
   int first_ = 1;
 };
 
-enum class Design { kVault, kTorn, kWindow, kBump, kCrumb, kGroups };
+enum class Design { kVault, kTorn, kWindow, kBump, kDome, kGroups };
 
 std::filesystem::path write(Design design, const std::filesystem::path& directory) {
   const std::filesystem::path path = directory / "design.obj";
@@ -78,9 +71,8 @@ std::filesystem::path write(Design design, const std::filesystem::path& director
     case Design::kBump:
       file.patch(0, 120, [](double, double y) { return 5 * std::exp(-y * y / 900); });
       break;
-    case Design::kCrumb:
-      file.patch(0, 120, vault);
-      file.crumb();
+    case Design::kDome:
+      file.patch(0, 120, [](double x, double y) { return -(x - 60) * (x - 60) / 300 - y * y / 800; });
       break;
     case Design::kGroups:
       file.line("g near");
@@ -133,16 +125,16 @@ const std::vector<Change>& changes() {
       {"design.facing", "[0, 1, 1]", {kAlongX, "design.facing_max_deg=45"}},
       {"design.facing_max_deg", "10", {kAlongX, "design.facing=[0, 0, 1]"}},
       {"design.stitch_mm", "0.1", {kAlongX}, Design::kTorn},
-      {"design.tolerance_mm", "0.2", {kAlongX}},
-      {"design.max_uncut_share", "0", {kAlongX}, Design::kCrumb},
+      {"design.tolerance_mm", "0.02", {kAlongX}, Design::kDome},
+      {"design.max_uncut_share", "1", {kAlongX, "blade.yield_strength_mpa=100"}},
       {"slice.direction", "[1, 0.2, 0]", {kAlongX}},
       {"slice.fan_axis", "[60, 0, -400, 0, 1, 0]"},
       {"slice.spacing_mm", "5", {kAlongX}},
       {"slice.gaps", "apart", {kAlongX}, Design::kWindow},
-      {"fit.lambda_threshold", "0", {kAlongX}, Design::kBump},
+      {"fit.lambda_threshold", "0", {kAlongX}},
       {"fit.deviation_share", "0.01", {kAlongX}, Design::kBump},
-      {"fit.between_share", "0.001", {kAlongX}, Design::kBump},
-      {"fit.max_splits", "0", {kAlongX, "design.tolerance_mm=0.05"}, Design::kBump},
+      {"fit.between_share", "0.001", {kAlongX}, Design::kDome},
+      {"fit.max_splits", "0", {kAlongX, "fit.deviation_share=0.2"}, Design::kBump},
       {"blade.free_lengths_mm", "[700]", {kAlongX}},
       {"blade.width_mm", "20", {kAlongX}},
       {"blade.thickness_mm", "0.3", {kAlongX}},
@@ -154,7 +146,7 @@ const std::vector<Change>& changes() {
       {"blade.kerf_mm", "2", {kAlongX}},
       {"blade.min_margin", "1000", {kAlongX}},
       {"blade.min_margin_mm", "20", {kAlongX}},
-      {"stock.max_size_mm", "[200, 200, 600]", {kAlongX}},
+      {"stock.max_size_mm", "[150, 150, 150]", {kAlongX}},
       {"stock.base_mm", "80", {kAlongX}},
       {"stock.border_mm", "30", {kAlongX}},
       {"stock.clearance_mm", "55", {kAlongX}},

@@ -164,8 +164,9 @@ TEST(SceneOf, MeasuresFeedAndCurvature) {
   EXPECT_THAT(scene_of(program, nullptr, options).cut.values,
               Each(::testing::DoubleNear(step_mm / 0.05, 1e-6)));
   options.color = Color::kCurvature;
+  constexpr double kYieldsAt_per_mm = 2 * 1010 / (190000 * 0.5);  // of the fixture's spring steel
   EXPECT_THAT(scene_of(program, nullptr, options).cut.values,
-              Each(::testing::DoubleNear(100 / pipeline::testing::kVaultRadius / (0.0142 * 1.5), 1e-6)));
+              Each(::testing::DoubleNear(100 / pipeline::testing::kVaultRadius / kYieldsAt_per_mm, 1e-6)));
 }
 
 TEST(SignedDeviation, IsPositiveOnTheWasteSide) {

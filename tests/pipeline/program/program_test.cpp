@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Breakage{"BladeNotInTheList", [](Json& j) { j["strips"][0]["blade_length_mm"] = 601; },
                                "strips[0].blade_length_mm: no such blade (601, one of 400, 600, 800)"},
                       Breakage{"FlatStock", [](Json& j) { j["strips"][0]["stock"]["size_mm"][2] = 0; },
-                               "strips[0].block.size_mm[2]: out of range (0, above 0)"},
+                               "strips[0].stock.size_mm[2]: out of range (0, above 0)"},
                       Breakage{"LongAxis",
                                [](Json& j) {
                                  rib(j)["frame"]["x"] = {1.001, 0, 0};

@@ -32,7 +32,8 @@ TEST(BladeData, EveryShippedBladeIsAValidConfigurationThatNamesItsSources) {
 TEST(BladeData, TheDefaultsAreTheSpringSteelThatShips) {
   const Settings shipped =
       resolve({{hotblade::testing::source_dir() + "/samples/blades/spring_steel_1_4310.toml"}, {}, {}});
-  EXPECT_EQ(to_toml(shipped), to_toml(Settings{}));
+  const Settings defaults;
+  EXPECT_EQ(to_toml(shipped), to_toml(defaults));
 }
 
 TEST(BladeData, TheThinBladeBendsToTheRadiusItPromises) {

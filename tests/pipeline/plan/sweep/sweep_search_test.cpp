@@ -147,7 +147,7 @@ TEST(SweepSearch, SplitsWhatNoBlockHolds) {
   const SweptPlan plan = first_plan(patch_design(), small);
   ASSERT_GE(plan.strips.size(), 2U);
   for (const StripPlan& strip : plan.strips) {
-    Vector3d size = strip.stock.size_mm;
+    Vector3d size = strip.block.size_mm;
     std::sort(size.begin(), size.end());
     EXPECT_LE(size[0], 300);
     EXPECT_LE(size[1], 420);
