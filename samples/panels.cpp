@@ -1,0 +1,262 @@
+#include "samples/panels.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <random>
+
+namespace hotblade::samples {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+// A surface over the unit square, in mm.
+using Surface = std::function<Vector3d(double u, double v)>;
+// A classic surface, scaled by s.
+using Classic = Vector3d (*)(double s, double u, double v);
+
+constexpr int kCells = 80;
+
+// The standard fixes what the twister draws, but not what its distributions make of it.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : bits_(seed) {}
+
+  double uniform(double low, double high) {
+    return low + (high - low) * (static_cast<double>(bits_() >> 11) * 0x1p-53);
+  }
+
+  // Box and Muller (1958), of which the sine is not used.
+  double normal() {
+    const double radius = std::sqrt(-2 * std::log(1 - uniform(0, 1)));
+    return radius * std::cos(uniform(0, 2 * pi));
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+Vector3d turned_about_z(double out, double angle, double z) {
+  return {out * std::cos(angle), out * std::sin(angle), z};
+}
+
+Vector3d helicoid(double s, double u, double v) {
+  return turned_about_z((300 + 500 * u) * s, v - 0.5, 250 * s * (v - 0.5));
+}
+
+Vector3d catenoid(double s, double u, double v) {
+  const double along = 900 * (u - 0.5);
+  return turned_about_z(600 * s * std::cosh(along / 600), 1.2 * (v - 0.5), along * s);
+}
+
+// Outside of a torus, 350 mm round, whose centre line is a circle of 900 mm.
+Vector3d torus(double s, double u, double v) {
+  const double around = 1.5 * (u - 0.5);
+  return turned_about_z((900 + 350 * std::cos(around)) * s, 0.9 * (v - 0.5), 350 * s * std::sin(around));
+}
+
+Vector3d torus_inner(double s, double u, double v) {
+  const double around = 1.5 * (u - 0.5);
+  return turned_about_z((1100 - 350 * std::cos(around)) * s, 0.9 * (v - 0.5), 350 * s * std::sin(around));
+}
+
+Vector3d cone(double s, double u, double v) {
+  return turned_about_z((250 + 450 * u) * s, 1.6 * (v - 0.5), 700 * u * s);
+}
+
+Vector3d conoid(double s, double u, double v) {
+  return {1000 * s * (u - 0.5), 800 * s * (v - 0.5), 160 * s * v * std::cos(pi * (u - 0.5))};
+}
+
+Vector3d enneper(double s, double u, double v) {
+  const double x = 1.1 * (u - 0.5), y = 1.1 * (v - 0.5);
+  return 420 * s * Vector3d(x - x * x * x / 3 + x * y * y, y - y * y * y / 3 + y * x * x, x * x - y * y);
+}
+
+Vector3d monkey(double s, double u, double v) {
+  const double x = 2 * u - 1, y = 2 * v - 1;
+  return {500 * s * x, 500 * s * y, 70 * s * (x * x * x - 3 * x * y * y)};
+}
+
+Vector3d sphere(double s, double u, double v) {
+  const double latitude = 1.1 * (u - 0.5), longitude = 1.1 * (v - 0.5);
+  return turned_about_z(700 * s * std::cos(latitude), longitude, 700 * s * std::sin(latitude));
+}
+
+Vector3d egg_crate(double s, double u, double v) {
+  return {1000 * s * u, 800 * s * v, 25 * s * std::sin(2 * pi * u) * std::sin(2 * pi * v)};
+}
+
+Vector3d monge_step(double s, double u, double v) {
+  const double step = 120 / (1 + std::exp(-9 * (u - 0.5 - 0.25 * (v - 0.5))));
+  return {1000 * s * u, 700 * s * v, s * step};
+}
+
+Vector3d trough(double s, double u, double v) {
+  const double depth = 150 * (std::cosh(1.7 * (v - 0.5)) - 1) * (1 + 0.6 * u);
+  return {1100 * s * u, 700 * s * v, s * depth};
+}
+
+struct NamedClassic {
+  const char* name;
+  Classic at;
+};
+
+constexpr std::array<NamedClassic, 12> kClassics{{{"helicoid", helicoid},
+                                                  {"catenoid", catenoid},
+                                                  {"torus", torus},
+                                                  {"torus_inner", torus_inner},
+                                                  {"cone", cone},
+                                                  {"conoid", conoid},
+                                                  {"enneper", enneper},
+                                                  {"monkey", monkey},
+                                                  {"sphere", sphere},
+                                                  {"egg_crate", egg_crate},
+                                                  {"monge_step", monge_step},
+                                                  {"trough", trough}}};
+
+std::array<double, 4> bernstein(double t) {
+  const double r = 1 - t;
+  return {r * r * r, 3 * t * r * r, 3 * t * t * r, t * t * t};
+}
+
+// A bicubic Bezier patch over 500 to 1400 by 400 to 1000 mm, its net moved by up to 6 % of the shorter side,
+// its heights normal with 4 to 16 % of it, times `height`.
+Surface bicubic(Draws& draws, double height) {
+  const double a = draws.uniform(500, 1400), b = draws.uniform(400, 1000), side = std::min(a, b);
+  const double rise = height * side * draws.uniform(0.04, 0.16);
+  std::array<std::array<Vector3d, 4>, 4> net;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      const double x = a * i / 3 + side * draws.uniform(-0.06, 0.06);
+      const double y = b * j / 3 + side * draws.uniform(-0.06, 0.06);
+      net[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = {x, y, rise * draws.normal()};
+    }
+  }
+  return [net](double u, double v) {
+    const auto bu = bernstein(u), bv = bernstein(v);
+    Vector3d p = Vector3d::Zero();
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) p += bu[i] * bv[j] * net[i][j];
+    }
+    return p;
+  };
+}
+
+// The larger principal curvature in 1/mm, by central differences in steps of a thousandth of the side: they
+// are good to 1e-5 of the curvature on these surfaces.
+double curvature(const Surface& at, double u, double v) {
+  constexpr double h = 1e-3;
+  const Vector3d p = at(u, v), pu = at(u + h, v), mu = at(u - h, v), pv = at(u, v + h), mv = at(u, v - h);
+  const Vector3d du = (pu - mu) / (2 * h), dv = (pv - mv) / (2 * h);
+  const Vector3d duu = (pu - 2 * p + mu) / (h * h), dvv = (pv - 2 * p + mv) / (h * h);
+  const Vector3d duv =
+      (at(u + h, v + h) - at(u + h, v - h) - at(u - h, v + h) + at(u - h, v - h)) / (4 * h * h);
+  const Vector3d n = du.cross(dv).normalized();
+  const double e = du.dot(du), f = du.dot(dv), g = dv.dot(dv), area = e * g - f * f;
+  const double l = duu.dot(n), m = duv.dot(n), k = dvv.dot(n);
+  const double mean = (e * k - 2 * f * m + g * l) / (2 * area), gauss = (l * k - m * m) / area;
+  return std::abs(mean) + std::sqrt(std::max(0.0, mean * mean - gauss));
+}
+
+double grid(int i) {
+  return static_cast<double>(i) / kCells;
+}
+
+double smallest_radius(const Surface& surface) {
+  double sharpest = 0;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) sharpest = std::max(sharpest, curvature(surface, grid(i), grid(j)));
+  }
+  return 1 / sharpest;
+}
+
+// A turn that is uniform over all (Shoemake 1992): a normal quaternion of unit length.
+Eigen::Quaterniond random_turn(Draws& draws) {
+  const double w = draws.normal(), x = draws.normal(), y = draws.normal(), z = draws.normal();
+  return Eigen::Quaterniond(w, x, y, z).normalized();
+}
+
+// The grid's points with their triangles; of a disc those that lie in the circle about the middle of the unit
+// square. A cell that loses one corner is a triangle, one that loses more is none.
+void mesh(const Surface& surface, const Eigen::Quaterniond& turn, bool disc, Panel& panel) {
+  std::vector<int> number;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      const int a = 2 * i - kCells, b = 2 * j - kCells;
+      const bool kept = !disc || a * a + b * b <= kCells * kCells;
+      number.push_back(kept ? static_cast<int>(panel.points.size()) : -1);
+      if (kept) panel.points.push_back(turn * surface(grid(i), grid(j)));
+    }
+  }
+  const auto at = [&](int i, int j) { return number[static_cast<std::size_t>(i * (kCells + 1) + j)]; };
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      std::vector<int> corners{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
+      std::erase(corners, -1);
+      for (std::size_t k = 2; k < corners.size(); ++k)
+        panel.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+    }
+  }
+}
+
+std::string numbered(char kind, int number, const char* name) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%c%02d_%s", kind, number, name);
+  return text;
+}
+
+Panel drawn(Draws& draws, int number) {
+  constexpr std::array<const char*, 3> kKinds{"free", "mild", "disc"};
+  const bool classic = number < static_cast<int>(kClassics.size());
+  const auto kind = static_cast<std::size_t>(number % 3);
+  Panel panel;
+  Surface surface;
+  do {
+    if (classic) {
+      const double s = draws.uniform(0.8, 1.3);
+      surface = [s, at = kClassics[static_cast<std::size_t>(number)].at](double u, double v) {
+        return at(s, u, v);
+      };
+    } else {
+      surface = bicubic(draws, kind == 1 ? 0.5 : 1);
+    }
+    panel.radius_mm = smallest_radius(surface);
+  } while (panel.radius_mm < kPanelRadiusMm);
+  panel.name = classic ? numbered('c', number, kClassics[static_cast<std::size_t>(number)].name)
+                       : numbered('p', number, kKinds[kind]);
+  const bool turned = number % 4 == 3;
+  mesh(surface, turned ? random_turn(draws) : Eigen::Quaterniond::Identity(), !classic && kind == 2, panel);
+  return panel;
+}
+
+}  // namespace
+
+std::vector<Panel> panels(std::uint64_t seed) {
+  Draws draws(seed);
+  std::vector<Panel> all;
+  for (int number = 0; number < kPanels; ++number) all.push_back(drawn(draws, number));
+  return all;
+}
+
+std::string obj_text(const Panel& panel) {
+  std::string text = "# Units: mm, +z up. Written by panel_table.\no " + panel.name + "\n";
+  char line[96];
+  for (const Vector3d& p : panel.points) {
+    // Rounded before adding zero, so that no zero is written as -0.000000.
+    const Vector3d rounded = (p * 1e6).array().round() / 1e6 + 0.0;
+    std::snprintf(line, sizeof line, "v %.6f %.6f %.6f\n", rounded.x(), rounded.y(), rounded.z());
+    text += line;
+  }
+  for (const auto& t : panel.triangles) {
+    std::snprintf(line, sizeof line, "f %d %d %d\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace hotblade::samples

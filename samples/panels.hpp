@@ -1,0 +1,34 @@
+// Panels as formwork is asked for, none of them a committed sample: twelve classic surfaces and bicubic
+// patches, drawn from a seed. What a planner does with them nobody has tuned.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hotblade::samples {
+
+inline constexpr int kPanels = 40;
+// Twice the sharpest bend of the default blade, 70.5 mm, rounded up.
+inline constexpr double kPanelRadiusMm = 142;
+
+// A mesh of one panel in mm. A border cut round leaves out the points that lie outside it.
+struct Panel {
+  std::string name;      // number and kind: c00_helicoid, p13_mild
+  double radius_mm = 0;  // no principal curvature of the formula is sharper, on the points of its grid
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from the side of u x v
+};
+
+// The panels of a seed: numbers 0 to 11 are classic surfaces of random size, 12 to 39 bicubic patches in turn
+// as they are drawn (free), half as high (mild) and cut to a disc (disc). Every fourth is turned in space.
+// The numbers come from the 64-bit Mersenne twister by arithmetic written out here, so that a seed gives the
+// same panels with every standard library.
+[[nodiscard]] std::vector<Panel> panels(std::uint64_t seed);
+
+// The panel as an OBJ file's text, to 1e-6 mm.
+[[nodiscard]] std::string obj_text(const Panel& panel);
+
+}  // namespace hotblade::samples
