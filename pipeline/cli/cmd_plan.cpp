@@ -16,6 +16,7 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/emit.hpp"
+#include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
 
@@ -79,8 +80,12 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());
-  const Paint paint = v.status == VerificationStatus::kPassed ? Paint::kGood : Paint::kBad;
+  const Verdict verdict = verdict_of(result.program);
+  const Paint paint = paint_of(verdict.color);
+  std::cout << budget_text(verdict) << "\n";
   std::cout << "status " << painted(name(v.status), paint, STDOUT_FILENO) << "\n";
+  std::cout << "verdict " << painted(name(verdict.color), paint, STDOUT_FILENO) << ": " << headline(verdict)
+            << "\n";
   if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
   std::cout << "report " << (directory / "report.html").string() << "\n";
 }

@@ -263,6 +263,8 @@ Exit run(const RunArguments& arguments, const Console& console) {
                  name(work.program.verification.status) + ")");
   }
   return Runner(arguments, where, console).run(work);
+  if (const Verdict verdict = verdict_of(work.program); verdict.color == VerdictColor::kAmber)
+    console.warn("warning: " + budget_text(verdict));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <iostream>
@@ -77,6 +78,14 @@ Exit expect_passed(const Program& program, const Console& console) {
   return Exit::kNotCuttable;
 }
 
+// The colour that the plan's own status and budget amount to.
+void print_verdict(const Program& program) {
+  const Verdict verdict = verdict_of(program);
+  std::cout << budget_text(verdict) << "\n";
+  std::cout << "verdict of the plan " << painted(name(verdict.color), paint_of(verdict.color), STDOUT_FILENO)
+            << ": " << headline(verdict) << "\n";
+}
+
 VerifyOptions options_of(const VerifyArguments& arguments, const Program& program) {
   VerifyOptions options;
   options.tolerance_mm = program.verification.tolerance_mm;
@@ -139,6 +148,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
                              report.clamp_mismatch_mm, kClampMismatchMm);
   }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
+  print_verdict(program);
   if (!report.within_tolerance || !report.ribs.mismatches.empty()) return Exit::kDeviation;
   if (!report.holds()) return Exit::kNotCuttable;
   return expect_passed(program, console);

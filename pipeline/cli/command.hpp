@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/cli/exit.hpp"
+#include "pipeline/verify/verdict.hpp"
 
 namespace CLI {
 class App;
@@ -42,6 +43,7 @@ struct Console {
 };
 
 enum class Paint { kGood, kBad, kWarning };
+[[nodiscard]] Paint paint_of(VerdictColor color);
 
 // The text in colour where the descriptor is a terminal and NO_COLOR is not set; else as it is.
 [[nodiscard]] std::string painted(const std::string& text, Paint paint, int descriptor);

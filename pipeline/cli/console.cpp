@@ -52,6 +52,11 @@ std::string marked(const std::string& line, int descriptor) {
 
 }  // namespace
 
+Paint paint_of(VerdictColor color) {
+  if (color == VerdictColor::kRed) return Paint::kBad;
+  return color == VerdictColor::kAmber ? Paint::kWarning : Paint::kGood;
+}
+
 std::string painted(const std::string& text, Paint paint, int descriptor) {
   if (!shows_colors(descriptor)) return text;
   const char* code = paint == Paint::kGood ? "32" : paint == Paint::kBad ? "31" : "33";

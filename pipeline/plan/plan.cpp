@@ -21,6 +21,7 @@
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/foam_share.hpp"
 #include "pipeline/verify/rib_measures.hpp"
+#include "pipeline/verify/verdict.hpp"
 #include "surface/slice/slice.hpp"
 
 namespace hotblade::pipeline {
@@ -387,6 +388,19 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
   return share;
 }
 
+// Errors that no measurement of the plan can see may be over the tolerance together with those it can.
+void judge_budget(const Settings& settings, PlanResult& result) {
+  const Verdict verdict = verdict_of(result.program);
+  if (!verdict.over_budget()) return;
+  if (settings.design.over_budget != "refuse") {
+    result.warnings.push_back("design: " + budget_text(verdict));
+    return;
+  }
+  result.refusals.push_back(
+      {"design", "", Limit::kBudget, verdict.budget_mm, verdict.tolerance_mm, needed_text(verdict)});
+  result.program.verification.status = VerificationStatus::kRefused;
+}
+
 // Plans with one of the ranked directions, which is put first in the ranking.
 void plan_along(std::size_t direction, const surface::DesignSurface& design, const Settings& settings,
                 const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
@@ -541,6 +555,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
     throw std::logic_error("a deviation that is not a number must not pass");
   }
   v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
+  judge_budget(settings, result);
   return result;
 }
 

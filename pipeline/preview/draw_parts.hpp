@@ -18,6 +18,7 @@ using Rgb = std::array<double, 3>;  // 0 to 1
 constexpr Rgb kBackground{0.925, 0.935, 0.945};
 constexpr Rgb kInk{0.13, 0.15, 0.18};
 constexpr Rgb kGoodColor{0.07, 0.45, 0.22};
+constexpr Rgb kWarningColor{0.63, 0.35, 0.0};
 constexpr Rgb kBadColor{0.75, 0.08, 0.08};
 constexpr Rgb kDesignColor{0.78, 0.79, 0.80};
 constexpr Rgb kRibColor{0.42, 0.45, 0.50};

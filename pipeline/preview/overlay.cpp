@@ -12,13 +12,17 @@ namespace {
 constexpr double kEdge = 24, kLeftColumn = 290, kRightColumn = 196, kTimeBar = 76;
 constexpr std::size_t kColumnLetters = 34;  // that fit left of the geometry
 
+const Rgb& color_of(VerdictColor verdict) {
+  if (verdict == VerdictColor::kRed) return kBadColor;
+  return verdict == VerdictColor::kAmber ? kWarningColor : kGoodColor;
+}
+
 double draw_caption(Canvas& canvas, const Overlay& overlay, double top) {
   double y = top - 30;
   canvas.text(kEdge, y, overlay.title, 22, true);
   y -= 32;
   if (!overlay.verdict.empty()) {
-    canvas.text(kEdge, y, overlay.verdict, 16, true, Align::kLeft,
-                overlay.verdict_good ? kGoodColor : kBadColor);
+    canvas.text(kEdge, y, overlay.verdict, 16, true, Align::kLeft, color_of(overlay.verdict_color));
     y -= 28;
   }
   for (const std::string& line : overlay.caption) {
@@ -148,7 +152,7 @@ Overlay overlay_of(const Scene& scene) {
   Overlay overlay;
   overlay.title = scene.title;
   overlay.verdict = scene.verdict;
-  overlay.verdict_good = scene.verdict_good;
+  overlay.verdict_color = scene.verdict_color;
   overlay.caption = scene.caption;
   overlay.scale = scene.scale;
   if (!scene.cut.triangles.empty()) overlay.strip_names = scene.strip_names;

@@ -3,6 +3,7 @@
 
 #include "pipeline/preview/canvas.hpp"
 #include "pipeline/preview/view_model.hpp"
+#include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline::preview {
 
@@ -16,7 +17,7 @@ struct KeyLine {
 
 struct Overlay {
   std::string title, verdict;
-  bool verdict_good = false;
+  VerdictColor verdict_color = VerdictColor::kRed;
   std::vector<std::string> caption;
   std::vector<KeyLine> keys;
   std::optional<ColorScale> scale;

@@ -11,6 +11,7 @@
 #include "pipeline/preview/ghosts.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/swept_surface.hpp"
+#include "pipeline/verify/verdict.hpp"
 #include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -95,7 +96,9 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   scene.caption.push_back(fmt::format("{} strip{}, {} ribs, {}", strips.size(), strips.size() == 1 ? "" : "s",
                                       ribs, duration_text(seconds)));
   scene.verdict = std::string("verification ") + name(verified.status);
-  scene.verdict_good = verified.status == VerificationStatus::kPassed;
+  const Verdict verdict = verdict_of(program);
+  scene.verdict_color = verdict.color;
+  if (verdict.color == VerdictColor::kAmber) scene.caption.push_back("amber: " + needed_text(verdict));
   scene.caption.push_back(fmt::format("deviation max {:.2f}, p99 {:.2f} mm", verified.deviation_mm.max,
                                       verified.deviation_mm.p99));
   scene.caption.push_back(fmt::format("tolerance {:g} mm", verified.tolerance_mm));

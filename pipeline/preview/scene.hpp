@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/program/program.hpp"
+#include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -56,7 +57,7 @@ struct Scene {
   Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
   std::string title;
   std::string verdict;  // of the verification; empty: none
-  bool verdict_good = false;
+  VerdictColor verdict_color = VerdictColor::kRed;
   std::vector<std::string> caption;  // one line each
   std::string blade_note;            // what the ghost blades are, "blade every 25 mm"
 };

@@ -23,6 +23,8 @@
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
+#include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/verdict.hpp"
 
 namespace {
 
@@ -247,6 +249,7 @@ std::string report_json(const PlanResult& result) {
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
   report["remedies"] = Json::array();
+  report["verdict"] = to_json(verdict_of(result.program));
   for (const Remedy& m : remedies(result)) {
     report["remedies"].push_back({{"setting", m.setting},
                                   {"now", m.now},

@@ -4,25 +4,28 @@
 #include <openssl/evp.h>
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
+#include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
 constexpr const char* kStyle = R"css(
-:root{--ink:#22262b;--soft:#5c6670;--line:#d5dade;--good:#12703a;--bad:#b3261e}
+:root{--ink:#22262b;--soft:#5c6670;--line:#d5dade;--good:#12703a;--bad:#b3261e;--warn:#a05a00}
 *{box-sizing:border-box}
 body{font:15px/1.45 "Helvetica Neue",Arial,sans-serif;color:var(--ink);margin:0 auto;max-width:1060px;padding:24px}
 h1{font-size:24px;margin:0 0 2px}h2{font-size:17px;margin:30px 0 8px;border-bottom:1px solid var(--line);padding-bottom:3px}
 p.sub,p.note{color:var(--soft);margin:0 0 16px;overflow-wrap:anywhere}p.note{font-size:13px;margin:6px 0 0}
 .verdict{border-left:6px solid;padding:10px 16px;margin:12px 0;background:#f5f6f7}
-.verdict b{font-size:20px}.passed{border-color:var(--good)}.passed b{color:var(--good)}
-.refused{border-color:var(--bad)}.refused b{color:var(--bad)}
+.verdict b{font-size:20px}.green{border-color:var(--good)}.green b{color:var(--good)}
+.amber{border-color:var(--warn)}.amber b{color:var(--warn)}
+.red{border-color:var(--bad)}.red b{color:var(--bad)}
 .figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(150px,1fr));gap:10px;margin:14px 0}
 .figures div{border:1px solid var(--line);padding:8px 12px}.figures b{display:block;font-size:19px}
 .figures span{color:var(--soft);font-size:13px}
@@ -66,9 +69,11 @@ double total_duration_s(const PlanResult& result) {
 
 std::string verdict_section(const PlanResult& result) {
   const Verification& v = result.program.verification;
-  const bool passed = v.status == VerificationStatus::kPassed;
-  std::string html = fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", passed ? "passed" : "refused",
-                                 passed ? "Can be cut as planned" : "Not cuttable as asked");
+  const Verdict verdict = verdict_of(result.program);
+  std::string words = headline(verdict);
+  words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  std::string html =
+      fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", name(verdict.color), escaped(words));
   if (result.verification.cut_samples == 0) {
     html += "Nothing is cut: no deviation could be measured.";
   } else {
@@ -79,13 +84,12 @@ std::string verdict_section(const PlanResult& result) {
         v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
   }
   html += fmt::format(" {:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
-  const double sum = budget_sum_mm(v.budget_mm);
-  if (passed && sum > v.tolerance_mm) {
+  if (verdict.over_budget()) {
     html += fmt::format(
         " Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
-        "error "
-        "budget comes to <strong>{:.3f} mm</strong>, more than the tolerance.",
-        sum);
+        "error budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the "
+        "clamps', which may err by {:g} mm and {:g} mrad.",
+        verdict.budget_mm, verdict.clamp_mm, verdict.planned.position_mm, 1e3 * verdict.planned.angle_rad);
   }
   return html + "</div>\n";
 }
@@ -276,7 +280,8 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
       "content=\"width=device-width, initial-scale=1\"><title>" +
       escaped(result.program.design.file) + ": " + name(result.program.verification.status) +
       "</title><style>" + kStyle + "</style></head><body>\n";
-  html += heading(result) + verdict_section(result) + refusals_section(result) + remedies_section(result);
+  html += heading(result, program_sha256) + verdict_section(result) + refusals_section(result) +
+          remedies_section(result);
   html += figures_section(result);
   html += pictures_section(pictures, picture_note) + strips_section(result) + deviation_section(result);
   html += budget_section(result) + list_section("Warnings", result.warnings);

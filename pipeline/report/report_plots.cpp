@@ -6,6 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "pipeline/verify/budget.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -111,12 +113,6 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
       text(kLeft - 6, kTop + 10, "end", fmt::format("{:.3g} %", share)) + text(kLeft - 6, bottom, "end", "0");
   svg += tolerance_mark(kLeft + tolerance_mm / histogram.bin_mm * bin_width, kTop - 6, bottom, tolerance_mm);
   return svg + "</svg>\n";
-}
-
-double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm) {
-  double sum = 0;
-  for (const auto& entry : budget_mm) sum += entry.second;
-  return sum;
 }
 
 std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm, double tolerance_mm) {

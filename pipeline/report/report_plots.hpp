@@ -16,9 +16,6 @@ namespace hotblade::pipeline {
 // in a bar of its own.
 [[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm);
 
-// The sum of an error budget's lines, mm: the worst case, in which none takes off from another.
-[[nodiscard]] double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm);
-
 // A plot with one bar a line of the error budget and one for their sum, against the tolerance.
 [[nodiscard]] std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm,
                                      double tolerance_mm);

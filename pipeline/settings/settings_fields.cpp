@@ -36,6 +36,9 @@ constexpr SettingField kFields[] = {
     {"design", "max_uncut_share", "", 0, 1, "",
      "Share of the design's area that may stay out of reach of every strip",
      [](S& s) -> Place { return &s.design.max_uncut_share; }},
+    {"design", "over_budget", "", 0, 0, "warn|refuse",
+     "What an error budget over the tolerance does: the plan is amber with a warning, or refused",
+     [](S& s) -> Place { return &s.design.over_budget; }},
 
     {"slice", "direction", "", -1000, 1000, "",
      "Normal of the rib planes in the design frame, of any length; absent: searched",

@@ -77,7 +77,13 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
           {"quantisation", kQuantisationMm},
           {"gravity_droop", errors.droop_mm},
           {"gravity_in_plane", errors.in_plane_mm},
-          {"clamp_error", errors.clamp_mm}};
+          {kClampErrorLine, errors.clamp_mm}};
+}
+
+double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm) {
+  double sum = 0;
+  for (const auto& entry : budget_mm) sum += entry.second;
+  return sum;
 }
 
 }  // namespace hotblade::pipeline

@@ -30,4 +30,10 @@ struct PoseErrors {
                                                                        const Program& program,
                                                                        const PoseErrors& errors);
 
+// The budget's line of the clamps' errors.
+inline constexpr const char* kClampErrorLine = "clamp_error";
+
+// Returns the sum of an error budget's lines, mm: the worst case, in which none takes off from another.
+[[nodiscard]] double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm);
+
 }  // namespace hotblade::pipeline

@@ -88,6 +88,8 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
      "a shorter or wider blade, or another slice.direction"},
     {Limit::kUncutShare, "uncut share of the area", "%",
      "another slice.direction, a trimmed design or a larger design.max_uncut_share"},
+    {Limit::kBudget, "error budget", "mm",
+     "more exact clamps (machine.clamp_error_mm, machine.clamp_error_rad), or design.over_budget = \"warn\""},
     {Limit::kWarnings, "warnings with --strict", "", "see to them, or plan without --strict"},
 
     {Limit::kUnknown, "unknown limit", "", "the controller speaks of a limit that came after this program", 0,

@@ -56,6 +56,7 @@ enum class Limit : std::uint8_t {
   kDeviation,
   kDeviationWithSag,
   kUncutShare,
+  kBudget,
   kWarnings,
   // A code that this table does not know.
   kUnknown,

@@ -16,6 +16,7 @@
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "pipeline/verify/clamp_error.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -108,25 +109,6 @@ void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {
   }
 }
 
-// A blade this close to straight, its clamps a few errors from pulling it taut, is moved by an error along it
-// to second order only: neither its sensitivity nor its distance to a snap say anything there.
-bool straight(const BladePose& pose, const MachineSettings& machine) {
-  constexpr double kErrors = 10;  // of the clamps'
-  const double slack = pose.blade.length - (pose.b.p - pose.a.p).norm();
-  return slack < std::max(elastica::kNearlyTautSlack * pose.blade.length, kErrors * machine.clamp_error_mm);
-}
-
-// What the clamps' errors move the blade by: to first order, and as a straight strip where that says nothing.
-double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
-  const elastica::SensitivityOptions errors{machine.clamp_error_mm, machine.clamp_error_rad};
-  const double length = pose.blade.length, slack = length - (pose.b.p - pose.a.p).norm();
-  const bool keeps_side = straight_mm > worst_clamp_error_mm(machine, length);
-  const double moved = straight(pose, machine)
-                           ? elastica::straight_response_mm(length, slack, keeps_side, errors)
-                           : elastica::sensitivity(pose.blade, errors).total_mm;
-  return std::isfinite(moved) ? moved : elastica::straight_response_mm(length, slack, false, errors);
-}
-
 void weigh_clamp_errors(const StripPlan& strip, const MachineSettings& machine,
                         const std::vector<PoseMargin>& margins, BladeMotion& motion) {
   motion.facts.rib_sensitivity_mm.assign(strip.ribs.size(), {});
@@ -162,7 +144,7 @@ bool unheld(const BladePose& pose, const PoseMargin& margin, const Settings& set
   const double tension = -Eigen::Vector2d(pose.blade.lambda1, pose.blade.lambda2).dot(chord) * length;
   if (tension > elastica::kLargestTension) return true;
   const double least = smallest_margin_mm(settings, length);
-  return margin.straight_mm < least || (margin.fold_mm < least && straight(pose, settings.machine));
+  return margin.straight_mm < least || (margin.fold_mm < least && nearly_straight(pose, settings.machine));
 }
 
 // Names the times at which the blade is straight or taut, and what the clamps' errors may do there.
@@ -252,7 +234,7 @@ void refuse_near_folds(const std::vector<PoseMargin>& margins, const BladeMotion
   std::size_t worst = 0;
   double smallest = least;
   for (std::size_t i = 0; i < margins.size(); ++i) {
-    if (margins[i].fold_mm >= smallest || straight(motion.poses[i], settings.machine)) continue;
+    if (margins[i].fold_mm >= smallest || nearly_straight(motion.poses[i], settings.machine)) continue;
     smallest = margins[i].fold_mm;
     worst = i;
   }

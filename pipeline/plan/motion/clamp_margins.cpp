@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <set>
 
 #include "elastica/blade/clamp_margin.hpp"
+#include "pipeline/verify/clamp_error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -193,11 +193,6 @@ class MarginSearch {
 std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses) {
   if (poses.empty()) return {};
   return MarginSearch(poses).run();
-}
-
-double worst_clamp_error_mm(const MachineSettings& machine, double blade_length_mm) {
-  return std::numbers::sqrt2 *
-         std::hypot(machine.clamp_error_mm, 0.5 * blade_length_mm * machine.clamp_error_rad);
 }
 
 double smallest_margin_mm(const Settings& settings, double blade_length_mm) {

@@ -27,10 +27,6 @@ struct PoseMargin {
 // Returns the margins of all poses, the same whatever the number of threads.
 [[nodiscard]] std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses);
 
-// Returns what both clamps err by at their worst, as margins count errors: of position, and of angle times
-// half the blade's length.
-[[nodiscard]] double worst_clamp_error_mm(const MachineSettings& machine, double blade_length_mm);
-
 // Returns the smallest margin to a fold that a strip may have: blade.min_margin_mm, or twice the worst error
 // of the clamps where that is 0. Once would be a shape that the errors given can lose; twice leaves as much
 // again for what is not counted: the blade's stiffness, weight and heat.

@@ -127,6 +127,7 @@ const std::vector<Change>& changes() {
       {"design.stitch_mm", "0.1", {kAlongX}, Design::kTorn},
       {"design.tolerance_mm", "0.02", {kAlongX}, Design::kDome},
       {"design.max_uncut_share", "1", {kAlongX, "blade.yield_strength_mpa=100"}},
+      {"design.over_budget", "refuse", {kAlongX, "machine.clamp_error_mm=2"}},
       {"slice.direction", "[1, 0.2, 0]", {kAlongX}},
       {"slice.fan_axis", "[60, 0, -400, 0, 1, 0]"},
       {"slice.spacing_mm", "5", {kAlongX}},

@@ -10,6 +10,7 @@
 #include "pipeline/report/pictures.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
+#include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/foam_share.hpp"
 #include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/vault_program.hpp"
@@ -131,9 +132,12 @@ TEST(ReportHtml, SaysTheNumberThatWouldMakeARefusedJobCuttable) {
 TEST(ReportHtml, WarnsWhenTheBudgetIsOverTheTolerance) {
   PlanResult result = plan(cylinder_design(), along_x(), {});
   EXPECT_THAT(report_html(result, {}, "none"), Not(HasSubstr("more than the tolerance")));
+  EXPECT_THAT(report_html(result, {}, "none"),
+              HasSubstr("<div class=\"verdict green\"><b>Can be cut as planned"));
   result.program.verification.budget_mm.emplace_back("clamp_error", 1.0);
   const std::string html = report_html(result, {}, "none");
   EXPECT_THAT(html, HasSubstr("more than the tolerance"));
+  EXPECT_THAT(html, HasSubstr("<div class=\"verdict amber\"><b>Can be cut within 1 mm if the clamps are"));
   EXPECT_THAT(html,
               HasSubstr(fmt::format("{:.4f} mm", budget_sum_mm(result.program.verification.budget_mm))));
 }

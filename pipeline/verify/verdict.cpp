@@ -1,0 +1,141 @@
+#include "pipeline/verify/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/clamp_error.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// Two digits down: the largest such number that is not above x.
+double two_digits_down(double x) {
+  if (!(x > 0)) return 0;
+  const double step = std::pow(10.0, std::floor(std::log10(x)) - 1);
+  return step * std::floor(x / step);
+}
+
+// What the clamps' errors, scaled, move the blades of a program by at its ribs.
+class ClampShare {
+ public:
+  explicit ClampShare(const Program& program) : machine_(program.settings.machine) {
+    for (const Strip& strip : program.strips) {
+      for (const BladePose& pose : strip.poses) {
+        if (pose.rib) poses_.push_back(&pose);
+      }
+    }
+  }
+
+  [[nodiscard]] MachineSettings with(const ClampErrors& errors) const {
+    MachineSettings machine = machine_;
+    machine.clamp_error_mm = errors.position_mm;
+    machine.clamp_error_rad = errors.angle_rad;
+    return machine;
+  }
+
+  // A pose's margin bounds its distance to the straight blade from below.
+  [[nodiscard]] double moved_mm(const ClampErrors& errors) const {
+    const MachineSettings machine = with(errors);
+    double most = 0;
+    for (const BladePose* pose : poses_)
+      most = std::max(most, clamp_error_mm(*pose, pose->margin_mm.value_or(0), machine));
+    return most;
+  }
+
+ private:
+  MachineSettings machine_;
+  std::vector<const BladePose*> poses_;
+};
+
+ClampErrors scaled(const ClampErrors& errors, double factor) {
+  return {two_digits_down(factor * errors.position_mm), two_digits_down(factor * errors.angle_rad)};
+}
+
+// The errors, in proportion to the planned ones, that leave `room_mm` for what the clamps add; absent where
+// none do. What blades are moved by grows with the errors, linearly or with their root.
+std::optional<ClampErrors> errors_within(const Program& program, const ClampErrors& planned, double room_mm) {
+  if (!(room_mm > 0)) return std::nullopt;
+  const ClampShare share(program);
+  double least = 0, most = 1;
+  constexpr int kHalvings = 30;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (least + most);
+    const bool fits = share.moved_mm({middle * planned.position_mm, middle * planned.angle_rad}) <= room_mm;
+    (fits ? least : most) = middle;
+  }
+  // Smaller than any clamp is placed to is no answer.
+  constexpr double kLeastFactor = 1e-4;
+  if (least < kLeastFactor) return std::nullopt;
+  return scaled(planned, least);
+}
+
+std::string errors_text(const ClampErrors& errors) {
+  return fmt::format("{:g} mm and {:g} mrad", errors.position_mm, 1e3 * errors.angle_rad);
+}
+
+}  // namespace
+
+const char* name(VerdictColor color) {
+  if (color == VerdictColor::kRed) return "red";
+  return color == VerdictColor::kAmber ? "amber" : "green";
+}
+
+Verdict verdict_of(const Program& program) {
+  const Verification& v = program.verification;
+  Verdict verdict;
+  verdict.tolerance_mm = v.tolerance_mm;
+  verdict.budget_mm = budget_sum_mm(v.budget_mm);
+  for (const auto& [line, mm] : v.budget_mm) {
+    if (line == kClampErrorLine) verdict.clamp_mm += mm;
+  }
+  const MachineSettings& machine = program.settings.machine;
+  verdict.planned = {machine.clamp_error_mm, machine.clamp_error_rad};
+  if (verdict.over_budget()) {
+    const double room_mm = verdict.tolerance_mm - (verdict.budget_mm - verdict.clamp_mm);
+    verdict.needed = errors_within(program, verdict.planned, room_mm);
+  }
+  if (v.status == VerificationStatus::kPassed)
+    verdict.color = verdict.over_budget() ? VerdictColor::kAmber : VerdictColor::kGreen;
+  return verdict;
+}
+
+std::string needed_text(const Verdict& v) {
+  if (v.needed)
+    return fmt::format("within {:g} mm if the clamps are within {}", v.tolerance_mm, errors_text(*v.needed));
+  return fmt::format("not within {:g} mm for certain, however exact the clamps are", v.tolerance_mm);
+}
+
+std::string headline(const Verdict& verdict) {
+  if (verdict.color == VerdictColor::kRed) return "not cuttable as asked";
+  if (verdict.color == VerdictColor::kGreen) return "can be cut as planned";
+  return verdict.needed ? "can be cut " + needed_text(verdict) : "can be cut, but " + needed_text(verdict);
+}
+
+std::string budget_text(const Verdict& v) {
+  if (!v.over_budget())
+    return fmt::format("error budget {:.3g} mm (tolerance {:g} mm)", v.budget_mm, v.tolerance_mm);
+  return fmt::format(
+      "error budget {:.4g} mm (tolerance {:g} mm), of it {:.4g} mm by clamps that err by {}: {}", v.budget_mm,
+      v.tolerance_mm, v.clamp_mm, errors_text(v.planned), needed_text(v));
+}
+
+nlohmann::ordered_json to_json(const Verdict& v) {
+  const auto errors_json = [](const ClampErrors& e) -> nlohmann::ordered_json {
+    return {{"position_mm", e.position_mm}, {"angle_rad", e.angle_rad}};
+  };
+  return {{"color", name(v.color)},
+          {"text", headline(v)},
+          {"tolerance_mm", v.tolerance_mm},
+          {"budget_mm", v.budget_mm},
+          {"clamp_error_mm", v.clamp_mm},
+          {"clamps_planned", errors_json(v.planned)},
+          {"clamps_needed", v.needed ? errors_json(*v.needed) : nlohmann::ordered_json()}};
+}
+
+}  // namespace hotblade::pipeline
