@@ -133,7 +133,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   for (const std::string& line : design.health.warnings) console.warn("warning: " + line);
   refuse_blocked(design, design_options.file);
   const fs::path directory = output_directory(arguments);
-  prepare_output(directory, arguments.force);
+  OutputSet output(directory, arguments.force);
 
   PlanHooks hooks;
   hooks.progress = [&console](const std::string& stage, double share) {
@@ -162,8 +162,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
     return pictures;
   };
-  const Emitted emitted =
-      emit(result, directory, facts, {arguments.force, arguments.override_refusal}, pictures_of);
+  const Emitted emitted = emit(result, output, facts, arguments.override_refusal, pictures_of);
   console.report_progress("done", 1);
   tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : result.warnings) console.warn("warning: " + line);

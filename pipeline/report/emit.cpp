@@ -1,17 +1,19 @@
 #include "pipeline/report/emit.hpp"
 
+#include <fmt/format.h>
+#include <openssl/evp.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <array>
 #include <cmath>
-#include <cstring>
 #include <exception>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <regex>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,19 +23,15 @@
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/settings/error.hpp"
-
-namespace hotblade::pipeline {
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/verdict.hpp"
+
+namespace hotblade::pipeline {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
-
-constexpr const char* kFiles[] = {"program.json", "report.json", "report.html",
-                                  "preview.png",  "scene.gltf",  "run.json"};
-constexpr const char* kRibs = "ribs";
 
 Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
@@ -145,12 +143,39 @@ Json decisions_json(const std::vector<Decision>& decisions) {
 // Strips whose texts are held at once.
 constexpr std::size_t kStripsAtOnce = 8;
 
+// The SHA-256 of a text that comes in pieces.
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) fail();
+  }
+  void add(std::string_view text) {
+    if (EVP_DigestUpdate(context_.get(), text.data(), text.size()) != 1) fail();
+  }
+  [[nodiscard]] std::string hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
+    unsigned size = 0;
+    if (EVP_DigestFinal_ex(context_.get(), bytes.data(), &size) != 1) fail();
+    std::string text;
+    for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", bytes[i]);
+    return text;
+  }
+
+ private:
+  [[noreturn]] static void fail() { throw std::runtime_error("SHA-256 cannot be computed"); }
+  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
+};
+
 // Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
 // all that was planned. What the reader would refuse must not be handed out, so each strip is read back
 // first.
-StagedFile staged_program(const Program& program, const fs::path& file, bool force) {
+StagedFile staged_program(const Program& program, const fs::path& file, Sha256& sha256) {
   const ProgramFrame frame = program_frame(program);
-  const auto produce = [&](const WritePiece& write) {
+  const auto produce = [&](const WritePiece& write_piece) {
+    const auto write = [&](std::string_view piece) {
+      sha256.add(piece);
+      write_piece(piece);
+    };
     write(frame.before);
     const std::size_t count = program.strips.size();
     for (std::size_t first = 0; first < count; first += kStripsAtOnce) {
@@ -166,16 +191,16 @@ StagedFile staged_program(const Program& program, const fs::path& file, bool for
     }
     write(frame.after);
   };
-  return {file, produce, force};
+  return {file, produce, false};
 }
 
 // The program on its way to its place, written by other threads.
 class ProgramWriter {
  public:
-  ProgramWriter(const Program& program, const fs::path& file, bool force) {
-    tasks_.run([this, &program, file, force] {
+  ProgramWriter(const Program& program, const fs::path& file) {
+    tasks_.run([this, &program, file] {
       try {
-        staged_.emplace(staged_program(program, file, force));
+        staged_.emplace(staged_program(program, file, sha256_));
       } catch (...) {
         error_ = std::current_exception();  // told where the program's turn is
       }
@@ -185,13 +210,16 @@ class ProgramWriter {
   ProgramWriter(const ProgramWriter&) = delete;
   ProgramWriter& operator=(const ProgramWriter&) = delete;
 
-  void place() {
+  // Returns the file's SHA-256.
+  std::string place() {
     tasks_.wait();
     if (error_) std::rethrow_exception(error_);
     staged_->place();
+    return sha256_.hex();
   }
 
  private:
+  Sha256 sha256_;
   std::optional<StagedFile> staged_;
   std::exception_ptr error_;
   tbb::task_group tasks_;
@@ -214,16 +242,18 @@ std::string run_json(const PlanResult& result, const RunFacts& facts) {
 
 }  // namespace
 
-std::string report_json(const PlanResult& result) {
+std::string report_json(const PlanResult& result, const std::string& program_sha256) {
   const Verification& v = result.program.verification;
   Json report;
   report["format"] = "hotblade-report";
   report["version"] = 1;
   report["created_by"] = result.program.created_by;
   report["status"] = name(v.status);
+  report["verdict"] = to_json(verdict_of(result.program));
   report["design"] = {{"file", result.program.design.file},
                       {"sha256", result.program.design.sha256},
                       {"area_mm2", result.verification.area_mm2}};
+  report["program_sha256"] = program_sha256.empty() ? Json() : Json(program_sha256);
   report["tolerance_mm"] = v.tolerance_mm;
   const Deviation& d = v.deviation_mm;
   report["deviation_mm"] = {
@@ -249,7 +279,6 @@ std::string report_json(const PlanResult& result) {
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
   report["remedies"] = Json::array();
-  report["verdict"] = to_json(verdict_of(result.program));
   for (const Remedy& m : remedies(result)) {
     report["remedies"].push_back({{"setting", m.setting},
                                   {"now", m.now},
@@ -271,96 +300,68 @@ std::string report_json(const PlanResult& result) {
 
 namespace {
 
-void expect_free(const fs::path& path, bool force) {
-  std::error_code error;
-  if (!force && fs::exists(fs::symlink_status(path, error))) {
-    throw Error(ErrorKind::kFile, path.string() + ": already there: use --force to overwrite");
-  }
-}
-
-// What an earlier plan wrote into the ribs' directory goes; anything else there is the user's and stays.
-void remove_rib_files(const fs::path& ribs) {
-  static const std::regex ours("S[0-9]{3,}\\.dxf|beziers\\.csv");
-  std::error_code error;
-  std::vector<fs::path> old;
-  for (const fs::directory_entry& entry : fs::directory_iterator(ribs, error)) {
-    if (std::regex_match(entry.path().filename().string(), ours)) old.push_back(entry.path());
-  }
-  for (const fs::path& file : old) {
-    if (!fs::remove(file, error) && error)
-      throw Error(ErrorKind::kFile, file.string() + ": cannot be removed (" + error.message() + ")");
-  }
-  if (fs::is_directory(ribs, error) && fs::is_empty(ribs, error)) fs::remove(ribs, error);
-}
-
-void write_ribs(const Program& program, const fs::path& ribs, bool force) {
+void write_ribs(const Program& program, const fs::path& ribs) {
   ensure_directory(ribs);
   for (const ExportedFile& file : rib_files(program, "dxf", {}))
-    write_file_atomically(ribs / file.name, file.text, force);
+    write_file_atomically(ribs / file.name, file.text, false);
   const ExportedFile beziers = bezier_file(program);
-  write_file_atomically(ribs / beziers.name, beziers.text, force);
+  write_file_atomically(ribs / beziers.name, beziers.text, false);
 }
 
-void write_reports(const PlanResult& result, const fs::path& directory, const RunFacts& facts, bool force,
-                   const ReportPictures& pictures) {
-  write_file_atomically(directory / "report.json", report_json(result), force);
-  write_file_atomically(directory / "report.html", report_html(result, pictures.pictures, pictures.note),
-                        force);
+void write_reports(const PlanResult& result, const fs::path& directory, const RunFacts& facts,
+                   const ReportPictures& pictures, const std::string& program_sha256) {
+  write_file_atomically(directory / "report.json", report_json(result, program_sha256), false);
+  write_file_atomically(directory / "report.html",
+                        report_html(result, pictures.pictures, pictures.note, program_sha256), false);
   const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
   for (const auto& [name, bytes] :
        {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {
-    if (bytes->empty()) {
-      std::error_code error;
-      fs::remove(directory / name, error);  // of an older plan
-    } else {
-      write_file_atomically(directory / name, *bytes, force);
-    }
+    if (!bytes->empty()) write_file_atomically(directory / name, *bytes, false);
   }
-  write_file_atomically(directory / "run.json", run_json(result, facts), force);
+  write_file_atomically(directory / "run.json", run_json(result, facts), false);
 }
 
 }  // namespace
 
-void prepare_output(const fs::path& directory, bool force) {
-  ensure_directory(directory);
-  if (::access(directory.c_str(), W_OK | X_OK) != 0) {
-    throw Error(ErrorKind::kFile, directory.string() + ": cannot write there (" + std::strerror(errno) +
-                                      "): choose another directory with -o");
-  }
-  for (const char* name : kFiles) expect_free(directory / name, force);
-  expect_free(directory / kRibs, force);
-  std::error_code error;
-  if (fs::exists(directory / kRibs, error) && !fs::is_directory(directory / kRibs, error)) {
-    throw Error(ErrorKind::kFile, (directory / kRibs).string() +
-                                      ": is not a directory, and the rib curves go there: move it away");
-  }
-}
+namespace {
 
-Emitted emit(PlanResult& result, const fs::path& directory, const RunFacts& facts, const EmitOptions& options,
-             const TakePictures& take_pictures) {
+Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts, bool override_refusal,
+                   const TakePictures& take_pictures) {
   Emitted emitted;
   const bool passed = result.program.verification.status == VerificationStatus::kPassed;
-  if (!passed && options.override_refusal) {
+  if (!passed && override_refusal) {
     for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
   }
-  emitted.program_written = passed || (options.override_refusal && !result.program.strips.empty());
-  // An older program goes first and the new one comes last: no directory holds a program beside a report that
-  // judges another one.
-  std::error_code error;
-  fs::remove(directory / "program.json", error);
-  if (error) {
-    throw Error(ErrorKind::kFile, (directory / "program.json").string() +
-                                      ": an older program cannot be removed (" + error.message() + ")");
-  }
-  remove_rib_files(directory / kRibs);
+  emitted.program_written = passed || (override_refusal && !result.program.strips.empty());
+  const fs::path& draft = output.draft();
   std::optional<ProgramWriter> program;
-  if (emitted.program_written) program.emplace(result.program, directory / "program.json", options.force);
-  write_reports(result, directory, facts, options.force, take_pictures(result));
+  if (emitted.program_written) program.emplace(result.program, draft / "program.json");
+  const ReportPictures pictures = take_pictures(result);
+  std::string program_sha256;
   if (program) {
-    write_ribs(result.program, directory / kRibs, options.force);
-    program->place();
+    write_ribs(result.program, draft / "ribs");
+    program_sha256 = program->place();
   }
+  write_reports(result, draft, facts, pictures, program_sha256);
+  output.commit();
   return emitted;
+}
+
+}  // namespace
+
+Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, bool override_refusal,
+             const TakePictures& take_pictures) {
+  try {
+    return emit_draft(result, output, facts, override_refusal, take_pictures);
+  } catch (const Error& error) {
+    if (error.kind != ErrorKind::kFile) throw;
+    // The draft is gone when this is read: the place that it was for is what a user knows.
+    std::string what = error.what();
+    const std::string draft = output.draft().string();
+    if (const auto at = what.find(draft); at != std::string::npos)
+      what.replace(at, draft.size(), output.directory().string());
+    throw Error(ErrorKind::kFile, what + ": what was there is as it was");
+  }
 }
 
 }  // namespace hotblade::pipeline

@@ -260,21 +260,22 @@ std::string settings_section(const PlanResult& result) {
   return html + "</div>\n";
 }
 
-std::string heading(const PlanResult& result) {
+std::string heading(const PlanResult& result, const std::string& program_sha256) {
   const DesignData& d = result.program.design;
   const Eigen::Vector3d size = d.bbox_mm[1] - d.bbox_mm[0];
   return fmt::format(
       "<h1>{}</h1><p class=\"sub\">{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}. SHA-256 "
       "{}. "
-      "{}.</p>\n",
+      "{}.{}</p>\n",
       escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), name(d.keep),
-      escaped(d.sha256), escaped(result.program.created_by));
+      escaped(d.sha256), escaped(result.program.created_by),
+      program_sha256.empty() ? "" : " SHA-256 of program.json: " + escaped(program_sha256) + ".");
 }
 
 }  // namespace
 
 std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
-                        const std::string& picture_note) {
+                        const std::string& picture_note, const std::string& program_sha256) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"><title>" +

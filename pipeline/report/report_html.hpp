@@ -15,8 +15,10 @@ struct ReportPicture {
 };
 
 // The page's text, which depends on the arguments alone. `picture_note` says why there are no pictures,
-// where there are none.
+// where there are none; `program_sha256` is that of the program.json beside the page, empty where there is
+// none.
 [[nodiscard]] std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
-                                      const std::string& picture_note);
+                                      const std::string& picture_note,
+                                      const std::string& program_sha256 = "");
 
 }  // namespace hotblade::pipeline
