@@ -227,6 +227,7 @@ Exit Runner::run(const StripJobs& work) {
 Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& plan, std::size_t total,
                        std::size_t done) {
   const Job& job = work.jobs[index];
+  journal_.expect_writable();
   robot::StreamOptions options = link_;
   options.run = plan.run;
   options.resume = plan.resume_first && index == plan.first;
@@ -262,9 +263,9 @@ Exit run(const RunArguments& arguments, const Console& console) {
     console.warn(std::string("--override: the program did not pass its verification (") +
                  name(work.program.verification.status) + ")");
   }
-  return Runner(arguments, where, console).run(work);
   if (const Verdict verdict = verdict_of(work.program); verdict.color == VerdictColor::kAmber)
     console.warn("warning: " + budget_text(verdict));
+  return Runner(arguments, where, console).run(work);
 }
 
 }  // namespace

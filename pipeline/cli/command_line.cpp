@@ -1,9 +1,14 @@
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/help.hpp"
@@ -46,12 +51,22 @@ void add_global_options(CLI::App& app, Console& console) {
   app.set_version_flag("--version", "hotblade " + version(), "Print the version and exit");
 }
 
-// The log is opened once up front: a wrong path shows before any work is done.
+// The log is opened once up front, and room asked for: a wrong path or a full disk shows before any work is
+// done, or a machine moves. A device or a file system that cannot tell is taken at its word.
 void check_log_file(const Console& console) {
   if (console.log_file.empty()) return;
-  if (!std::ofstream(console.log_file, std::ios::app)) {
-    throw Error(ErrorKind::kFile, console.log_file + ": cannot write the log: choose a writable place");
+  constexpr off_t kRoom = 4096;
+  const int fd = ::open(console.log_file.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  int error = fd < 0 ? errno : 0;
+  if (fd >= 0) {
+    const off_t end = ::lseek(fd, 0, SEEK_END);
+    const bool full = ::fallocate(fd, FALLOC_FL_KEEP_SIZE, std::max<off_t>(end, 0), kRoom) != 0;
+    if (full && (errno == ENOSPC || errno == EDQUOT || errno == EFBIG)) error = errno;
+    ::close(fd);
   }
+  if (error == 0) return;
+  throw Error(ErrorKind::kFile, console.log_file + ": cannot write the log (" +
+                                    std::generic_category().message(error) + "): choose a writable place");
 }
 
 Exit run_action(const Action& action, const Console& console) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <system_error>
 #include <thread>
 
 #include "pipeline/settings/error.hpp"
@@ -19,13 +20,19 @@ class LocalSimulator {
         controller_(as_fast_as_data_comes(options), &log_),
         server_(any_port(), controller_),
         thread_([this] { server_.run(); }) {}
-  ~LocalSimulator() {
-    server_.stop();
-    thread_.join();
-  }
+  ~LocalSimulator() { stop(); }
   LocalSimulator(const LocalSimulator&) = delete;
   LocalSimulator& operator=(const LocalSimulator&) = delete;
   [[nodiscard]] std::uint16_t port() const { return server_.port(); }
+
+  // Ends the simulator and returns why its log could not be written; 0: it was.
+  int stop() {
+    if (!thread_.joinable()) return log_.error();
+    server_.stop();
+    thread_.join();
+    (void)log_.commit();
+    return log_.error();
+  }
 
  private:
   static robot::ControllerOptions as_fast_as_data_comes(const DryRunOptions& dry) {
@@ -80,8 +87,13 @@ DryRunReport dry_run(const std::vector<robot::Job>& jobs, const DryRunOptions& o
   report.planned_strips = jobs.size();
   try {
     {
-      const LocalSimulator simulator(options);
+      LocalSimulator simulator(options);
       stream_all(jobs, simulator.port(), options, report);
+      if (const int error = simulator.stop(); error != 0) {
+        throw Error(ErrorKind::kFile, options.log_file.string() + ": the log cannot be written (" +
+                                          std::generic_category().message(error) +
+                                          "): the dry run was stopped; make room, or choose another --log");
+      }
     }
     const auto logged = robot::read_execution_log(options.log_file);
     for (std::size_t i = 0; i < report.strips.size(); ++i) {

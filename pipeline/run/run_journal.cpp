@@ -14,6 +14,16 @@
 
 namespace hotblade::pipeline {
 
+namespace {
+
+std::string text_of(const RunJournal& journal) {
+  return fmt::format(R"({{"format":"hotblade-resume","version":1,"job":"{}","run":{},"token":{}}})"
+                     "\n",
+                     robot::to_hex(journal.job), journal.run, journal.token);
+}
+
+}  // namespace
+
 RunJournalFile::RunJournalFile(const std::filesystem::path& program, const HostPort& controller)
     : path_(program) {
   std::string host = controller.host;
@@ -51,12 +61,15 @@ std::optional<RunJournal> RunJournalFile::read() const {
 }
 
 void RunJournalFile::write(const RunJournal& journal) const {
-  write_file_atomically(
-      path_,
-      fmt::format(R"({{"format":"hotblade-resume","version":1,"job":"{}","run":{},"token":{}}})"
-                  "\n",
-                  robot::to_hex(journal.job), journal.run, journal.token),
-      true);
+  write_file_atomically(path_, text_of(journal), true);
+}
+
+void RunJournalFile::expect_writable() const {
+  std::filesystem::path trial = path_;
+  trial += ".trial";
+  write_file_atomically(trial, text_of({~std::uint64_t{0}, ~std::uint32_t{0}, ~std::uint32_t{0}}), true);
+  std::error_code ignored;
+  std::filesystem::remove(trial, ignored);
 }
 
 void RunJournalFile::remove() const {

@@ -29,6 +29,9 @@ class RunJournalFile {
   // Writes the file whole; it is on disk before this returns. Throws Error (kFile).
   void write(const RunJournal& journal) const;
   void remove() const;
+  // Throws Error (kFile) when a journal could not be written, as on a full disk: asked before a job is
+  // opened.
+  void expect_writable() const;
 
  private:
   std::filesystem::path path_;

@@ -161,12 +161,12 @@ void ExecutionLog::make_room() {
 
 void ExecutionLog::write_out() {
   std::size_t done = 0;
-  while (done < buffer_.size() && !failed_) {
+  while (done < buffer_.size() && error_ == 0) {
     const ssize_t n = ::write(fd_, buffer_.data() + done, buffer_.size() - done);
     if (n > 0) {
       done += static_cast<std::size_t>(n);
     } else if (n < 0 && errno != EINTR) {
-      failed_ = true;
+      error_ = errno;
     }
   }
   buffer_.clear();
@@ -174,9 +174,9 @@ void ExecutionLog::write_out() {
 
 bool ExecutionLog::commit() {
   write_out();
-  if (options_.durable && dirty_ && ::fdatasync(fd_) != 0 && errno != EINVAL) failed_ = true;
+  if (options_.durable && dirty_ && ::fdatasync(fd_) != 0 && errno != EINVAL) error_ = errno;
   dirty_ = false;
-  return !failed_;
+  return error_ == 0;
 }
 
 void ExecutionLog::executed(const ExecutedWaypoint& w) {

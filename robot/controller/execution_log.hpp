@@ -37,6 +37,9 @@ class ExecutionLog final : public ExecutionSink {
   void event(const JobEvent& event) override;
   bool commit() override;
 
+  // Why a line could not be written (errno); 0: all were. For the thread that writes, or after it.
+  [[nodiscard]] int error() const { return error_; }
+
  private:
   void write_out();
   void make_room();
@@ -44,7 +47,8 @@ class ExecutionLog final : public ExecutionSink {
   int fd_ = -1;
   Options options_;
   std::string buffer_;  // capacity reserved once
-  bool failed_ = false, dirty_ = false;
+  int error_ = 0;
+  bool dirty_ = false;
 };
 
 // What a log says about one job in one run.
