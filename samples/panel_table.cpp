@@ -65,6 +65,7 @@ std::vector<std::string> plan_command(const fs::path& obj, const fs::path& out, 
   dup2(file, STDOUT_FILENO);
   dup2(file, STDERR_FILENO);
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   execv(argv[0], argv.data());

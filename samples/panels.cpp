@@ -193,7 +193,9 @@ void mesh(const Surface& surface, const Eigen::Quaterniond& turn, bool disc, Pan
       if (kept) panel.points.push_back(turn * surface(grid(i), grid(j)));
     }
   }
-  const auto at = [&](int i, int j) { return number[static_cast<std::size_t>(i * (kCells + 1) + j)]; };
+  const auto at = [&](int i, int j) {
+    return number[static_cast<std::size_t>(i) * (kCells + 1) + static_cast<std::size_t>(j)];
+  };
   for (int i = 0; i < kCells; ++i) {
     for (int j = 0; j < kCells; ++j) {
       std::vector<int> corners{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
@@ -239,6 +241,7 @@ Panel drawn(Draws& draws, int number) {
 std::vector<Panel> panels(std::uint64_t seed) {
   Draws draws(seed);
   std::vector<Panel> all;
+  all.reserve(kPanels);
   for (int number = 0; number < kPanels; ++number) all.push_back(drawn(draws, number));
   return all;
 }

@@ -56,7 +56,9 @@ std::vector<std::optional<Vector3d>> gridded(const Panel& panel) {
 // points alone: the second difference along a line of the grid, its part along the normal, over the step's
 // length squared.
 double sharpest_bend(const std::vector<std::optional<Vector3d>>& grid, int i, int j) {
-  const auto at = [&](int a, int b) { return grid[static_cast<std::size_t>((i + a) * kSide + j + b)]; };
+  const auto at = [&](int a, int b) {
+    return grid[static_cast<std::size_t>(i + a) * kSide + static_cast<std::size_t>(j + b)];
+  };
   for (int a = -2; a <= 2; ++a) {
     for (int b = -2; b <= 2; ++b) {
       if (!at(a, b)) return 0;
