@@ -1,6 +1,7 @@
 #include "surface/read/needles.hpp"
 
 #include <Eigen/Geometry>
+#include <utility>
 
 #include "surface/read/triangle_mesh.hpp"
 
@@ -26,16 +27,100 @@ int longest_edge(std::span<const Eigen::Vector3d> vertices, const std::array<int
 }
 
 // Gives the edge between the needle and its neighbour to their other two corners: both then have an area, or
-// the neighbour is a needle too and another round follows.
-void turn_edge(std::vector<std::array<int, 3>>& triangles, int needle_corner, int other_corner) {
+// the neighbour is a needle too and another round follows. False, and nothing done, where both have the same
+// three corners: the needles lie folded on each other.
+bool turn_edge(std::vector<std::array<int, 3>>& triangles, int needle_corner, int other_corner) {
   const int middle = triangles[at(needle_corner / 3)][at((needle_corner + 2) % 3)];
   auto& needle = triangles[at(needle_corner / 3)];
   auto& other = triangles[at(other_corner / 3)];
   const std::size_t i = at(other_corner % 3);
   const int x = other[i], y = other[(i + 1) % 3], far = other[(i + 2) % 3];
+  if (middle == far) return false;
   needle = {x, middle, far};
   other = {middle, y, far};
+  return true;
 }
+
+// Triangles with the lines they came from, and which of them have no area.
+class Needles {
+ public:
+  Needles(std::span<const Eigen::Vector3d> vertices, std::vector<std::array<int, 3>> triangles,
+          std::vector<std::uint32_t> line)
+      : vertices_(vertices), triangles_(std::move(triangles)), line_(std::move(line)) {
+    find();
+  }
+
+  [[nodiscard]] std::size_t count() const { return needles_.size(); }
+
+  // Turns the longest edge of every needle, or takes it out with one that it lies folded on, which leaves no
+  // gap: what was beside the one is then beside the other. Returns whether anything came of it.
+  bool round() {
+    const TriangleMesh mesh({{vertices_.begin(), vertices_.end()}, triangles_});
+    std::vector<bool> touched(triangles_.size(), false), folded(triangles_.size(), false);
+    std::vector<std::size_t> left;
+    bool any_folded = false;
+    for (const std::size_t f : needles_) {
+      const int corner = 3 * static_cast<int>(f) + longest_edge(vertices_, triangles_[f]);
+      const int other = mesh.beyond(corner);
+      if (touched[f] || (other != TriangleMesh::kNone && touched[at(other / 3)])) {
+        left.push_back(f);
+      } else if (other != TriangleMesh::kNone) {
+        const std::size_t beyond = at(other / 3);
+        touched[f] = touched[beyond] = true;
+        if (!turn_edge(triangles_, corner, other)) {
+          any_folded = folded[f] = folded[beyond] = true;
+          continue;
+        }
+        if (is_needle(f)) left.push_back(f);
+        if (is_needle(beyond)) left.push_back(beyond);
+      }
+    }
+    if (any_folded) {
+      drop(folded);
+      find();
+      return true;
+    }
+    const bool changed = left != needles_;
+    needles_ = std::move(left);
+    return changed;
+  }
+
+  // Takes out the needles that are left.
+  void drop_all() {
+    std::vector<bool> dropped(triangles_.size());
+    for (std::size_t f = 0; f < triangles_.size(); ++f) dropped[f] = is_needle(f);
+    drop(dropped);
+  }
+
+  [[nodiscard]] std::vector<std::array<int, 3>> take_triangles() { return std::move(triangles_); }
+  [[nodiscard]] std::vector<std::uint32_t> take_lines() { return std::move(line_); }
+
+ private:
+  [[nodiscard]] bool is_needle(std::size_t f) const { return !has_area(vertices_, triangles_[f]); }
+
+  void find() {
+    needles_.clear();
+    for (std::size_t f = 0; f < triangles_.size(); ++f) {
+      if (is_needle(f)) needles_.push_back(f);
+    }
+  }
+
+  void drop(const std::vector<bool>& dropped) {
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < triangles_.size(); ++f) {
+      if (dropped[f]) continue;
+      triangles_[kept] = triangles_[f];
+      line_[kept++] = line_[f];
+    }
+    triangles_.resize(kept);
+    line_.resize(kept);
+  }
+
+  std::span<const Eigen::Vector3d> vertices_;
+  std::vector<std::array<int, 3>> triangles_;
+  std::vector<std::uint32_t> line_;
+  std::vector<std::size_t> needles_;
+};
 
 }  // namespace
 
@@ -49,40 +134,14 @@ bool has_area(std::span<const Eigen::Vector3d> vertices, const std::array<int, 3
 
 WithoutNeedles remove_needles(std::span<const Eigen::Vector3d> vertices,
                               std::vector<std::array<int, 3>> triangles, std::vector<std::uint32_t> line) {
-  WithoutNeedles result;
-  const auto is_needle = [&](std::size_t f) { return !has_area(vertices, triangles[f]); };
-  std::vector<std::size_t> needles;
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    if (is_needle(f)) needles.push_back(f);
-  }
-  if (needles.empty()) return {std::move(triangles), std::move(line), 0};
-  result.removed = needles.size();
+  Needles needles(vertices, std::move(triangles), std::move(line));
+  const std::size_t removed = needles.count();
   // A chain of needles on one line loses at least one a round; the limit ends rounds that turn in a circle.
-  for (std::size_t round = 0; round <= result.removed && !needles.empty(); ++round) {
-    const TriangleMesh mesh({{vertices.begin(), vertices.end()}, triangles});
-    std::vector<bool> touched(triangles.size(), false);
-    std::vector<std::size_t> left;
-    for (const std::size_t f : needles) {
-      const int corner = 3 * static_cast<int>(f) + longest_edge(vertices, triangles[f]);
-      const int other = mesh.beyond(corner);
-      if (touched[f] || (other != TriangleMesh::kNone && touched[at(other / 3)])) {
-        left.push_back(f);
-      } else if (other != TriangleMesh::kNone) {
-        turn_edge(triangles, corner, other);
-        touched[f] = touched[at(other / 3)] = true;
-        if (is_needle(f)) left.push_back(f);
-        if (is_needle(at(other / 3))) left.push_back(at(other / 3));
-      }
-    }
-    if (left == needles) break;
-    needles = std::move(left);
+  for (std::size_t round = 0; round <= removed && needles.count() > 0; ++round) {
+    if (!needles.round()) break;
   }
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    if (is_needle(f)) continue;
-    result.triangles.push_back(triangles[f]);
-    result.line.push_back(line[f]);
-  }
-  return result;
+  if (removed > 0) needles.drop_all();
+  return {needles.take_triangles(), needles.take_lines(), removed};
 }
 
 }  // namespace hotblade::surface

@@ -139,6 +139,17 @@ TEST(MeshHealth, TakesOutNeedlesWithoutOpeningAGap) {
   EXPECT_THAT(d.health.repairs, ElementsAre(HasSubstr("dropped 2 faces without area")));
 }
 
+TEST(MeshHealth, TakesOutNeedlesFoldedOnEachOther) {
+  // Two strips on one line, x = 0, whose needles come to lie on the same three corners while edges are
+  // turned.
+  const std::string strips = "v 0 0 0\nv 0 40 1\nv 0 80 2\nv 0 120 3\nv 0 160 4\nf 1 3 4 2\nf 2 4 5 3\n";
+  EXPECT_THROW((void)read_text(strips), MeshError);
+  const DesignSurface d = read_text(strips + "v 50 0 0\nv 90 0 0\nv 90 40 0\nf 6 7 8\n");
+  EXPECT_EQ(d.health.triangles, 1U);
+  EXPECT_EQ(d.health.border_loops, 1U);
+  EXPECT_THAT(d.health.blockers, IsEmpty());
+}
+
 TEST(MeshHealth, TakesFacesInAnyOrder) {
   TriangleSoup mesh = tube(100, 200, 24, 10);
   const Health sorted = read_mesh(mesh).health;
