@@ -14,6 +14,13 @@ endif()
 if(HOTBLADE_SANITIZE)
   target_compile_options(hotblade_options INTERFACE -fsanitize=${HOTBLADE_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(hotblade_options INTERFACE -fsanitize=${HOTBLADE_SANITIZE})
+  if(HOTBLADE_SANITIZE_NOT)
+    target_compile_options(hotblade_options INTERFACE -fno-sanitize=${HOTBLADE_SANITIZE_NOT})
+  endif()
+endif()
+if(HOTBLADE_SANITIZE MATCHES "thread")
+  # The thread sanitizer sees nothing of what libtbb does.
+  include_directories(BEFORE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/tests/threads)
 endif()
 
 # A room's sources are compiled a dozen together, which takes a third of the time: most of it goes to the same headers
@@ -65,8 +72,8 @@ function(hotblade_whole_room room)
 endfunction()
 
 # hotblade_test(<room>[/<inner room>] SOURCES ... [LINK targets...]): one GoogleTest program
-# hotblade_<room>[_<inner room>]_tests of tests/<room>, discovered by ctest. Sources of another folder come with their
-# path from tests/.
+# hotblade_<room>[_<inner room>]_tests of tests/<room>, discovered by ctest and labelled with the room. Sources of another
+# folder come with their path from tests/.
 function(hotblade_test room)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   string(REPLACE "/" "_" target "hotblade_${room}_tests")
@@ -83,5 +90,5 @@ function(hotblade_test room)
   target_link_libraries(${target} PRIVATE hotblade_options hotblade_test_paths ${ARG_LINK} GTest::gmock
     GTest::gtest_main)
   include(GoogleTest)
-  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600)
+  gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${HOTBLADE_TEST_TIMEOUT_S} LABELS ${room})
 endfunction()

@@ -1,0 +1,3 @@
+#pragma once
+
+#include "tests/threads/tbb_over_threads.hpp"
