@@ -36,16 +36,21 @@ constexpr const char* kRibs = "ribs";
   fail(path, fmt::format("{} ({})", what, std::strerror(error)));
 }
 
+// The file that a name is of: its own, or, of a torn one that a killed plan has left, the one it was to be
+// (pipeline/program/atomic_file.cpp).
+std::string meant_by(const std::string& name) {
+  static const std::regex torn(R"(\.(.+)\.[0-9]+\.[0-9]+\.tmp)");
+  std::smatch match;
+  return std::regex_match(name, match, torn) ? match[1].str() : name;
+}
+
 bool is_output(const std::string& name) {
-  // What a plan that was killed while writing leaves beside a file (pipeline/program/atomic_file.cpp).
-  static const std::regex torn(R"(\.(program|report|run)\.json\.\d+\.\d+\.tmp)");
-  return name == kRibs || std::find(kFiles.begin(), kFiles.end(), name) != kFiles.end() ||
-         std::regex_match(name, torn);
+  return name == kRibs || std::find(kFiles.begin(), kFiles.end(), meant_by(name)) != kFiles.end();
 }
 
 bool is_rib_output(const std::string& name) {
   static const std::regex ours("S[0-9]{3,}\\.dxf|beziers\\.csv");
-  return std::regex_match(name, ours);
+  return std::regex_match(meant_by(name), ours);
 }
 
 std::vector<fs::path> entries(const fs::path& directory) {

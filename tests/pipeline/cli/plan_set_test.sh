@@ -23,7 +23,7 @@ print_of() { (cd "$1" && find . -type f ! -name run.json ! -path './mine*' | LC_
 failures=0
 fail() {
   echo "FAILED: $*"
-  ls -laR "$work" | head -60
+  ls -laR "$cut"
   failures=$((failures + 1))
 }
 
@@ -70,6 +70,13 @@ for ((round = 0; round < rounds; ++round)); do
   done
 done
 expect_nothing_beside "two at once"
+
+# What a plan leaves that is killed in the middle of a file.
+mkdir -p "$work/.cut.hotblade-1/ribs"
+touch "$work/.cut.hotblade-1/"{program.json,.report.html.15816.4.tmp,ribs/.S001.dxf.15816.2.tmp}
+plan A "$cut" --force
+expect_whole "after a torn file"
+expect_nothing_beside "a torn file"
 
 for ((round = 0; round < rounds; ++round)); do
   # Most of them at the end, while the set is written and swapped.
