@@ -1,6 +1,5 @@
 // hotblade run: streams a program to a controller, strip by strip.
 #include <fmt/format.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +11,9 @@
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/operator_answer.hpp"
+#include "pipeline/cli/run_dialogue.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/run/run_journal.hpp"
-#include "pipeline/verify/branch.hpp"
 #include "robot/client/client.hpp"
 
 namespace hotblade::pipeline {
@@ -26,7 +25,7 @@ using robot::StreamProgress;
 using robot::protocol::State;
 
 struct RunArguments {
-  std::string program, connect, strip;
+  std::string program, connect, strip, recover;
   bool resume = false, reset = false, yes = false, overridden = false, allow_remote = false;
 };
 
@@ -34,6 +33,7 @@ struct RunArguments {
 struct Plan {
   std::size_t first = 0, end = 0;
   bool resume_first = false;
+  bool agreed_first = false;  // the operator chose to restart it
   std::uint32_t run = 0;
 };
 
@@ -126,41 +126,14 @@ Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
 // Asks the operator before a strip; true only for a typed `yes` or the strip's own id. What was typed before
 // the question is thrown away: it answered something else.
 bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Job& job,
-                     const robot::ControllerSnapshot& controller, const Console& console) {
+                     const robot::ControllerSnapshot& controller, bool resumes, const Console& console) {
   if (arguments.yes) return true;
   console.end_progress();
-  const auto& size = strip.block.size_mm;
-  ::tcflush(STDIN_FILENO, TCIFLUSH);
-  std::cerr << fmt::format(
-      "strip {}: blade {:g} mm, block {:.0f} x {:.0f} x {:.0f} mm standing {:.0f} mm above the table, {}; "
-      "the "
-      "controller is {}\n"
-      "This blade and this block in place, cell clear? Type yes or {} to start, anything else stops: ",
-      strip.id, strip.blade_length_mm, size.x(), size.y(), size.z(),
-      strip.block.height_above_table_mm(strip.design_to_cell), clock_text(duration_s(job)),
-      robot::protocol::name(controller.status.state), strip.id);
-  std::string line;
-  if (std::getline(std::cin, line) && !interrupted() && agrees_to_start(line, strip.id)) return true;
+  const auto line = ask(start_question(strip, job, controller.status, resumes));
+  if (line && agrees_to_start(*line, strip.id)) return true;
   console.warn(fmt::format("strip {} not started; to go on: hotblade run {} --connect {} --strip {}",
                            strip.id, arguments.program, arguments.connect, strip.id));
   return false;
-}
-
-std::string progress_text(const Job& job, const StreamProgress& p) {
-  std::string text = fmt::format("{} {} {}/{} {} left", job.strip, robot::protocol::name(p.state), p.executed,
-                                 p.total, clock_text(p.left_s));
-  if (p.fault != robot::protocol::Fault::kNone) text += fmt::format(" ({})", robot::protocol::name(p.fault));
-  if (p.reconnects > 0) text += fmt::format(", {} reconnects", p.reconnects);
-  return text;
-}
-
-// " [S003 S003R012, cut, 12.350 s]": the strip's rib that a waypoint belongs to, its phase and time.
-std::string place_of(const Strip& strip, std::optional<std::uint32_t> waypoint) {
-  if (!waypoint || *waypoint >= strip.poses.size()) return "";
-  const BladePose& pose = strip.poses[*waypoint];
-  std::string rib = pose.rib ? strip.ribs[static_cast<std::size_t>(*pose.rib)].id : rib_at(strip, *waypoint);
-  if (rib.empty()) rib = "no rib";
-  return fmt::format(" [{}, {}, {}, {:.3f} s]", strip.id, rib, name(pose.phase), pose.t);
 }
 
 class Runner {
@@ -176,6 +149,11 @@ class Runner {
 
  private:
   robot::ControllerSnapshot meet();
+  Plan plan_with(const StripJobs& work, const robot::ControllerSnapshot& now);
+  std::optional<Recovery> choose_recovery(const std::string& text);
+  Plan recover(const StripJobs& work, const robot::ControllerSnapshot& now);
+  Plan end_left_strip(Recovery recovery, const Strip& strip, const Job& job);
+  bool may_go_on(const Job& job, const robot::protocol::Status& status);
   Exit run_strip(const StripJobs& work, std::size_t index, const Plan& plan, std::size_t total,
                  std::size_t done);
 
@@ -185,6 +163,7 @@ class Runner {
   const Console& console_;
   RunJournalFile journal_;
   robot::StreamOptions link_;
+  std::optional<Exit> stopped_;  // what was left half cut was dealt with, and nothing else is done
 };
 
 robot::ControllerSnapshot Runner::meet() {
@@ -204,19 +183,108 @@ robot::ControllerSnapshot Runner::meet() {
   return now;
 }
 
+Plan Runner::plan_with(const StripJobs& work, const robot::ControllerSnapshot& now) {
+  if (now.status.left_in_cut) return recover(work, now);
+  if (const auto ours = journal_.read(); arguments_.resume && ours)
+    check_journal(work.jobs, *ours, now.status, arguments_.connect);
+  return make_plan(arguments_, work.jobs, now);
+}
+
+// By --recover with a typed yes, or by a typed word; nothing chosen is nothing done.
+std::optional<Recovery> Runner::choose_recovery(const std::string& text) {
+  console_.warn(text);
+  if (!arguments_.recover.empty()) {
+    const auto wanted = recovery_named(arguments_.recover);
+    if (arguments_.yes) return wanted;
+    const auto line =
+        ask(fmt::format("Cell clear? Type yes to {}, anything else stops: ", arguments_.recover));
+    return line && agrees_to_start(*line, "yes") ? wanted : std::nullopt;
+  }
+  if (arguments_.yes) {
+    throw Error(ErrorKind::kController,
+                arguments_.connect + ": --yes does not choose: say --recover withdraw, restart or give-up");
+  }
+  const auto line = ask("Cell clear? Type withdraw, restart or give up, anything else stops: ");
+  return line ? recovery_named(*line) : std::nullopt;
+}
+
+// A blade that stands in the foam of a job that was lost to RESET: nothing else starts before it is dealt
+// with.
+Plan Runner::recover(const StripJobs& work, const robot::ControllerSnapshot& now) {
+  const auto found = std::find_if(work.jobs.begin(), work.jobs.end(),
+                                  [&](const Job& job) { return job.id == now.status.job_id; });
+  if (found == work.jobs.end()) {
+    throw Error(ErrorKind::kController,
+                fmt::format("{}: the blade stands in the cut of another program's job ({}, {} waypoints "
+                            "executed): run that program, it says how to go on",
+                            arguments_.connect, robot::to_hex(now.status.job_id), now.status.executed));
+  }
+  const auto index = static_cast<std::size_t>(found - work.jobs.begin());
+  const Strip& strip = work.program.strips[index];
+  const auto chosen = choose_recovery(recovery_text(strip, *found, now.status));
+  if (!chosen) {
+    console_.warn("nothing was moved");
+    stopped_ = Exit::kInterrupted;
+    return {};
+  }
+  if (*chosen != Recovery::kRestart) return end_left_strip(*chosen, strip, *found);
+  Plan plan;
+  plan.first = index;
+  plan.end = arguments_.strip.empty() ? work.jobs.size() : index + 1;
+  plan.resume_first = plan.agreed_first = true;
+  plan.run = now.status.run;
+  return plan;
+}
+
+Plan Runner::end_left_strip(Recovery recovery, const Strip& strip, const Job& job) {
+  stopped_ = Exit::kInterrupted;
+  const std::string anew =
+      fmt::format("strip {} is not cut: start it anew on a new block with --strip {}", strip.id, strip.id);
+  if (recovery == Recovery::kGiveUp) {
+    const auto released = robot::release(link_);
+    if (released.outcome != StreamOutcome::kDone) throw Error(kind_of(released.outcome), released.message);
+    console_.warn("given up: free the blade and take the block out; " + anew);
+    return {};
+  }
+  robot::StreamOptions options = link_;
+  options.progress = [&](const StreamProgress& p) {
+    console_.report_progress(job.strip + " withdrawing, cold: " + robot::protocol::name(p.state), 0);
+  };
+  const robot::StreamReport report = robot::withdraw(job, options);
+  console_.end_progress();
+  if (report.outcome != StreamOutcome::kDone)
+    throw Error(kind_of(report.outcome), report.message + place_of(strip, report.at));
+  console_.warn("withdrawn: the blade stands where the strip began, cold; " + anew);
+  return {};
+}
+
+// After the controller was restarted under way.
+bool Runner::may_go_on(const Job& job, const robot::protocol::Status& status) {
+  console_.end_progress();
+  const std::string said =
+      fmt::format("strip {}: the controller was restarted after {} of {} waypoints; it is {}, the blade cold",
+                  job.strip, status.executed, job.size(), robot::protocol::name(status.state));
+  console_.warn(said);
+  if (arguments_.yes) return true;
+  const auto line = ask(fmt::format(
+      "Blade and block as they were, cell clear? Type yes or {} to go on, anything else stops: ", job.strip));
+  return line && agrees_to_start(*line, job.strip);
+}
+
 Exit Runner::run(const StripJobs& work) {
   if (!arguments_.strip.empty()) index_of(work.jobs, arguments_.strip);
   const auto now = meet();
-  if (const auto ours = journal_.read(); arguments_.resume && ours)
-    check_journal(work.jobs, *ours, now.status, arguments_.connect);
-  const Plan plan = make_plan(arguments_, work.jobs, now);
+  const Plan plan = plan_with(work, now);
+  if (stopped_) return *stopped_;
   if (plan.first == plan.end) journal_.remove();
   std::size_t total = 0, done = 0;
   for (std::size_t i = plan.first; i < plan.end; ++i) total += work.jobs[i].size();
   if (total == 0) console_.note("nothing left to run");
   for (std::size_t i = plan.first; i < plan.end; ++i) {
-    const auto asked = i == plan.first ? now : robot::look(link_);
-    if (!operator_agrees(arguments_, work.program.strips[i], work.jobs[i], asked, console_))
+    const bool first = i == plan.first;
+    const auto asked = first ? now : robot::look(link_);
+    if (!(first && plan.agreed_first) && !operator_agrees(arguments_, work.program.strips[i], work.jobs[i],
+                                                          asked, first && plan.resume_first, console_))
       return Exit::kInterrupted;
     if (const Exit code = run_strip(work, i, plan, total, done); code != Exit::kOk) return code;
     done += work.jobs[i].size();
@@ -231,10 +299,18 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
   robot::StreamOptions options = link_;
   options.run = plan.run;
   options.resume = plan.resume_first && index == plan.first;
+  bool told_lost = false;
   options.progress = [&](const StreamProgress& p) {
     console_.report_progress(progress_text(job, p),
                              static_cast<double>(done + p.executed) / static_cast<double>(total));
+    // Where there is no bar, and for the log.
+    constexpr double kWorthALine_s = 1;
+    const bool lost = p.link_lost_s > kWorthALine_s;
+    if (lost && !told_lost) console_.warn(job.strip + " link lost, trying again");
+    if (!lost && told_lost && p.link_lost_s == 0) console_.warn(job.strip + " link is back");
+    told_lost = lost || (told_lost && p.link_lost_s > 0);
   };
+  options.may_go_on = [&](const robot::protocol::Status& status) { return may_go_on(job, status); };
   options.opened = [&](std::uint32_t run, std::uint32_t token) { journal_.write({job.id, run, token}); };
   const robot::StreamReport report = robot::stream(job, options);
   console_.end_progress();
@@ -280,6 +356,11 @@ void add_run(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--strip", arguments->strip, "This strip only")->type_name("ID");
   command->add_flag("--resume", arguments->resume, "Go on where an interrupted run left the controller");
   command->add_flag("--reset", arguments->reset, "Clear a FAULT or a latched ESTOP first");
+  command
+      ->add_option("--recover", arguments->recover,
+                   "What becomes of a strip left half cut in the foam; asked where it is left out")
+      ->check(CLI::IsMember({"withdraw", "restart", "give-up"}))
+      ->type_name("withdraw|restart|give-up");
   command->add_flag("--yes", arguments->yes, "Start every strip without asking");
   command->add_flag("--override", arguments->overridden, "Run a program that did not pass its verification");
   command->add_flag("--allow-remote", arguments->allow_remote, "Connect to another host than this");

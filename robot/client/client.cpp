@@ -60,7 +60,16 @@ class Streamer {
         nonce_(std::random_device{}()) {}
 
   StreamReport run() {
-    if (connect() && identify() && refresh() && choose_run() && open() && go()) finish();
+    return report_of(connect() && identify() && refresh() && choose_run() && open() && go() && finish());
+  }
+
+  StreamReport withdraw() {
+    return report_of(connect() && identify() && refresh() && choose_run() && open() && draw_back());
+  }
+
+ private:
+  // However it ended.
+  StreamReport report_of([[maybe_unused]] bool done) {
     report_.executed = status_.job_id == job_.id ? status_.executed : 0;
     report_.run = run_;
     report_.token = token_;
@@ -68,7 +77,6 @@ class Streamer {
     return report_;
   }
 
- private:
   bool settle(StreamOutcome outcome, const std::string& what) {
     report_.outcome = outcome;
     report_.message =
@@ -106,7 +114,10 @@ class Streamer {
   bool judge_window(std::uint32_t accepted_before);
   bool hold();
   bool stopped_by_fault();
-  void finish();
+  bool finish();
+  bool draw_back();
+  bool may_move();
+  void note_lost();
   void show(bool force);
 
   const Job& job_;
@@ -117,6 +128,8 @@ class Streamer {
   std::uint32_t nonce_, run_ = 0, token_ = 0;
   bool open_ = false, lost_ = false;
   int fruitless_ = 0, exceptions_ = 0;
+  std::uint32_t agreed_boot_ = 0;  // motion was agreed to with the controller as it was started then
+  std::optional<Clock::time_point> lost_since_;
   Clock::time_point shown_{};
   StreamReport report_;
 };
@@ -125,6 +138,7 @@ bool Streamer::connect() {
   const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
   auto pause = kShortestBackoff;
   while (!link_.connect()) {
+    note_lost();
     if (interrupted()) return interrupted_without_link();
     if (Clock::now() >= give_up) {
       return settle(StreamOutcome::kLinkLost,
@@ -141,7 +155,15 @@ bool Streamer::connect() {
 bool Streamer::reconnect() {
   ++report_.reconnects;
   lost_ = true;
+  note_lost();
   return connect();
+}
+
+// Shows at once that there is no answer, and how long.
+void Streamer::note_lost() {
+  const bool first = !lost_since_;
+  if (first) lost_since_ = Clock::now();
+  show(first);
 }
 
 // True while another attempt makes sense.
@@ -206,6 +228,7 @@ bool Streamer::refresh() {
   if (!read_block(protocol::kStatusBase, block, "STATUS")) return false;
   status_ = protocol::decode_status(block);
   lost_ = false;
+  lost_since_.reset();
   return true;
 }
 
@@ -217,6 +240,7 @@ bool Streamer::transact(std::uint16_t address, std::span<const std::uint16_t> re
   lost_ = false;
   if (outcome == LinkOutcome::kOk && intact(block)) {
     exceptions_ = 0;
+    lost_since_.reset();
     status_ = protocol::decode_status(block);
     return true;
   }
@@ -249,7 +273,13 @@ bool Streamer::command(Op op) {
 }
 
 bool Streamer::choose_run() {
-  const bool there = status_.job_id == job_.id && status_.state != State::kIdle;
+  if (status_.left_in_cut && (status_.job_id != job_.id || !options_.resume)) {
+    return settle(StreamOutcome::kRefused,
+                  "the blade stands in the cut of job " + to_hex(status_.job_id) + ", " +
+                      std::to_string(status_.executed) +
+                      " waypoints executed: withdraw it, go on with that job, or give the block up first");
+  }
+  const bool there = status_.job_id == job_.id && (status_.state != State::kIdle || status_.left_in_cut);
   if (there && !options_.resume && status_.state != State::kFault && status_.state != State::kEstop) {
     return settle(StreamOutcome::kRefused,
                   "already open on the controller (" + std::to_string(status_.executed) + " of " +
@@ -277,6 +307,7 @@ bool Streamer::open() {
   if (status_.last_result != Result::kOk) return refused_open();
   token_ = status_.token;
   open_ = true;
+  agreed_boot_ = ident_.boot_id;
   if (!check_prefix()) return false;
   if (options_.opened) options_.opened(run_, token_);
   return true;
@@ -327,6 +358,7 @@ bool Streamer::step() {
     case State::kOpen:
     case State::kHeld:
       if (!ready_to_move()) return send_window(false);
+      if (agreed_boot_ != ident_.boot_id) return may_move();
       return command(status_.state == State::kOpen ? Op::kStart : Op::kResume) && started();
     case State::kRunning:
       return send_window(true);
@@ -337,6 +369,18 @@ bool Streamer::step() {
       return settle(StreamOutcome::kRefused,
                     "the job is no longer open on the controller (restarted?): run it anew");
   }
+}
+
+// A controller that was restarted stands; people may have gone to the machine meanwhile.
+bool Streamer::may_move() {
+  if (options_.may_go_on && !options_.may_go_on(status_)) {
+    return settle(StreamOutcome::kInterrupted, "not set in motion again after the controller's restart, " +
+                                                   std::to_string(status_.executed) + " of " +
+                                                   std::to_string(job_.size()) + " waypoints executed");
+  }
+  agreed_boot_ = ident_.boot_id;
+  lost_ = true;  // the answer may have taken minutes
+  return refresh() && check_prefix();
 }
 
 bool Streamer::started() {
@@ -423,17 +467,41 @@ bool Streamer::stopped_by_fault() {
                 what + " at waypoint " + std::to_string(status_.fault_sequence) + ": reset with --reset");
 }
 
-void Streamer::finish() {
+// Backwards to the first waypoint. The next waypoint is sent first: a controller that was restarted knows
+// from it where its path leads.
+bool Streamer::draw_back() {
+  while (status_.accepted == status_.executed && status_.executed < job_.size()) {
+    if (!send_window(false)) return false;
+  }
+  if (!command(Op::kWithdraw)) return false;
+  if (status_.last_result != Result::kOk) {
+    return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
+                                               ": WITHDRAW refused in state " +
+                                               protocol::name(status_.state));
+  }
+  while (status_.state == State::kRunning) {
+    if (interrupted()) return hold();
+    show(false);
+    std::this_thread::sleep_for(milliseconds(options_.poll_ms));
+    if (!send_window(false)) return false;
+  }
+  if (status_.state == State::kFault || status_.state == State::kEstop) return stopped_by_fault();
+  if (status_.state == State::kIdle && !status_.left_in_cut) return true;
+  return settle(
+      StreamOutcome::kInterrupted,
+      std::string("the blade stopped on its way out, the controller is ") + protocol::name(status_.state));
+}
+
+bool Streamer::finish() {
   const bool complete =
       status_.executed == job_.size() && prefix_crc(job_, job_.size()) == status_.executed_crc;
   if (!complete) {
-    settle(StreamOutcome::kFault, "DONE with other waypoints than planned (" +
-                                      std::to_string(status_.executed) + " of " +
-                                      std::to_string(job_.size()) + ")");
-    return;
+    return settle(StreamOutcome::kFault, "DONE with other waypoints than planned (" +
+                                             std::to_string(status_.executed) + " of " +
+                                             std::to_string(job_.size()) + ")");
   }
   const protocol::Status done = status_;
-  if (!command(Op::kClose)) return;
+  if (!command(Op::kClose)) return false;
   // A controller restarted after it had closed the job does not remember the command, but the job.
   const bool closed = status_.state == State::kIdle && status_.job_id == job_.id && status_.run == run_ &&
                       status_.executed == job_.size();
@@ -441,6 +509,7 @@ void Streamer::finish() {
     settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) + ": CLOSE refused");
   }
   status_ = done;
+  return true;
 }
 
 void Streamer::show(bool force) {
@@ -451,8 +520,10 @@ void Streamer::show(bool force) {
   const std::uint32_t executed = open_ ? std::min(status_.executed, job_.size()) : 0;
   const double end = protocol::time_us(job_.raw.back());
   const double at = executed > 0 ? protocol::time_us(job_.raw[executed - 1]) : 0.0;
-  options_.progress({status_.state, status_.fault, status_.accepted, executed, job_.size(), (end - at) * 1e-6,
-                     report_.reconnects});
+  options_.progress(
+      {status_.state, status_.fault, status_.accepted, executed, job_.size(), (end - at) * 1e-6,
+       report_.reconnects,
+       lost_since_ ? std::max(std::chrono::duration<double>(now - *lost_since_).count(), 1e-3) : 0});
 }
 
 }  // namespace
@@ -461,52 +532,10 @@ StreamReport stream(const Job& job, const StreamOptions& options) {
   return Streamer(job, options).run();
 }
 
-ControllerSnapshot look(const StreamOptions& options) {
-  ControllerSnapshot snapshot;
-  ModbusLink link(options.host, options.port, options.response_ms);
-  std::array<std::uint16_t, protocol::kIdentSize> ident{};
-  std::array<std::uint16_t, protocol::kStatusSize> status{};
-  constexpr int kAttempts = 5;
-  for (int attempt = 0; attempt < kAttempts && !snapshot.reached; ++attempt) {
-    if (attempt > 0) std::this_thread::sleep_for(kShortestBackoff * (1 << attempt));
-    snapshot.reached = link.connect() && link.read(protocol::kIdentBase, ident) == LinkOutcome::kOk &&
-                       link.read(protocol::kStatusBase, status) == LinkOutcome::kOk;
-  }
-  if (!snapshot.reached) {
-    snapshot.message = options.host + ":" + std::to_string(options.port) + ": no controller answers (" +
-                       link.error() + "): check the address";
-    return snapshot;
-  }
-  snapshot.ident = protocol::decode_ident(ident);
-  snapshot.status = protocol::decode_status(status);
-  return snapshot;
-}
-
-ResetReport reset(const StreamOptions& options) {
-  const auto place = options.host + ":" + std::to_string(options.port) + ": ";
-  ControllerSnapshot now = look(options);
-  if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
-  const auto patience = Clock::now() + milliseconds(now.ident.lease_ms + 2000);
-  ModbusLink link(options.host, options.port, options.response_ms);
-  std::uint32_t nonce = std::random_device{}();
-  while (now.status.state == State::kFault || now.status.state == State::kEstop) {
-    if (options.interrupted && options.interrupted())
-      return {StreamOutcome::kInterrupted, place + "interrupted"};
-    if (Clock::now() > patience) {
-      return {StreamOutcome::kRefused, place + "RESET refused (" + protocol::name(now.status.last_result) +
-                                           "): the owner of the job is still there; stop it first"};
-    }
-    const auto block =
-        protocol::encode_command({++nonce, Op::kReset, now.status.job_id, now.status.run, 0, 0, {}});
-    std::array<std::uint16_t, protocol::kStatusSize> status{};
-    if (link.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk) {
-      now.status = protocol::decode_status(status);
-    } else {
-      link.connect();
-    }
-    if (now.status.state != State::kIdle) std::this_thread::sleep_for(kBusyRetry);
-  }
-  return {};
+StreamReport withdraw(const Job& job, const StreamOptions& options) {
+  StreamOptions resumed = options;
+  resumed.resume = true;
+  return Streamer(job, resumed).withdraw();
 }
 
 }  // namespace hotblade::robot

@@ -23,6 +23,7 @@ struct StreamProgress {
   std::uint32_t accepted = 0, executed = 0, total = 0;
   double left_s = 0;  // of the plan's own time
   int reconnects = 0;
+  double link_lost_s = 0;  // since the last answer, while there is none; 0: the link is up
 };
 
 // Whom to stream to, and how patiently.
@@ -37,6 +38,9 @@ struct StreamOptions {
   // Called with the run and the token as soon as the job is open, before anything moves: to be kept until the
   // job is done.
   std::function<void(std::uint32_t run, std::uint32_t token)> opened;
+  // Asked before a machine whose controller was restarted meanwhile is set in motion again; false: it stays
+  // HELD. Without it, it goes on.
+  std::function<bool(const protocol::Status&)> may_go_on;
   std::uint32_t response_ms = 500;     // an answer later than that is lost
   std::uint32_t link_down_ms = 30000;  // so long without any answer: give up
   std::uint32_t poll_ms = 20;          // between looks at the status while there is nothing to send
@@ -69,6 +73,10 @@ struct StreamReport {
 // do.
 [[nodiscard]] StreamReport stream(const Job& job, const StreamOptions& options);
 
+// Draws the blade of a job that was left half cut back along the path it has cut, cold, to its first
+// waypoint, whether the job is HELD or was lost to RESET. kDone: it is there, and the job is over.
+[[nodiscard]] StreamReport withdraw(const Job& job, const StreamOptions& options);
+
 // What a controller says of itself.
 struct ControllerSnapshot {
   bool reached = false;
@@ -86,5 +94,8 @@ struct ResetReport {
   std::string message;
 };
 [[nodiscard]] ResetReport reset(const StreamOptions& options);
+
+// Tells a controller that the blade of a job that was lost to RESET has been freed by hand.
+[[nodiscard]] ResetReport release(const StreamOptions& options);
 
 }  // namespace hotblade::robot

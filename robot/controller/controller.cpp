@@ -70,6 +70,7 @@ protocol::Status Controller::status() const {
   s.watchdog_ms = static_cast<std::uint16_t>(std::min<std::uint64_t>(left_ms, 0xFFFF));
   s.time_us = now_us_;
   s.phase = phase_;
+  s.left_in_cut = left_in_cut_;
   s.following_um = static_cast<std::uint32_t>(std::lround(following_mm() * 1000));
   return s;
 }
@@ -107,13 +108,15 @@ Result Controller::command(const protocol::DecodedCommand& decoded, Connection f
 }
 
 Result Controller::dispatch(const protocol::Command& c, Connection from) {
-  if (c.op < Op::kOpen || c.op > Op::kClose) return Result::kState;
+  if (c.op < Op::kOpen || c.op > Op::kRelease) return Result::kState;
   if (c.op == Op::kOpen) return open(c, from);
   // Anybody may clear up behind an owner whose lease has run out; nobody else may do anything.
   const bool clears_up = (c.op == Op::kAbort || c.op == Op::kReset) && !lease_alive();
-  if (!owns(c.token) && !clears_up) return loaded_ ? Result::kBadToken : Result::kState;
+  const bool frees = c.op == Op::kRelease && !loaded_;
+  if (!owns(c.token) && !clears_up && !frees) return loaded_ ? Result::kBadToken : Result::kState;
   // A frame that comes late over a connection given up long ago must not set the machine in motion.
-  if ((c.op == Op::kStart || c.op == Op::kResume) && from < newest_) return Result::kState;
+  const bool moves = c.op == Op::kStart || c.op == Op::kResume || c.op == Op::kWithdraw;
+  if (moves && from < newest_) return Result::kState;
   if (owns(c.token)) feed(from);
   if (c.op != Op::kReset && (c.job_id != job_.id || c.run != job_.run)) return Result::kState;
   return act(c);
@@ -131,6 +134,10 @@ Result Controller::act(const protocol::Command& c) {
       return abort();
     case Op::kReset:
       return reset();
+    case Op::kWithdraw:
+      return withdraw();
+    case Op::kRelease:
+      return release();
     default:
       return close();
   }
@@ -140,7 +147,11 @@ Result Controller::open(const protocol::Command& c, Connection from) {
   if (state_ == State::kFault || state_ == State::kEstop) return Result::kState;
   Result result = Result::kOk;
   const bool same_job = loaded_ && c.job_id == job_.id && c.run == job_.run;
-  if (!loaded_) {
+  if (!loaded_ && left_in_cut_) {
+    // Waypoint 0 does not lead on from a blade that stands in the foam.
+    const bool left_here = c.job_id == job_.id && c.run == job_.run;
+    result = left_here ? take_up_again() : limit(Limit::kHeldPose, 0);
+  } else if (!loaded_) {
     result = open_new(c);
   } else if (owns(c.token)) {
     result = same_job ? Result::kOk : Result::kState;
@@ -197,6 +208,8 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
   held_.reset();
   lag_s_ = 0;
   heat_off_ = false;
+  left_in_cut_ = false;
+  withdrawing_ = false;
   stop_reason_ = StopReason::kNone;
 }
 
@@ -221,12 +234,14 @@ Result Controller::hold() {
 }
 
 Result Controller::resume() {
+  if (withdrawing_ && state_ == State::kRunning) return Result::kState;
   if (state_ == State::kRunning && !path_.stopping()) return Result::kOk;
   // Without the next waypoint nobody knows where the path goes on.
   if (state_ != State::kHeld || job_.accepted() == job_.executed) return Result::kState;
   state_ = State::kRunning;
   fault_ = Fault::kNone;
   stop_reason_ = StopReason::kNone;
+  withdrawing_ = false;
   report("resume");
   go_on_from_held();
   return Result::kOk;
@@ -242,6 +257,7 @@ Result Controller::reset() {
   if (state_ != State::kFault && state_ != State::kEstop) return Result::kState;
   if (!path_.at_rest()) return Result::kState;
   report("reset");
+  left_in_cut_ = in_cut();
   state_ = State::kIdle;
   fault_ = Fault::kNone;
   fault_detail_ = 0;
@@ -272,6 +288,7 @@ void Controller::latch_estop() {
   phase_ = protocol::Phase::kProgram;
   lag_s_ = 0;
   heat_off_ = true;
+  withdrawing_ = false;
   if (loaded_) write_pose();
   report("estop");
 }

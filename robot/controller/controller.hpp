@@ -117,6 +117,11 @@ class Controller {
   protocol::Result abort();
   protocol::Result reset();
   protocol::Result close();
+  protocol::Result withdraw();
+  protocol::Result release();
+  protocol::Result take_up_again();
+  [[nodiscard]] bool in_cut() const;
+  void end_withdrawal();
 
   protocol::Result judge(const protocol::Window& window, Connection from);
   protocol::Result append(const protocol::Window& window, std::uint32_t already);
@@ -199,6 +204,8 @@ class Controller {
   std::optional<ClampPoses> held_;  // after a restart, until the path is known to lead through it
   double lag_s_ = 0;                // how far the place asked for is ahead of the clamps, of the path's time
   bool heat_off_ = false, reboot_due_ = false;
+  bool left_in_cut_ = false;  // by a job that was lost to RESET; it is still in job_
+  bool withdrawing_ = false;  // RUNNING backwards to the first waypoint, where the job ends
   std::uint64_t held_since_us_ = 0;
 };
 

@@ -119,7 +119,15 @@ class JournalReader {
       journal_.fault_detail = line.number<std::uint16_t>("detail", line.raw_value("detail"));
       journal_.fault_sequence = line.number<std::uint32_t>("at", line.raw_value("at"));
     }
-    if (ev == "close" || ev == "reset") {
+    // Taken up again after a RESET.
+    if (ev == "takeover" && journal_.left) {
+      journal_.loaded = true;
+      journal_.left = false;
+      journal_.state = State::kHeld;
+    }
+    if (ev == "release") journal_.left = false;
+    if (ev == "close" || ev == "reset" || ev == "withdrawn") {
+      journal_.left = ev == "reset";
       journal_.state = State::kIdle;
       journal_.fault = Fault::kNone;
       journal_.fault_detail = 0;
@@ -129,7 +137,7 @@ class JournalReader {
   }
 
   void take_last_pose() {
-    if (last_pose_.empty() || !journal_.loaded) return;
+    if (last_pose_.empty() || !(journal_.loaded || journal_.left)) return;
     const Line line(last_pose_, pose_place_);
     if (line.number<std::uint64_t>("job", line.string("job"), 16) != journal_.job) return;
     journal_.path_s = line.number<double>("path", line.raw_value("path"));

@@ -28,6 +28,7 @@ struct ControllerJournal {
   std::uint32_t fault_sequence = 0;
 
   bool loaded = false;  // the job is open; otherwise it is the last one, for whoever asks
+  bool left = false;    // lost to RESET before its end, and neither taken up again nor released
   std::uint64_t job = 0;
   std::uint32_t run = 0, count = 0;
   ClampedBlade blade;

@@ -44,6 +44,66 @@ void Controller::begin_retract() {
   path_.speed_up();
 }
 
+// Whether the blade stands where the program has it hot: in the foam, or about to enter it.
+bool Controller::in_cut() const {
+  return job_.executed > 0 && job_.executed < job_.count && protocol::is_hot(job_.raw[step_]);
+}
+
+// A job that was lost to RESET, on the place of its path where it stopped: HELD, with a cold blade.
+protocol::Result Controller::take_up_again() {
+  loaded_ = true;
+  left_in_cut_ = false;
+  state_ = State::kHeld;
+  phase_ = Phase::kProgram;
+  stop_reason_ = StopReason::kNone;
+  held_since_us_ = now_us_;
+  heat_off_ = true;
+  give_token("takeover");
+  return protocol::Result::kOk;
+}
+
+// Out of the foam the way the blade came in, and on to where the strip began; cold, so that the kerf is not
+// widened. The job ends there.
+protocol::Result Controller::withdraw() {
+  if (state_ == State::kRunning && withdrawing_) return protocol::Result::kOk;
+  // After a restart the path is known to lead through the held pose only when the next waypoint has come.
+  if (state_ != State::kHeld || job_.executed == 0 || held_) return protocol::Result::kState;
+  state_ = State::kRunning;
+  fault_ = Fault::kNone;
+  stop_reason_ = StopReason::kNone;
+  heat_off_ = true;
+  withdrawing_ = true;
+  boundary_ = 0;
+  phase_ = Phase::kRetract;
+  report("withdraw");
+  path_.face(true);
+  step_back();
+  if (to_boundary_s() <= kRounding_s) {
+    end_withdrawal();
+  } else {
+    path_.speed_up();
+  }
+  return protocol::Result::kOk;
+}
+
+void Controller::end_withdrawal() {
+  path_.face(false);
+  withdrawing_ = false;
+  phase_ = Phase::kProgram;
+  state_ = State::kIdle;
+  write_pose();
+  report("withdrawn");
+  loaded_ = false;
+}
+
+// The operator says that the blade is out.
+protocol::Result Controller::release() {
+  if (!left_in_cut_) return protocol::Result::kState;
+  report("release");
+  left_in_cut_ = false;
+  return protocol::Result::kOk;
+}
+
 double Controller::to_boundary_s() const {
   return path_.path_s() - time_s(job_.raw[boundary_]);
 }
@@ -63,6 +123,7 @@ void Controller::step_back() {
 
 void Controller::begin_reheat() {
   path_.stop_at_once();
+  if (withdrawing_) return end_withdrawal();
   path_.snap(time_s(job_.raw[boundary_]));
   path_.face(false);
   load_step(boundary_);
@@ -112,6 +173,7 @@ void Controller::restore(const ControllerJournal& journal) {
   constexpr double kPosesPerS = 100;
   poses_written_ = static_cast<std::uint64_t>(motion_s_ * kPosesPerS) + 1;
   heat_off_ = true;
+  left_in_cut_ = journal.left && in_cut();
   report("restart");
 }
 
@@ -122,7 +184,7 @@ void Controller::replay(const ControllerJournal& journal) {
     const auto decoded = protocol::decode_waypoint(raw);
     Limit code = decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
     if (code == Limit::kNone) code = job_.moved_blade.next(decoded.waypoint);
-    if (loaded_ && code != Limit::kNone) {
+    if ((loaded_ || journal.left) && code != Limit::kNone) {
       throw LogError("the journal's waypoint " + std::to_string(job_.executed) + " breaks a limit (" +
                      info(code).fault + "): start with the machine file it was run with");
     }
@@ -145,7 +207,7 @@ void Controller::replay(const ControllerJournal& journal) {
   load_step(step);
   if (step + 1 == job_.executed) {
     held_ = journal.held;
-  } else if (loaded_ && journal.held) {
+  } else if ((loaded_ || journal.left) && journal.held) {
     held_ = journal.held;
     if (!agrees_with_held_pose(from_, to_))
       throw LogError("the journal's last pose is not on its path: the clamps were moved; see to the machine");

@@ -166,7 +166,8 @@ DecodedQuaternion decode_quaternion(const std::uint8_t* in) {
 }  // namespace
 
 const char* name(Op op) {
-  constexpr std::array kNames{"OPEN", "START", "HOLD", "RESUME", "ABORT", "RESET", "CLOSE"};
+  constexpr std::array kNames{"OPEN",  "START", "HOLD",     "RESUME", "ABORT",
+                              "RESET", "CLOSE", "WITHDRAW", "RELEASE"};
   const auto i = static_cast<std::size_t>(op);
   return i >= 1 && i <= kNames.size() ? kNames[i - 1] : "unknown";
 }
@@ -329,6 +330,7 @@ std::array<std::uint16_t, kStatusSize> encode_status(const Status& s) {
   w.u32(s.fault_sequence);
   w.u16(static_cast<std::uint16_t>(s.phase));
   w.u32(s.following_um);
+  w.u16(s.left_in_cut ? 1 : 0);
   return registers;
 }
 
@@ -354,6 +356,7 @@ Status decode_status(std::span<const std::uint16_t, kStatusSize> registers) {
   s.fault_sequence = r.u32();
   s.phase = static_cast<Phase>(r.u16());
   s.following_um = r.u32();
+  s.left_in_cut = r.u16() != 0;
   return s;
 }
 

@@ -43,7 +43,17 @@ inline constexpr std::uint16_t kCapSimulator = 8;    // nothing moves
 inline constexpr std::uint16_t kCapBlockCrc = 16;    // IDENT and STATUS end with a CRC-32
 
 // What a command asks for.
-enum class Op : std::uint16_t { kOpen = 1, kStart, kHold, kResume, kAbort, kReset, kClose };
+enum class Op : std::uint16_t {
+  kOpen = 1,
+  kStart,
+  kHold,
+  kResume,
+  kAbort,
+  kReset,
+  kClose,
+  kWithdraw,  // back along the path already cut, cold, to its first waypoint; the job ends there
+  kRelease,   // the operator has freed the blade of a lost job by hand
+};
 // What the controller is doing.
 enum class State : std::uint16_t { kIdle, kOpen, kRunning, kHeld, kDone, kFault, kEstop };
 // What became of the last command or window.
@@ -148,6 +158,7 @@ struct Status {
   std::uint64_t time_us = 0;      // controller time since boot
   Phase phase = Phase::kProgram;
   std::uint32_t following_um = 0;  // how far the clamps are behind what is asked of them, the worse of both
+  bool left_in_cut = false;        // the blade stands where a job that was lost to RESET has it hot
 };
 [[nodiscard]] std::array<std::uint16_t, kStatusSize> encode_status(const Status& status);
 [[nodiscard]] Status decode_status(std::span<const std::uint16_t, kStatusSize> registers);

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "pipeline/cli/operator_answer.hpp"
+#include "pipeline/cli/run_dialogue.hpp"
 #include "robot/client/client.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/motion_program.hpp"
@@ -120,8 +121,15 @@ class OperatorAtATerminal : public ::testing::Test {
   void SetUp() override {
     std::ofstream(file_) << to_json(testing::motion_program(2, 400));
     port_ = free_port();
-    sim_ = std::make_unique<testing::Program>(
-        std::vector<std::string>{"sim", "--listen", place(), "--time-scale", "max"});
+    simulate({"--time-scale", "max"});
+  }
+
+  // A controller on a new port; a running one is killed.
+  void simulate(const std::vector<std::string>& more) {
+    sim_.reset();
+    std::vector<std::string> words{"sim", "--listen", place()};
+    words.insert(words.end(), more.begin(), more.end());
+    sim_ = std::make_unique<testing::Program>(words);
     const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (!now().reached && std::chrono::steady_clock::now() < patience) {
     }
@@ -176,6 +184,155 @@ TEST_F(OperatorAtATerminal, YesOrTheIdStartEachStrip) {
   terminal.type("S002\n");
   EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
   EXPECT_THAT(terminal.shown(), HasSubstr("S002 400 of 400 waypoints executed"));
+}
+
+// What the log of the simulator has of an event.
+int events(const std::filesystem::path& log, const std::string& event) {
+  const std::string text = testing::read_bytes(log);
+  const std::string wanted = "{\"ev\":\"" + event + "\"";
+  int found = 0;
+  for (auto at = text.find(wanted); at != std::string::npos; at = text.find(wanted, at + 1)) ++found;
+  return found;
+}
+
+// A simulator stops in the cut; the next `run --reset` finds the strip half cut.
+class HalfCut : public OperatorAtATerminal {
+ protected:
+  void SetUp() override {
+    OperatorAtATerminal::SetUp();
+    // 20 s of motion, hot from 5 s to 15 s.
+    simulate({"--time-scale", "20", "--log", log_.string(), "--fault", "estop@8"});
+    Terminal terminal(run());
+    ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
+    terminal.type("yes\n");
+    ASSERT_EQ(terminal.wait(), 6) << terminal.shown();
+    ASSERT_THAT(terminal.shown(), HasSubstr("ESTOP"));
+    executed_ = now().status.executed;
+    ASSERT_GT(executed_, 100u);
+  }
+  [[nodiscard]] std::vector<std::string> reset() const {
+    auto words = run();
+    words.insert(words.end(), {"--reset", "--strip", "S001"});
+    return words;
+  }
+
+  std::filesystem::path log_ = directory_ / "execution.jsonl";
+  std::uint32_t executed_ = 0;
+};
+
+TEST_F(HalfCut, IsSaidAndNothingMovesWithoutAChoice) {
+  for (const std::string answer : {"", "n", "yes", "S001", "start"}) {
+    Terminal terminal(reset());
+    ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
+    EXPECT_THAT(terminal.shown(), HasSubstr("strip S001 was left half cut: " + std::to_string(executed_) +
+                                            " of 400 waypoints"));
+    terminal.type(answer + "\n");
+    EXPECT_EQ(terminal.wait(), 130) << answer;
+    EXPECT_THAT(terminal.shown(), HasSubstr("nothing was moved")) << answer;
+    EXPECT_EQ(now().status.executed, executed_);
+    EXPECT_TRUE(now().status.left_in_cut);
+  }
+  EXPECT_EQ(events(log_, "resume") + events(log_, "withdraw") + events(log_, "release"), 0);
+}
+
+TEST_F(HalfCut, WithdrawDrawsTheBladeBackAndEndsTheStrip) {
+  Terminal terminal(reset());
+  ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
+  terminal.type("withdraw\n");
+  EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+  EXPECT_THAT(terminal.shown(), HasSubstr("withdrawn: the blade stands where the strip began, cold"));
+  EXPECT_EQ(events(log_, "withdrawn"), 1);
+  EXPECT_EQ(now().status.executed, executed_);
+  EXPECT_FALSE(now().status.left_in_cut);
+}
+
+TEST_F(HalfCut, RestartGoesOnWithTheSameBlockToTheEnd) {
+  Terminal terminal(reset());
+  ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
+  terminal.type("restart\n");
+  EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
+  EXPECT_THAT(terminal.shown(), HasSubstr("S001 400 of 400 waypoints executed"));
+  EXPECT_EQ(events(log_, "reenter"), 1);
+  EXPECT_EQ(events(log_, "exec"), 400) << "each waypoint once";
+}
+
+TEST_F(HalfCut, GivenUpNothingMovesAndTheStripStartsAnew) {
+  {
+    Terminal terminal(reset());
+    ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
+    terminal.type("give up\n");
+    EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+    EXPECT_THAT(terminal.shown(), HasSubstr("free the blade and take the block out"));
+  }
+  EXPECT_EQ(events(log_, "resume") + events(log_, "withdraw"), 0);
+  Terminal terminal(reset());
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  terminal.type("yes\n");
+  EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
+}
+
+TEST_F(HalfCut, WithRecoverAYesIsAskedFor) {
+  auto words = reset();
+  words.insert(words.end(), {"--recover", "withdraw"});
+  {
+    Terminal terminal(words);
+    ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
+    terminal.type("n\n");
+    EXPECT_EQ(terminal.wait(), 130);
+    EXPECT_EQ(events(log_, "withdraw"), 0);
+  }
+  Terminal terminal(words);
+  ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
+  terminal.type("yes\n");
+  EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+  EXPECT_EQ(events(log_, "withdrawn"), 1);
+}
+
+TEST_F(OperatorAtATerminal, AfterARestartOfTheControllerMotionWaits) {
+  const auto log = directory_ / "execution.jsonl";
+  for (const std::string answer : {"n", "yes"}) {
+    std::filesystem::remove(log);
+    simulate({"--time-scale", "20", "--log", log.string(), "--fault", "reboot@150"});
+    Terminal terminal(run());
+    ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+    terminal.type("yes\n");
+    ASSERT_TRUE(terminal.shows("to go on, anything else stops: ")) << terminal.shown();
+    EXPECT_THAT(terminal.shown(), HasSubstr("strip S001: the controller was restarted after "));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    EXPECT_EQ(events(log, "resume"), 0) << "it waits";
+    terminal.type(answer + "\n");
+    if (answer == "n") {
+      EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+      EXPECT_EQ(events(log, "resume"), 0);
+    } else {
+      ASSERT_TRUE(terminal.shows("strip S002: ")) << terminal.shown();
+      EXPECT_EQ(events(log, "exec"), 400);
+    }
+  }
+}
+
+TEST_F(OperatorAtATerminal, ALostLinkIsShownAtOnce) {
+  simulate({"--time-scale", "1"});
+  auto words = run();
+  words.back() = "bar";
+  Terminal terminal(words);
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  terminal.type("yes\n");
+  ASSERT_TRUE(terminal.shows("S001 RUNNING")) << terminal.shown();
+  const auto lost = std::chrono::steady_clock::now();
+  sim_.reset();
+  ASSERT_TRUE(terminal.shows("S001 link lost, trying again, 0 s")) << terminal.shown();
+  EXPECT_LT(std::chrono::steady_clock::now() - lost, std::chrono::seconds(3));
+  EXPECT_TRUE(terminal.shows("S001 link lost, trying again, 2 s")) << terminal.shown();
+}
+
+TEST(OperatorAnswer, OnlyTheWholeWordChoosesARecovery) {
+  EXPECT_EQ(recovery_named(" withdraw\r"), Recovery::kWithdraw);
+  EXPECT_EQ(recovery_named("restart"), Recovery::kRestart);
+  EXPECT_EQ(recovery_named("give up"), Recovery::kGiveUp);
+  EXPECT_EQ(recovery_named("give-up"), Recovery::kGiveUp);
+  for (const char* other : {"", "w", "yes", "give", "withdraw restart", "S001"})
+    EXPECT_FALSE(recovery_named(other)) << other;
 }
 
 }  // namespace

@@ -315,6 +315,10 @@ TEST_F(ControllerTest, AnotherJobWaitsUntilNothingHalfCutIsLeft) {
   EXPECT_EQ(send(make(Op::kAbort, 0), kOther), Result::kOk) << "the lease is out: anybody may clear up";
   EXPECT_EQ(send(make(Op::kReset, 0), kOther), Result::kOk);
   job = sample_job(50, "S002");
+  EXPECT_EQ(open(kOther), Result::kLimit) << "the blade stands in the foam";
+  job = first;
+  EXPECT_EQ(send(make(Op::kRelease, 0), kOther), Result::kOk);
+  job = sample_job(50, "S002");
   EXPECT_EQ(open(kOther), Result::kOk);
 }
 
