@@ -29,7 +29,8 @@ struct PlanArguments {
   DesignOptions design;
   std::string tolerance_mm, output, backend = "auto";
   int jobs = 0;
-  bool force = false, override_refusal = false, strict = false, no_pictures = false;
+  bool force = false, override_refusal = false, strict = false, no_pictures = false, advise = false,
+       json = false;
 };
 
 fs::path output_directory(const PlanArguments& arguments) {
@@ -76,7 +77,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
     std::cout << fmt::format(
         "deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
         "({:.1f}, {:.1f}, {:.1f})\n",
-        d.max, d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+        result.verification.capped ? ">= " : "", d.max, d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(),
+        d.at.z());
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());
@@ -93,7 +95,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
 void print_refusals(const PlanResult& result, const Console& console) {
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < std::min(kShown, result.refusals.size()); ++i) {
-    console.warn("refused: " + describe(result.refusals[i]));
+    console.warn("refused: " + reason(result.refusals[i]));
   }
   if (result.refusals.size() > kShown) {
     console.warn(fmt::format("refused: {} more, see report.json", result.refusals.size() - kShown));
@@ -101,6 +103,18 @@ void print_refusals(const PlanResult& result, const Console& console) {
 }
 
 void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
+// What was planned again and passed.
+void tell_remedies(const PlanResult& result, const surface::DesignSurface& design, bool asked,
+                   const Console& console) {
+  if (result.refusals.empty()) return;
+  for (const TriedRemedy& remedy : result.remedies) console.note("tried: " + describe(remedy));
+  if (asked && result.remedies.empty()) console.note("tried: no change of one setting that passes was found");
+  if (asked) return;
+  for (const SettingsChange& change : changes_by_shape(result, design))
+    console.note(change.why + ": --set \"" + change.assignment + "\"");
+  console.note("what would settle it: --advise plans the job again with what may help");
+}
+
   if (design.health.blockers.empty()) return;
   throw Error(ErrorKind::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
 }
@@ -153,6 +167,11 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
   console.report_progress("emit", 0.95);
 
+  if (arguments.advise && !result.refusals.empty()) {
+    result.remedies = try_changes(result, design, [&](const Settings& changed) {
+      return plan(read_design(design_options.file, changed.design), changed, hooks);
+    });
+  }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
@@ -167,7 +186,12 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : result.warnings) console.warn("warning: " + line);
   print_refusals(result, console);
-  print_summary(result, directory, emitted);
+  tell_remedies(result, design, arguments.advise, console);
+  if (arguments.json) {
+    std::cout << report_json(result, emitted.program_sha256);
+  } else {
+    print_summary(result, directory, emitted);
+  }
   return result.refusals.empty() ? Exit::kOk : Exit::kNotCuttable;
 }
 
@@ -192,6 +216,8 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
   command->footer(
       "Exit code 4 when the design is not cuttable as asked: which strip, limit and amount is said.\n"
       "Example: hotblade plan vault.obj --units mm --config job.toml -o vault_cut");
+  command->add_flag("--advise", arguments->advise,
+                    "Plan a refused job again with settings that may help, and say which passed");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return plan_design(*arguments, console); };
   });

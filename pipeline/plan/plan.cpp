@@ -358,6 +358,7 @@ void judge(const Settings& settings, PlanResult& result) {
     const Eigen::Vector3d& at = v.deviation.at;
     result.refusals.push_back({fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()),
                                "", Limit::kDeviation, v.deviation.max, settings.design.tolerance_mm});
+    result.refusals.back().capped = v.capped;
   }
   if (v.uncut_share() > settings.design.max_uncut_share) {
     result.refusals.push_back(

@@ -66,6 +66,15 @@ struct Decision {
   std::string why;  // what it failed by; empty: nothing
 };
 
+// A change of settings with which a refused plan was planned again and passed (pipeline/report/advice.hpp).
+struct TriedRemedy {
+  std::string assignment;  // as `--set` takes it: "design.tolerance_mm=1.3"
+  std::string why;
+  double deviation_mm = 0, tolerance_mm = 0;
+  std::size_t strips = 0;
+  std::string verdict;  // its colour
+};
+
 // What one stage of the plan took.
 struct StageTime {
   std::string stage;
@@ -83,6 +92,7 @@ struct PlanResult {
   double spacing_mm = 0;  // of the ribs in the end
   int refinements = 0;    // times the spacing was halved
   std::vector<Decision> decisions;
+  std::vector<TriedRemedy> remedies;  // none, unless advice was asked for
   std::vector<StageTime> times;
 };
 

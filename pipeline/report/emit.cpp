@@ -20,7 +20,6 @@
 #include "pipeline/export/rib_files.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/program_text.hpp"
-#include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -38,9 +37,9 @@ Json vector_json(const Eigen::Vector3d& v) {
 }
 
 Json refusal_json(const Refusal& r) {
-  return {{"strip", r.strip},     {"rib", r.rib},          {"limit", limit_text(r)}, {"value", r.value},
-          {"bound", r.bound},     {"unit", unit(r)},       {"hint", hint(r)},        {"place", r.place},
-          {"details", r.details}, {"message", describe(r)}};
+  return {{"strip", r.strip},   {"rib", r.rib},         {"limit", limit_text(r)}, {"value", r.value},
+          {"capped", r.capped}, {"bound", r.bound},     {"unit", unit(r)},        {"hint", note(r)},
+          {"place", r.place},   {"details", r.details}, {"message", reason(r)}};
 }
 
 // mm of shape change by each clamp coordinate; null where the blade is straight.
@@ -279,12 +278,13 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
   report["remedies"] = Json::array();
-  for (const Remedy& m : remedies(result)) {
-    report["remedies"].push_back({{"setting", m.setting},
-                                  {"now", m.now},
-                                  {"needed", m.needed},
+  for (const TriedRemedy& m : result.remedies) {
+    report["remedies"].push_back({{"set", m.assignment},
                                   {"because", m.why},
-                                  {"refusals_settled", m.refusals}});
+                                  {"deviation_mm", m.deviation_mm},
+                                  {"tolerance_mm", m.tolerance_mm},
+                                  {"strips", m.strips},
+                                  {"verdict", m.verdict}});
   }
   report["overrides"] = result.program.overrides;
   report["warnings"] = result.warnings;
@@ -337,12 +337,11 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   std::optional<ProgramWriter> program;
   if (emitted.program_written) program.emplace(result.program, draft / "program.json");
   const ReportPictures pictures = take_pictures(result);
-  std::string program_sha256;
   if (program) {
     write_ribs(result.program, draft / "ribs");
-    program_sha256 = program->place();
+    emitted.program_sha256 = program->place();
   }
-  write_reports(result, draft, facts, pictures, program_sha256);
+  write_reports(result, draft, facts, pictures, emitted.program_sha256);
   output.commit();
   return emitted;
 }

@@ -21,6 +21,7 @@ struct RunFacts {
 
 struct Emitted {
   bool program_written = false;
+  std::string program_sha256{};  // empty where none was written
 };
 
 // Writes the set and puts it in its place whole; preview.png (the first picture) and scene.gltf are absent

@@ -23,8 +23,13 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
   ReportPictures taken;
   const bool planned = !result.program.strips.empty();
   try {
-    const preview::Scene scene =
+    preview::Scene scene =
         planned ? preview::scene_of(result.program, &design, {}) : preview::scene_of(design);
+    if (!planned) {
+      scene.verdict = "nothing is cut";
+      if (!scene.caption.empty()) scene.caption.pop_back();  // that it can be sliced
+      if (!result.refusals.empty()) scene.caption.push_back("refused: " + reason(result.refusals.front()));
+    }
     taken.scene_gltf = preview::gltf_of(scene);
     // The first picture says it; the others are shown small, and their space is for the geometry.
     std::vector<preview::Shot> shots;

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "pipeline/settings/settings_fields.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -103,6 +105,16 @@ class Collector {
   explicit Collector(const PlanResult& result) : settings_(to_json(result.program.settings)) {}
 
   void add(const Refusal& r) {
+    // What is known from below only tells no number that would do; twice as much is worth a try.
+    Refusal known = r;
+    if (r.capped) known.value *= 2;
+    add_known(known);
+  }
+
+  [[nodiscard]] std::vector<Remedy> take() { return std::move(list_); }
+
+ private:
+  void add_known(const Refusal& r) {
     if (!std::isfinite(r.value) || !std::isfinite(r.bound)) return;
     if (add_list(r)) return;
     for (const Rule& rule : kRules) {
@@ -118,9 +130,6 @@ class Collector {
     }
   }
 
-  [[nodiscard]] std::vector<Remedy> take() { return std::move(list_); }
-
- private:
   [[nodiscard]] const Json* setting(const char* section, const char* key) const {
     const auto s = settings_.find(section);
     if (s == settings_.end() || !s->is_object()) return nullptr;
@@ -157,25 +166,48 @@ class Collector {
              Demand demand, const std::string& why) {
     const auto same =
         std::find_if(list_.begin(), list_.end(), [&](const Remedy& m) { return m.setting == name; });
-    const auto i = static_cast<std::size_t>(same - list_.begin());
     if (same == list_.end()) {
-      list_.push_back({name, now, with_unit(needed, unit), why, 1});
-      needed_.push_back(needed);
+      list_.push_back({name, now, with_unit(needed, unit), why, 1, needed});
       return;
     }
     ++same->refusals;
-    if (demand == Demand::kLarger ? needed <= needed_[i] : needed >= needed_[i]) return;
-    needed_[i] = needed;
+    if (demand == Demand::kLarger ? needed <= same->value : needed >= same->value) return;
+    same->value = needed;
     same->needed = with_unit(needed, unit);
     same->why = why;
   }
 
   Json settings_;
   std::vector<Remedy> list_;
-  std::vector<double> needed_;  // of each remedy, as a number
 };
 
 }  // namespace
+
+Settings with_remedy(Settings settings, const Remedy& remedy) {
+  for (const SettingField& field : setting_fields()) {
+    if (full_key(field) != remedy.setting) continue;
+    const SettingPlace place = field.place(settings);
+    if (auto* const* number = std::get_if<double*>(&place)) **number = remedy.value;
+    if (auto* const* edges = std::get_if<std::array<double, 3>*>(&place)) {
+      for (double& edge : **edges) edge = std::max(edge, remedy.value);
+    }
+    if (auto* const* lengths = std::get_if<std::vector<double>*>(&place)) {
+      (*lengths)->push_back(remedy.value);
+      std::sort((*lengths)->begin(), (*lengths)->end());
+      (*lengths)->erase(std::unique((*lengths)->begin(), (*lengths)->end()), (*lengths)->end());
+    }
+  }
+  return settings;
+}
+
+std::string assignment_of(const Settings& settings, const Remedy& remedy) {
+  Settings changed = with_remedy(settings, remedy);
+  for (const SettingField& field : setting_fields()) {
+    if (full_key(field) == remedy.setting)
+      return remedy.setting + "=" + toml_text(field.place(changed)).value_or("");
+  }
+  return remedy.setting + "=" + remedy.needed;
+}
 
 std::vector<Remedy> remedies(const PlanResult& result) {
   if (result.refusals.empty()) return {};

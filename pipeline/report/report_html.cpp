@@ -7,7 +7,6 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/report/remedies.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -78,10 +77,11 @@ std::string verdict_section(const PlanResult& result) {
     html += "Nothing is cut: no deviation could be measured.";
   } else {
     html += fmt::format(
-        "The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
+        "The surface the program cuts deviates from the design by {} <strong>{:.3f} mm</strong> "
         "(tolerance "
         "{:g} mm); worst at {}.",
-        v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
+        result.verification.capped ? "at least" : "at most", v.deviation_mm.max, v.tolerance_mm,
+        place(v.deviation_mm.at));
   }
   html += fmt::format(" {:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
   if (verdict.over_budget()) {
@@ -98,48 +98,31 @@ std::string refusals_section(const PlanResult& result) {
   if (result.refusals.empty()) return "";
   std::string html =
       "<h2>Why it is refused</h2><table><tr><th class=\"l\">where</th><th class=\"l\">limit</th><th>is</th>"
-      "<th>allowed</th><th class=\"l\">what would help</th></tr>\n";
+      "<th>allowed</th><th class=\"l\">note</th></tr>\n";
   for (const Refusal& r : result.refusals) {
     html += fmt::format(
-        "<tr><td class=\"l\">{} {}</td><td class=\"l\">{}</td><td class=\"bad\">{:.4g} {}</td><td>{:.4g} "
+        "<tr><td class=\"l\">{} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} {}</td><td>{:.4g} "
         "{}</td>"
         "<td class=\"l\">{}</td></tr>\n",
-        escaped(r.strip), escaped(r.rib), escaped(limit_text(r)), r.value, escaped(unit(r)), r.bound,
-        escaped(unit(r)), escaped(hint(r)));
+        escaped(r.strip), escaped(r.rib), escaped(limit_text(r)), r.capped ? "&ge; " : "", r.value,
+        escaped(unit(r)), r.bound, escaped(unit(r)), escaped(note(r)));
   }
   return html + "</table>\n";
 }
 
 std::string remedies_section(const PlanResult& result) {
-  if (result.refusals.empty()) return "";
-  const std::vector<Remedy> list = remedies(result);
-  std::size_t settled = 0;
-  std::string rows;
-  for (const Remedy& m : list) {
-    settled += m.refusals;
-    rows += fmt::format(
-        "<tr><td class=\"l\">{}</td><td class=\"n\">{}</td><td class=\"n\"><b>{}</b></td><td>{}</td><td "
-        "class=\"l\">{}</td></tr>\n",
-        escaped(m.setting), escaped(m.now), escaped(m.needed), m.refusals, escaped(m.why));
-  }
-  std::string html = "<h2>What would make it cuttable</h2>\n";
-  if (!list.empty()) {
-    html +=
-        "<table><tr><th class=\"l\">setting</th><th>now</th><th>needed</th><th>settles</th>"
-        "<th class=\"l\">because</th></tr>\n" +
-        rows + "</table>\n";
-  }
-  const std::size_t open = result.refusals.size() - settled;
-  if (open > 0) {
+  if (result.remedies.empty()) return "";
+  std::string html =
+      "<h2>What makes it cuttable</h2>\n<table><tr><th class=\"l\">setting</th><th>deviation</th>"
+      "<th>tolerance</th><th>strips</th><th>verdict</th><th class=\"l\">because</th></tr>\n";
+  for (const TriedRemedy& m : result.remedies) {
     html += fmt::format(
-        "<p class=\"note\">{} of {} refusals cannot be settled by a number that this plan tells: what would "
-        "help stands beside each above.</p>\n",
-        open, result.refusals.size());
+        "<tr><td class=\"l\"><b>{}</b></td><td class=\"n\">{:.3f} mm</td><td class=\"n\">{:g} "
+        "mm</td><td>{}</td>"
+        "<td>{}</td><td class=\"l\">{}</td></tr>\n",
+        escaped(m.assignment), m.deviation_mm, m.tolerance_mm, m.strips, escaped(m.verdict), escaped(m.why));
   }
-  return html + (list.empty()
-                     ? ""
-                     : "<p class=\"note\">The numbers are those of this plan. Planned anew, other ribs "
-                       "are chosen and other limits may show.</p>\n");
+  return html + "</table>\n<p class=\"note\">Each was planned with all else as it is, and passed.</p>\n";
 }
 
 std::string figure(const std::string& value, const std::string& name) {
@@ -155,8 +138,10 @@ std::string figures_section(const PlanResult& result) {
   }
   const Deviation& d = result.program.verification.deviation_mm;
   std::string html = "<div class=\"figures\">";
-  html += figure(fmt::format("{:.3f} mm", d.max), "largest deviation");
-  html += figure(fmt::format("{:.3f} mm", d.p99), "deviation of 99 % of the samples");
+  const bool cut = result.verification.cut_samples > 0;
+  const auto deviation = [&](double mm) { return cut ? fmt::format("{:.3f} mm", mm) : "nothing is cut"; };
+  html += figure((result.verification.capped ? "&ge; " : "") + deviation(d.max), "largest deviation");
+  html += figure(deviation(d.p99), "deviation of 99 % of the samples");
   html += figure(fmt::format("{}", result.strips.size()), "strips (blocks of foam)");
   html += figure(fmt::format("{}", ribs),
                  fmt::format("ribs, of sections at most {:.3g} mm apart", result.spacing_mm));
@@ -198,7 +183,7 @@ std::string deviation_section(const PlanResult& result) {
 
 std::string budget_section(const PlanResult& result) {
   const Verification& v = result.program.verification;
-  if (v.budget_mm.empty()) return "";
+  if (v.budget_mm.empty() || result.verification.cut_samples == 0) return "";
   return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own; the sum is "
          "the "
          "worst case, in which all add up. The verdict rests on the measured deviation.</p>\n" +

@@ -22,12 +22,23 @@ std::string hint(const Refusal& r) {
 
 std::string describe_amount(const Refusal& r) {
   const std::string in_unit = unit(r).empty() ? "" : " " + unit(r);
-  return fmt::format("{} {:.4g}{} (limit {:.4g}{})", limit_text(r), r.value, in_unit, r.bound, in_unit);
+  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{})", limit_text(r), r.capped ? ">= " : "", r.value, in_unit,
+                     r.bound, in_unit);
+}
+
+std::string note(const Refusal& r) {
+  return r.limit == Limit::kBudget || r.limit == Limit::kWarnings ? r.hint : "";
+}
+
+std::string reason(const Refusal& r) {
+  const std::string place = r.place.empty() ? "" : " " + r.place;
+  const std::string said = note(r);
+  return fmt::format("{}{}: {}{}", r.rib.empty() ? r.strip : r.rib, place, describe_amount(r),
+                     said.empty() ? "" : ": " + said);
 }
 
 std::string describe(const Refusal& r) {
-  const std::string place = r.place.empty() ? "" : " " + r.place;
-  return fmt::format("{}{}: {}: {}", r.rib.empty() ? r.strip : r.rib, place, describe_amount(r), hint(r));
+  return note(r).empty() ? reason(r) + ": " + hint(r) : reason(r);
 }
 
 }  // namespace hotblade::pipeline

@@ -21,6 +21,7 @@ struct Refusal {
   std::string when{};   // phase and time, as they follow the limit's name: ` in phase cut at 12.00 s`
   // The same for each candidate that was tried, one line each: which limit stopped which blade length.
   std::vector<std::string> details{};
+  bool capped = false;  // the value is where the search ended: it is this much or more
 };
 
 // Returns the name of rib `index` (from 0) of a strip, S003R012.
@@ -30,6 +31,13 @@ struct Refusal {
 [[nodiscard]] std::string limit_text(const Refusal& refusal);
 [[nodiscard]] std::string unit(const Refusal& refusal);
 [[nodiscard]] std::string hint(const Refusal& refusal);
+
+// Returns what is known of the refusal beside its amount: the clamps that a budget asks for, the first
+// warning.
+[[nodiscard]] std::string note(const Refusal& refusal);
+
+// Returns the same as describe() with the note alone, without what may help: nobody has tried it.
+[[nodiscard]] std::string reason(const Refusal& refusal);
 
 // Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): hint`.
 [[nodiscard]] std::string describe(const Refusal& refusal);

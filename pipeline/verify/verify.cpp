@@ -165,6 +165,10 @@ class CutMeasurement {
       report_.percentiles_mm.emplace_back(kPercents[i], within[i]);
       if (kPercents[i] == 99.0) report_.deviation.p99 = within[i];
     }
+    constexpr double kCloseToTheCap = 0.95;
+    const bool left_out = report_.beyond_samples > 0 || report_.uncut_mm2 > 0;
+    report_.capped =
+        left_out && report_.deviation.max <= near() && report_.deviation.max > kCloseToTheCap * near();
     report_.within_tolerance =
         report_.deviation.max <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
     return report_;

@@ -56,7 +56,10 @@ struct VerifyReport {
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
-  std::size_t beyond_samples = 0;      // of the cut: past the design's edge, in a window for example
+  std::size_t beyond_samples = 0;  // of the cut: past the design's edge, in a window for example
+  // What lies farther off than `reach` past an edge counts as uncut or beyond, so a deviation close to that
+  // is as large or larger.
+  bool capped = false;
   bool within_tolerance = false;       // deviation and uncut share both
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip

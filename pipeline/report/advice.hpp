@@ -1,0 +1,44 @@
+// What would make a refused job cuttable, tried: the job is planned again with each change of settings that
+// the plan's figures or the design's shape suggest, and a change is told only when that plan passed.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/plan.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+// A change of settings, as `--set` takes it.
+struct SettingsChange {
+  std::string assignment;  // "design.tolerance_mm=1.3"
+  std::string why;
+  std::function<void(Settings&)> apply;
+};
+
+// Plans the job with other settings.
+using PlanAgain = std::function<PlanResult(const Settings&)>;
+
+// Returns the changes that the design's shape alone suggests: a closed solid, y up.
+[[nodiscard]] std::vector<SettingsChange> changes_by_shape(const PlanResult& refused,
+                                                           const surface::DesignSurface& design);
+
+// Returns the changes that are likely to help, most likely first: of what the design is (a closed solid, y
+// up), then of what stood in the way (report/remedies.hpp).
+[[nodiscard]] std::vector<SettingsChange> likely_changes(const PlanResult& refused,
+                                                         const surface::DesignSurface& design);
+
+// Tries them, at most kMostTrials plans in all, and returns those that passed with what came of them. A
+// number that did not do is tried again as the new plan asks for, at most twice.
+inline constexpr int kMostTrials = 6;
+[[nodiscard]] std::vector<TriedRemedy> try_changes(const PlanResult& refused,
+                                                   const surface::DesignSurface& design,
+                                                   const PlanAgain& plan_again);
+
+// Returns the settings with which a tried remedy passed, and what came of it: `design.tolerance_mm=1.3:
+// passes, deviation 1.21 mm, 2 strips, verdict green`.
+[[nodiscard]] std::string describe(const TriedRemedy& remedy);
+
+}  // namespace hotblade::pipeline

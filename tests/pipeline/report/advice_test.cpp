@@ -1,0 +1,197 @@
+// What is told to help was tried, and passed.
+#include "pipeline/report/advice.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "pipeline/program/read_design.hpp"
+#include "pipeline/report/remedies.hpp"
+#include "pipeline/settings/error.hpp"
+#include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using ::testing::HasSubstr;
+
+// A vault of 240 x 120 mm in a file of its own: over z, over y, or as the top of a closed solid.
+class Design {
+ public:
+  enum class Kind { kVault, kYUp, kSolid };
+  explicit Design(Kind kind) {
+    std::ofstream out(file_);
+    out.precision(17);
+    constexpr int kAcross = 40, kAlong = 4;
+    const auto vertex = [&](double x, double y, double z) {
+      if (kind == Kind::kYUp) {
+        out << "v " << x << " " << z << " " << -y << "\n";
+      } else {
+        out << "v " << x << " " << y << " " << z << "\n";
+      }
+    };
+    const auto x_of = [](int i) { return 120.0 * i / kAlong; };
+    const auto y_of = [](int j) { return 240.0 * (static_cast<double>(j) / kAcross - 0.5); };
+    for (int i = 0; i <= kAlong; ++i)
+      for (int j = 0; j <= kAcross; ++j)
+        vertex(x_of(i), y_of(j), std::sqrt(400 * 400 - y_of(j) * y_of(j)) - 380);
+    const auto top = [](int i, int j) { return i * (kAcross + 1) + j + 1; };
+    for (int i = 0; i < kAlong; ++i)
+      for (int j = 0; j < kAcross; ++j)
+        out << "f " << top(i, j) << " " << top(i + 1, j) << " " << top(i + 1, j + 1) << " " << top(i, j + 1)
+            << "\n";
+    if (kind != Kind::kSolid) return;
+    constexpr int kBelow = (kAlong + 1) * (kAcross + 1);
+    for (int i = 0; i <= kAlong; ++i)
+      for (int j = 0; j <= kAcross; ++j) vertex(x_of(i), y_of(j), -50);
+    const auto bottom = [&](int i, int j) { return top(i, j) + kBelow; };
+    for (int i = 0; i < kAlong; ++i)
+      for (int j = 0; j < kAcross; ++j)
+        out << "f " << bottom(i, j) << " " << bottom(i, j + 1) << " " << bottom(i + 1, j + 1) << " "
+            << bottom(i + 1, j) << "\n";
+    const auto wall = [&](int i, int j, int k, int l) {
+      out << "f " << top(i, j) << " " << bottom(i, j) << " " << bottom(k, l) << " " << top(k, l) << "\n";
+    };
+    for (int i = 0; i < kAlong; ++i) {
+      wall(i, 0, i + 1, 0);
+      wall(i + 1, kAcross, i, kAcross);
+    }
+    for (int j = 0; j < kAcross; ++j) {
+      wall(0, j + 1, 0, j);
+      wall(kAlong, j, kAlong, j + 1);
+    }
+  }
+
+  [[nodiscard]] surface::DesignSurface read(const Settings& settings) const {
+    return read_design(file_, settings.design);
+  }
+  [[nodiscard]] PlanResult plan_with(const Settings& settings) const {
+    ++plans_;
+    return plan(read(settings), settings, {});
+  }
+  [[nodiscard]] std::vector<TriedRemedy> advice(const PlanResult& refused, const Settings& settings) const {
+    return try_changes(refused, read(settings), [this](const Settings& s) { return plan_with(s); });
+  }
+  [[nodiscard]] int plans() const { return plans_; }
+
+ private:
+  testing::TemporaryDirectory directory_;
+  std::filesystem::path file_ = directory_ / "design.obj";
+  mutable int plans_ = 0;
+};
+
+Settings in_mm() {
+  Settings settings;
+  settings.design.units = "mm";
+  return settings;
+}
+
+// Resolves what was told as a user would give it, and plans with it.
+PlanResult planned_as_told(const Design& design, const TriedRemedy& remedy,
+                           const std::vector<std::string>& before) {
+  std::vector<std::string> assignments{"design.units=mm"};
+  assignments.insert(assignments.end(), before.begin(), before.end());
+  assignments.push_back(remedy.assignment);
+  return design.plan_with(resolve({{}, assignments, {}}));
+}
+
+TEST(Advice, IsWhatPassesWhenItIsFollowed) {
+  const Design design(Design::Kind::kVault);
+  Settings settings = in_mm();
+  settings.slice.direction = {{1, 0, 0}};
+  settings.machine.plinth_mm = 20;  // too low for the clamps
+  const PlanResult refused = design.plan_with(settings);
+  ASSERT_FALSE(refused.refusals.empty());
+  const std::vector<TriedRemedy> told = design.advice(refused, settings);
+  ASSERT_FALSE(told.empty());
+  for (const TriedRemedy& remedy : told) {
+    const PlanResult again =
+        planned_as_told(design, remedy, {"slice.direction=[1,0,0]", "machine.plinth_mm=20"});
+    EXPECT_TRUE(again.refusals.empty()) << remedy.assignment << ": " << reason(again.refusals.front());
+    EXPECT_EQ(again.program.verification.deviation_mm.max, remedy.deviation_mm) << remedy.assignment;
+    EXPECT_EQ(again.strips.size(), remedy.strips);
+    EXPECT_THAT(describe(remedy), HasSubstr("passes, deviation "));
+  }
+}
+
+TEST(Advice, OfAClosedSolidIsToTakeItsUpperFaces) {
+  const Design design(Design::Kind::kSolid);
+  const Settings settings = in_mm();
+  ASSERT_TRUE(design.read(settings).health.closed);
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
+  const auto told = design.advice(refused, settings);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.front().assignment, "design.facing=[0, 0, 1]");
+  EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
+}
+
+TEST(Advice, OfADesignWithYUpIsToSayIt) {
+  const Design design(Design::Kind::kYUp);
+  Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"design", "", Limit::kLean, 0.9, 0.5});
+  const auto told = design.advice(refused, settings);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(told.front().assignment, "design.up=y");
+  // The same surface with z up is not told so.
+  const Design upright(Design::Kind::kVault);
+  for (const SettingsChange& change : changes_by_shape(refused, upright.read(settings)))
+    ADD_FAILURE() << change.assignment;
+}
+
+TEST(Advice, IsNotGivenWhereNothingPasses) {
+  const Design design(Design::Kind::kVault);
+  Settings settings = in_mm();
+  settings.slice.direction = {{1, 0, 0}};
+  settings.blade.min_margin = 1000;  // which no tolerance settles
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.2, 1});
+  ASSERT_FALSE(remedies(refused).empty());
+  EXPECT_TRUE(design.advice(refused, settings).empty());
+  EXPECT_GE(design.plans(), 1);
+  EXPECT_LE(design.plans(), kMostTrials);
+}
+
+TEST(Advice, GoesOnFromANumberThatDidNotDo) {
+  const Design design(Design::Kind::kVault);
+  const Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"S001", "", Limit::kDeviation, 2.997, 1});
+  refused.refusals.back().capped = true;
+  EXPECT_THAT(reason(refused.refusals.back()), HasSubstr("deviation >= 2.997 mm"));
+  std::vector<double> tried;
+  const auto told = try_changes(refused, design.read(settings), [&](const Settings& s) {
+    tried.push_back(s.design.tolerance_mm);
+    PlanResult again;
+    again.program.settings = s;
+    if (s.design.tolerance_mm < 9)
+      again.refusals.push_back({"S001", "", Limit::kDeviation, 9, s.design.tolerance_mm});
+    return again;
+  });
+  // Three is where the search ended: six is tried, and then what was found with it.
+  EXPECT_THAT(tried, ::testing::ElementsAre(6, 9));
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told.front().assignment, "design.tolerance_mm=9");
+}
+
+TEST(Advice, StopsWhenTheUserDoes) {
+  const Design design(Design::Kind::kVault);
+  PlanResult refused;
+  refused.program.settings = in_mm();
+  refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.2, 1});
+  EXPECT_THROW((void)try_changes(refused, design.read(in_mm()),
+                                 [](const Settings&) -> PlanResult {
+                                   throw Error(ErrorKind::kInterrupted, "interrupted");
+                                 }),
+               Error);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
