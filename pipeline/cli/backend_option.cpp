@@ -31,7 +31,7 @@ void tell_backend(const VerifyReport& report, gpu::Backend wanted, const Console
     if (wanted == gpu::Backend::kOpenCl && use.backend != wanted && !use.reason.empty()) {
       console.warn("warning: " + line);
     } else {
-      console.note(line);
+      console.detail(line);
     }
   };
   tell("distances to the design", report.to_design);

@@ -23,7 +23,7 @@ void add_backend_option(CLI::App& command, std::string& name);
 // were computed by different ones.
 [[nodiscard]] std::string backend_text(const VerifyReport& report);
 
-// Says what auto picked and why (a note), or why the backend asked for did not answer (a warning).
+// Says what auto picked and why (with -v), or why the backend asked for did not answer (a warning).
 void tell_backend(const VerifyReport& report, gpu::Backend wanted, const Console& console);
 
 }  // namespace hotblade::pipeline

@@ -10,15 +10,19 @@ namespace hotblade::pipeline {
 
 void add_completion(CLI::App& app, const Console&, Action& action) {
   auto what = std::make_shared<std::string>();
-  auto* command = app.add_subcommand("completion", "Print the bash completion script or the manual page");
-  command->add_option("what", *what, "bash, or man for the manual page in roff")
+  auto* command =
+      app.add_subcommand("completion", "Print the completion script of a shell or the manual page");
+  command->add_option("what", *what, "The shell, or man for the manual page in roff")
       ->required()
-      ->check(CLI::IsMember({"bash", "man"}))
-      ->type_name("bash|man");
+      ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}))
+      ->type_name("bash|zsh|fish|man");
   command->footer("Example: hotblade completion bash > ~/.local/share/bash-completion/completions/hotblade");
   command->callback([what, &app, &action] {
     action = [what, &app] {
-      std::cout << (*what == "bash" ? bash_completion(app) : manual_page(app));
+      if (*what == "man") std::cout << manual_page(app);
+      if (*what == "bash") std::cout << bash_completion(app);
+      if (*what == "zsh") std::cout << zsh_completion(app);
+      if (*what == "fish") std::cout << fish_completion(app);
       return Exit::kOk;
     };
   });

@@ -15,6 +15,7 @@
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/read_design.hpp"
+#include "pipeline/report/advice.hpp"
 #include "pipeline/report/emit.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"
@@ -75,7 +76,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
     std::cout << "deviation not measured: nothing is cut\n";
   } else {
     std::cout << fmt::format(
-        "deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
+        "deviation max {}{:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
         "({:.1f}, {:.1f}, {:.1f})\n",
         result.verification.capped ? ">= " : "", d.max, d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(),
         d.at.z());
@@ -102,7 +103,6 @@ void print_refusals(const PlanResult& result, const Console& console) {
   }
 }
 
-void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
 // What was planned again and passed.
 void tell_remedies(const PlanResult& result, const surface::DesignSurface& design, bool asked,
                    const Console& console) {
@@ -115,6 +115,7 @@ void tell_remedies(const PlanResult& result, const surface::DesignSurface& desig
   console.note("what would settle it: --advise plans the job again with what may help");
 }
 
+void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
   if (design.health.blockers.empty()) return;
   throw Error(ErrorKind::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
 }
@@ -163,15 +164,16 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     console.warn("warning: " + text);
     design.health.warnings.push_back(text);
   }
+  const std::vector<std::string> found = result.warnings;  // the design's have been said
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
-  console.report_progress("emit", 0.95);
-
   if (arguments.advise && !result.refusals.empty()) {
     result.remedies = try_changes(result, design, [&](const Settings& changed) {
       return plan(read_design(design_options.file, changed.design), changed, hooks);
     });
   }
+  console.report_progress("emit", 0.95);
+
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
@@ -184,7 +186,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const Emitted emitted = emit(result, output, facts, arguments.override_refusal, pictures_of);
   console.report_progress("done", 1);
   tell_backend(result.verification, hooks.backend, console);
-  for (const std::string& line : result.warnings) console.warn("warning: " + line);
+  for (const std::string& line : found) console.warn("warning: " + line);
   print_refusals(result, console);
   tell_remedies(result, design, arguments.advise, console);
   if (arguments.json) {
@@ -205,19 +207,21 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
       ->type_name("MM");
   command->add_option("-o,--output", arguments->output, "Directory for the results (default: NAME_cut)")
       ->type_name("DIR");
-  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
+  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
+      ->check(CLI::Range(1, kMostThreads));
   add_backend_option(*command, arguments->backend);
+  command->add_flag("--json", arguments->json, "Print report.json instead of a table");
   command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->add_flag("--override", arguments->override_refusal,
                     "Write the program of a refused plan all the same, recorded in it; still exit code 4");
   command->add_flag("--no-pictures", arguments->no_pictures,
                     "No preview.png and scene.gltf, no pictures in report.html");
+  command->add_flag("--advise", arguments->advise,
+                    "Plan a refused job again with settings that may help, and say which passed");
   command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");
   command->footer(
       "Exit code 4 when the design is not cuttable as asked: which strip, limit and amount is said.\n"
       "Example: hotblade plan vault.obj --units mm --config job.toml -o vault_cut");
-  command->add_flag("--advise", arguments->advise,
-                    "Plan a refused job again with settings that may help, and say which passed");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return plan_design(*arguments, console); };
   });

@@ -148,6 +148,7 @@ void check_outputs(const PreviewOptions& options) {
     throw Error(ErrorKind::kBadSettings,
                 fmt::format("{}: unknown kind of file ({}): write {}", option, file, known));
   };
+  if (!options.shot.empty()) expect_ending("--shot", options.shot, {".png"});
   if (!options.movie.empty()) expect_ending("--movie", options.movie, {".ogv"});
   if (!options.exported.empty()) expect_ending("--export", options.exported, {".gltf", ".vtm"});
   for (const std::string* file : {&options.shot, &options.movie, &options.exported}) {
@@ -203,6 +204,10 @@ Exit run_preview(PreviewOptions options, const Console& console) {
   const preview::View view = preview::view_named(options.view).value_or(preview::View::kBest);
   options.scene.color = color_of(options.color);
   check_outputs(options);
+  for (const std::string& key : options.keys) {
+    if (!preview::is_key(key))
+      throw Error(ErrorKind::kBadSettings, "--keys: unknown key (" + key + "): h in the window shows all");
+  }
   if (options.shot.empty() && options.movie.empty() && options.exported.empty()) {
     preview::expect_display();
     const Viewed window = viewed(options, view);

@@ -79,7 +79,8 @@ void add_study(CLI::App& app, const Console& console, Action& action) {
     one->add_option("-o,--output", arguments->output,
                     "Directory for plots and figures (default: none written)")
         ->type_name("DIR");
-    one->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
+    one->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
+        ->check(CLI::Range(1, kMostThreads));
     one->add_flag("--force", arguments->force, "Overwrite results that are there");
     one->footer(fmt::format("Example: hotblade study {} --seed 2 -o plots", study.name));
     one->callback([&action, &console, &study, arguments] {

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
@@ -112,20 +113,7 @@ Exit verify_as_cut(const VerifyArguments& arguments, const Console& console) {
   return report.cut.within_tolerance ? Exit::kOk : Exit::kDeviation;
 }
 
-Exit verify_program(const VerifyArguments& arguments, const Console& console) {
-  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads));
-  if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
-  const Program program = read_program(arguments.program);
-  const fs::path design_file = find_design(arguments, program);
-  console.report_progress("read", 0.1);
-  const surface::DesignSurface design = read_design_of(program, design_file);
-  const VerifyOptions options = options_of(arguments, program);
-  console.report_progress("verify", 0.3);
-  const VerifyReport report = verify(program, design, options);
-  console.report_progress("done", 1);
-  tell_backend(report, options.backend, console);
+void print_report(const Program& program, const VerifyReport& report, const VerifyOptions& options) {
   const Deviation& d = report.deviation;
   for (std::size_t i = 0; i < program.strips.size(); ++i) {
     std::cout << fmt::format("{}  cut to design max {:.3f} mm\n", program.strips[i].id,
@@ -149,6 +137,54 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
   print_verdict(program);
+}
+
+std::string json_text(const Program& program, const VerifyReport& report, const VerifyOptions& options) {
+  const Deviation& d = report.deviation;
+  nlohmann::ordered_json json;
+  json["within_tolerance"] = report.within_tolerance;
+  json["held"] = report.holds();
+  json["status_of_plan"] = name(program.verification.status);
+  json["verdict_of_plan"] = to_json(verdict_of(program));
+  json["tolerance_mm"] = options.tolerance_mm;
+  json["deviation_mm"] = {{"max", d.max},
+                          {"p99", d.p99},
+                          {"rms", d.rms},
+                          {"mean", d.mean},
+                          {"at", {d.at.x(), d.at.y(), d.at.z()}},
+                          {"capped", report.capped}};
+  json["uncut_mm2"] = report.uncut_mm2;
+  json["uncut_share"] = report.uncut_share();
+  json["samples"] = {{"cut", report.cut_samples}, {"design", report.design_samples}};
+  json["clamp_mismatch_mm"] = report.clamp_mismatch_mm;
+  json["rib_mismatches"] = report.ribs.mismatches.size();
+  json["strips"] = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < program.strips.size(); ++i)
+    json["strips"].push_back(
+        {{"id", program.strips[i].id}, {"cut_to_design_max_mm", report.strip_max_mm[i]}});
+  json["not_checked"] = program.verification.not_checked;
+  return json.dump(2) + "\n";
+}
+
+Exit verify_program(const VerifyArguments& arguments, const Console& console) {
+  const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
+  const Program program = read_program(arguments.program);
+  const fs::path design_file = find_design(arguments, program);
+  console.report_progress("read", 0.1);
+  const surface::DesignSurface design = read_design_of(program, design_file);
+  const VerifyOptions options = options_of(arguments, program);
+  console.report_progress("verify", 0.3);
+  const VerifyReport report = verify(program, design, options);
+  console.report_progress("done", 1);
+  tell_backend(report, options.backend, console);
+  if (arguments.json) {
+    std::cout << json_text(program, report, options);
+  } else {
+    print_report(program, report, options);
+  }
   if (!report.within_tolerance || !report.ribs.mismatches.empty()) return Exit::kDeviation;
   if (!report.holds()) return Exit::kNotCuttable;
   return expect_passed(program, console);
@@ -163,15 +199,17 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->add_option("program", arguments->program, "program.json")->required()->type_name("PROGRAM");
   command->add_option("--design", arguments->design, "The design's OBJ (default: beside the program)")
       ->type_name("OBJ");
-  auto* as_cut = command->add_option("--as-cut", arguments->as_cut,
-                                     "Measure what this execution log says was cut, instead of the plan");
-  as_cut->type_name("JSONL");
-  command->add_flag("--json", arguments->json, "The result of --as-cut as one JSON object")->needs(as_cut);
+  command
+      ->add_option("--as-cut", arguments->as_cut,
+                   "Measure what this execution log says was cut, instead of the plan")
+      ->type_name("JSONL");
+  command->add_flag("--json", arguments->json, "The result as one JSON object");
   add_backend_option(*command, arguments->backend);
   command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
-  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")->check(CLI::PositiveNumber);
+  command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
+      ->check(CLI::Range(1, kMostThreads));
   command->footer(
       "Exit code 5 when the deviation or the uncut area is over the program's limits or a rib's measures are "
       "not "

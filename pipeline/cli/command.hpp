@@ -42,6 +42,9 @@ struct Console {
   mutable bool bar_open_ = false;
 };
 
+// More threads than this are a slip of the keyboard.
+inline constexpr int kMostThreads = 1024;
+
 enum class Paint { kGood, kBad, kWarning };
 [[nodiscard]] Paint paint_of(VerdictColor color);
 

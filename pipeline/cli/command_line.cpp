@@ -8,7 +8,10 @@
 #include <csignal>
 #include <iostream>
 #include <new>
+#include <string_view>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/help.hpp"
@@ -122,7 +125,15 @@ int run_command_line(int argc, char** argv) {
   add_global_options(app, console);
   for (const Registrar add : kCommands) add(app, console, action);
   try {
-    app.parse(argc, argv);
+    // `hotblade help plan` is `hotblade plan --help`.
+    if (argc > 1 && std::string_view(argv[1]) == "help") {
+      std::vector<std::string> words(argv + 2, argv + argc);
+      words.emplace_back("--help");
+      std::reverse(words.begin(), words.end());
+      app.parse(std::move(words));
+    } else {
+      app.parse(argc, argv);
+    }
   } catch (const CLI::Error& error) {
     return static_cast<int>(report_usage(app, error));
   }

@@ -79,15 +79,18 @@ Exit each_line(const std::function<Json(const Json&)>& answer) {
   Exit result = Exit::kOk;
   std::string text;
   for (std::size_t number = 1; std::getline(std::cin, text) && !interrupted(); ++number) {
-    Json out;
+    Json out, id;
     try {
-      out = answer(Json::parse(text));
+      const Json line = Json::parse(text);
+      if (line.is_object() && line.contains("id")) id = line["id"];
+      out = answer(line);
     } catch (const nlohmann::json::exception&) {
       out = {{"error", fmt::format("line {}: not JSON: one object a line", number)}};
     } catch (const std::exception& error) {  // a LineError, or a curve that cannot be evaluated
       out = {{"error", fmt::format("line {}: {}", number, error.what())}};
     }
     if (out.contains("error")) result = Exit::kBadInput;
+    if (!id.is_null()) out["id"] = id;
     std::cout << out.dump() << "\n";
   }
   return interrupted() ? Exit::kInterrupted : result;

@@ -45,6 +45,36 @@ std::string nearest_command(const CLI::App& app, const std::string& word) {
   return nearest;
 }
 
+// The option of a command, its parents' included, that a word is a few letters from; empty: none is.
+std::string nearest_option(const CLI::App& reached, const std::string& word) {
+  const std::string wanted = word.substr(0, word.find('='));
+  std::string nearest;
+  std::size_t best = std::max<std::size_t>(2, wanted.size() / 3) + 1;
+  for (const CLI::App* app = &reached; app != nullptr; app = app->get_parent()) {
+    for (const CLI::Option* option : app->get_options()) {
+      for (const std::string& name : option->get_lnames()) {
+        const std::size_t distance = edit_distance(wanted, "--" + name);
+        if (distance >= best) continue;
+        best = distance;
+        nearest = "--" + name;
+      }
+    }
+  }
+  return nearest;
+}
+
+// What is left over, in the order it was typed.
+std::string stray_words(const CLI::App& reached, const std::vector<std::string>& unknown) {
+  std::string text = unknown.size() == 1 ? "unexpected argument: " : "unexpected arguments: ";
+  for (std::size_t i = 0; i < unknown.size(); ++i) text += (i > 0 ? " " : "") + unknown[i];
+  for (const std::string& word : unknown) {
+    if (!word.starts_with("--")) continue;
+    if (const std::string nearest = nearest_option(reached, word); !nearest.empty())
+      return text + ": did you mean " + nearest + "?";
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string value_words(const CLI::Option& option) {
@@ -71,6 +101,8 @@ std::string usage_message(const CLI::App& app, const CLI::Error& error) {
     const std::string nearest = nearest_command(reached, unknown.front());
     if (!nearest.empty()) message += ": did you mean " + nearest + "?";
   }
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty())
+    message = stray_words(reached, unknown);
   return message + "\n`" + path_of(reached) + " --help` says more.\n";
 }
 

@@ -9,6 +9,7 @@
 
 #include "pipeline/cli/help.hpp"
 #include "pipeline/program/version.hpp"
+#include "pipeline/settings/settings.hpp"
 
 namespace hotblade::pipeline {
 
@@ -99,6 +100,38 @@ std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
+// The settings as they begin on the command line: "design.units=".
+std::vector<std::string> setting_names() {
+  std::vector<std::string> names;
+  for (const SettingInfo& info : describe_settings()) names.push_back(info.key + "=");
+  return names;
+}
+
+// In single quotes of fish, which know two escapes.
+std::string fish_quoted(const std::string& text) {
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') quoted += '\\';
+    quoted += c == '\n' ? ' ' : c;
+  }
+  return quoted + "'";
+}
+
+// `complete` lines for the options of one command; `condition` says when they go.
+void append_fish_options(std::string& script, const CLI::App& command, const std::string& condition) {
+  for (const CLI::Option* option : options_of(command)) {
+    if (!option->nonpositional()) continue;
+    script += "complete -c hotblade" + condition;
+    for (const std::string& name : option->get_snames()) script += " -s " + name;
+    for (const std::string& name : option->get_lnames()) script += " -l " + name;
+    if (option->get_items_expected_max() > 0 && option->get_type_size_max() > 0) script += " -r";
+    std::string values = choices_of(*option);
+    if (option->check_lname("set")) values = joined(setting_names());
+    if (!values.empty()) script += " -f -a " + fish_quoted(values);
+    script += " -d " + fish_quoted(option->get_description()) + "\n";
+  }
+}
+
 // `case` branches for one command: what follows it, and what follows its options.
 void append_case(std::string& script, const CLI::App& command, const std::string& path,
                  const std::string& global) {
@@ -113,6 +146,9 @@ void append_case(std::string& script, const CLI::App& command, const std::string
     if (!choices.empty() && !names.empty()) {
       script += fmt::format("        {}) values='{}' ;;\n", fmt::join(names, "|"), choices);
     }
+  }
+  for (const CLI::Option* option : options_of(command)) {
+    if (option->check_lname("set")) script += "        --set) values=\"$settings\" ;;\n";
   }
   script += "      esac ;;\n";
   for (const CLI::App* inner : command.get_subcommands({})) {
@@ -145,6 +181,9 @@ std::string bash_completion(const CLI::App& app) {
       "# bash completion for hotblade, made by `hotblade completion bash`\n_hotblade() {\n"
       "  local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\" path='' "
       "words='' values='' word\n"
+      "  local settings='" +
+      joined(setting_names()) +
+      "'\n"
       "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
       "    case \"$path $word\" in\n";
   for (const CLI::App* command : app.get_subcommands({})) {
@@ -159,12 +198,36 @@ std::string bash_completion(const CLI::App& app) {
     append_case(script, *command, command->get_name(), global);
   script +=
       "  esac\n"
-      "  if [[ -n $values ]]; then\n    COMPREPLY=($(compgen -W \"$values\" -- \"$current\"))\n"
+      "  [[ $values != \"$settings\" ]] || compopt -o nospace 2> /dev/null\n  if [[ -n $values ]]; then\n    "
+      "COMPREPLY=($(compgen -W \"$values\" -- \"$current\"))\n"
       "  elif [[ $current == -* || -z $path ]]; then\n    COMPREPLY=($(compgen -W \"$words\" -- "
       "\"$current\"))\n"
       "  else\n    COMPREPLY=($(compgen -W \"$words\" -- \"$current\") $(compgen -f -- \"$current\"))\n  "
       "fi\n}\n"
       "complete -o filenames -F _hotblade hotblade\n";
+  return script;
+}
+
+std::string zsh_completion(const CLI::App& app) {
+  return "#compdef hotblade\n# zsh completion for hotblade, made by `hotblade completion zsh`\n"
+         "autoload -U +X bashcompinit && bashcompinit\n" +
+         bash_completion(app);
+}
+
+std::string fish_completion(const CLI::App& app) {
+  std::string script = "# fish completion for hotblade, made by `hotblade completion fish`\n";
+  append_fish_options(script, app, "");
+  for (const CLI::App* command : app.get_subcommands({})) {
+    const std::string name = command->get_name();
+    script += "complete -c hotblade -n __fish_use_subcommand -f -a " + name + " -d " +
+              fish_quoted(command->get_description()) + "\n";
+    append_fish_options(script, *command, " -n '__fish_seen_subcommand_from " + name + "'");
+    for (const CLI::App* inner : command->get_subcommands({})) {
+      script += "complete -c hotblade -n '__fish_seen_subcommand_from " + name + "' -f -a " +
+                inner->get_name() + " -d " + fish_quoted(inner->get_description()) + "\n";
+      append_fish_options(script, *inner, " -n '__fish_seen_subcommand_from " + inner->get_name() + "'");
+    }
+  }
   return script;
 }
 

@@ -16,4 +16,8 @@ namespace hotblade::pipeline {
 // A bash script that completes commands, options, the values of options with a fixed choice, and file names.
 [[nodiscard]] std::string bash_completion(const CLI::App& app);
 
+// Returns the completion scripts for zsh, through its emulation of bash's, and for fish.
+[[nodiscard]] std::string zsh_completion(const CLI::App& app);
+[[nodiscard]] std::string fish_completion(const CLI::App& app);
+
 }  // namespace hotblade::pipeline

@@ -124,6 +124,9 @@ bool view_key(ViewState& state, std::string_view key) {
   return true;
 }
 
+constexpr std::array kOtherKeys{"h",   "question",     "F1",    "q", "bracketleft", "bracketright",
+                                "Tab", "ISO_Left_Tab", "Escape"};
+
 void other_key(ViewState& state, const ViewFacts& facts, std::string_view key) {
   if (key == "h" || key == "question" || key == "F1") state.help = !state.help;
   if (key == "q") state.closed = true;
@@ -143,6 +146,13 @@ void other_key(ViewState& state, const ViewFacts& facts, std::string_view key) {
 int ViewFacts::strip_at(double time_s) const {
   const auto after = std::upper_bound(strip_start_s.begin(), strip_start_s.end(), time_s);
   return std::clamp(static_cast<int>(after - strip_start_s.begin()) - 1, 0, std::max(0, strips() - 1));
+}
+
+bool is_key(std::string_view key) {
+  ViewState state;
+  return found(kLayerKeys, key) != kLayerKeys.end() || found(kColorKeys, key) != kColorKeys.end() ||
+         std::find(kOtherKeys.begin(), kOtherKeys.end(), key) != kOtherKeys.end() ||
+         time_key(state, {}, key) || clip_key(state, key) || view_key(state, key);
 }
 
 ViewState after_key(ViewState state, const ViewFacts& facts, std::string_view key) {

@@ -86,6 +86,9 @@ struct Picked {
 // pose that cut there and goes to its time. A click on nothing selects nothing.
 [[nodiscard]] ViewState after_pick(ViewState state, const ViewFacts& facts, const Picked& picked);
 
+// Whether a key of this name does something in the window.
+[[nodiscard]] bool is_key(std::string_view key);
+
 // The keys and what they do, for the help in the window; one line each.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> key_help();
 

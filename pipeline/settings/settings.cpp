@@ -313,6 +313,17 @@ toml::table parse_value(const std::string& value, const std::string& where) {
     const bool word = std::all_of(value.begin(), value.end(), [](char c) {
       return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == '/';
     });
+    const auto comma = value.find(',');
+    const bool decimal_comma =
+        comma != std::string::npos && value.find(',', comma + 1) == std::string::npos &&
+        std::all_of(value.begin(), value.end(), [](char c) {
+          return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == ',' || c == '-';
+        });
+    if (decimal_comma) {
+      std::string point = value;
+      point[comma] = '.';
+      fail(where, "(" + value + ") is no number: did you mean " + point + "?");
+    }
     if (!word) fail(where, "(" + value + ") is no TOML value: " + std::string(error.description()));
     toml::table table;
     table.insert("value", value);

@@ -76,10 +76,13 @@ TEST(Backend, VerifySaysWhyOpenClDidNotAnswer) {
   EXPECT_NE(verified.err.find("on the CPU"), std::string::npos) << verified.err;
 }
 
-TEST(Backend, AutoSaysWhatItPicked) {
+TEST(Backend, AutoSaysWhatItPickedWhenAsked) {
   const TemporaryDirectory files;
   const Ended planned = plan(files / "cut", "auto", "2");
-  EXPECT_NE(planned.err.find("distances to the design: "), std::string::npos) << planned.err;
+  EXPECT_EQ(planned.err.find("distances to the design: "), std::string::npos) << planned.err;
+  const Ended verified = hotblade(
+      {"verify", (files / "cut" / "program.json").string(), "--design", kSamples + "hypar.obj", "-v"});
+  EXPECT_NE(verified.err.find("distances to the design: "), std::string::npos) << verified.err;
 }
 
 }  // namespace

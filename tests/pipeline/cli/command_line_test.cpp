@@ -117,7 +117,7 @@ TEST_F(CommandLine, HelpSaysKindsOfValuesOnceAndForPeople) {
   EXPECT_THAT(ribs, HasSubstr("--format dxf|svg|csv|gcode REQUIRED"));
   EXPECT_THAT(ribs, HasSubstr("--tolerance MM (1e-06 - 100)"));
   EXPECT_THAT(hotblade({"sim", "--help"}).out, HasSubstr("--listen HOST:PORT=127.0.0.1:1502"));
-  EXPECT_THAT(hotblade({"plan", "--help"}).out, HasSubstr("--jobs INT (above 0)"));
+  EXPECT_THAT(hotblade({"plan", "--help"}).out, HasSubstr("--jobs INT (1 - 1024)"));
   EXPECT_THAT(hotblade({"completion", "man"}).out, HasSubstr("listen HOST:PORT"));
 }
 
@@ -396,6 +396,71 @@ TEST_F(CommandLine, PlanThatIsInterruptedExitsWith130AndLeavesNoProgram) {
   const Ended ended = program.wait();
   EXPECT_EQ(ended.code, 130) << ended.err;
   EXPECT_FALSE(std::filesystem::exists(files_ / "cut" / "program.json"));
+}
+
+// ---- slips of the keyboard ----
+
+TEST_F(CommandLine, SlipsAreAnsweredWithWhatWasMeant) {
+  const std::string obj = hotblade::testing::source_dir() + "/samples/hypar.obj";
+  const struct {
+    Words words;
+    const char* answer;
+  } slips[] = {
+      {{"plan", obj, "--unit=mm"}, "did you mean --units?"},
+      {{"plan", obj, "--units", "mm", "--tolerence", "2"}, "did you mean --tolerance?"},
+      {{"plan", obj, "one", "two", "three"}, "unexpected arguments: one two three"},
+      {{"plan", obj, "--units", "mm", "--jobs", "0"}, "1 to 1024"},
+      {{"plan", obj, "--units", "mm", "--tolerance", "1,5"}, "did you mean 1.5?"},
+      {{"config", "show", "--set", "blade.kerf_mm=1,25"}, "did you mean 1.25?"},
+      {{"preview", obj, "--units", "mm", "--keys", "foo", "--shot", "a.png"}, "unknown key (foo)"},
+      {{"preview", obj, "--units", "mm", "--shot", (files_ / "q.jpg").string()}, "write .png"},
+  };
+  for (const auto& slip : slips) {
+    const Ended ended = hotblade(slip.words);
+    EXPECT_EQ(ended.code, 2) << slip.answer;
+    EXPECT_THAT(ended.err, HasSubstr(slip.answer));
+    EXPECT_LT(ended.err.size(), 400u) << ended.err;
+  }
+  EXPECT_FALSE(std::filesystem::exists(files_ / "q.jpg"));
+}
+
+TEST_F(CommandLine, HelpOfACommandIsItsHelp) {
+  EXPECT_EQ(hotblade({"help", "plan"}).out, hotblade({"plan", "--help"}).out);
+  EXPECT_EQ(hotblade({"help", "curve", "fit"}).out, hotblade({"curve", "fit", "--help"}).out);
+  EXPECT_EQ(hotblade({"help"}).out, hotblade({"--help"}).out);
+}
+
+TEST_F(CommandLine, CompletionKnowsSettingsInEveryShell) {
+  for (const std::string shell : {"bash", "zsh", "fish"}) {
+    const Ended ended = hotblade({"completion", shell});
+    EXPECT_EQ(ended.code, 0);
+    EXPECT_THAT(ended.out, HasSubstr("machine.clamp_error_mm=")) << shell;
+    EXPECT_THAT(ended.out, HasSubstr("completion")) << shell;
+  }
+}
+
+TEST_F(CommandLine, PlanAndVerifyPrintJson) {
+  const auto directory = files_ / "cut";
+  const Ended planned = hotblade(plan_hypar(directory, {"--json"}));
+  ASSERT_EQ(planned.code, 0) << planned.err;
+  EXPECT_EQ(planned.out, testing::read_bytes(directory / "report.json"));
+  // The backend is told with -v alone.
+  EXPECT_THAT(planned.err, Not(HasSubstr("distances to")));
+  const Ended verified = hotblade({"verify", (directory / "program.json").string(), "--json", "--design",
+                                   hotblade::testing::source_dir() + "/samples/hypar.obj"});
+  EXPECT_EQ(verified.code, 0);
+  const auto json = nlohmann::json::parse(verified.out);
+  EXPECT_TRUE(json["within_tolerance"].get<bool>());
+  EXPECT_EQ(json["deviation_mm"]["max"], nlohmann::json::parse(planned.out)["deviation_mm"]["max"]);
+}
+
+TEST_F(CommandLine, AWarningIsPrintedOnceAndASizeInOtherUnits) {
+  write("speck.obj", "v 0 0 0\nv 0.9 0 0\nv 0.9 0.5 0\nv 0 0.5 0\nf 1 2 3 4\n");
+  const Ended ended = hotblade({"plan", (files_ / "speck.obj").string(), "--units", "mm", "-o",
+                                (files_ / "cut").string(), "--no-pictures"});
+  const std::string hint = "900 x 500 x 0 mm if in m";
+  ASSERT_THAT(ended.err, HasSubstr(hint));
+  EXPECT_EQ(ended.err.find(hint), ended.err.rfind(hint)) << ended.err;
 }
 
 }  // namespace

@@ -287,5 +287,18 @@ TEST(CurveCommand, SplitPiecesJoinAndStayWithinTheirBound) {
   EXPECT_LE(curve("split --tolerance 20 --candidates 12", hook).lines.at(0)["pieces"].size(), pieces.size());
 }
 
+TEST(CurveCommand, ALinesIdComesBackWithItsAnswer) {
+  const Answers a = curve("residual", R"({"id":"arch 7","bezier":[[0,0],[0.2,0.5],[0.8,0.5],[1,0]]})"
+                                      "\n"
+                                      R"({"id":8,"bezier":[[0,0],[1,1]]})"
+                                      "\n" +
+                                          std::string(kArch) + "\n");
+  ASSERT_EQ(a.lines.size(), 3u);
+  EXPECT_EQ(a.lines[0]["id"], "arch 7");
+  EXPECT_EQ(a.lines[1]["id"], 8);
+  EXPECT_TRUE(a.lines[1].contains("error"));
+  EXPECT_FALSE(a.lines[2].contains("id"));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
