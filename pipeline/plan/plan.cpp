@@ -495,10 +495,11 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
 
 // What is refused with its ribs fitted one by one may pass with each strip as one swept family: the first
 // such plan that passes is taken.
-void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                 Stopwatch& watch, PlanResult& result) {
-  if (result.refusals.empty() || settings.slice.fan_axis) return;
-  hooks.progress("sweep", 0.3);
+  bool taken = false;
+  if (settings.slice.fan_axis) return false;
+  hooks.progress("sweep", 0.05);
   search_sweeps(design, settings, [&](const SweptPlan& swept) {
     watch.lap("sweep");
     check_interrupt(hooks);
@@ -510,8 +511,27 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     other.times = std::move(result.times);
     result = std::move(other);
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
-    return true;
+    return taken = true;
   });
+  return taken;
+}
+
+// Ribs fitted one by one, in the best directions.
+void try_ribs(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+              Stopwatch& watch, PlanResult& result) {
+  hooks.progress("direction", 0.05);
+  try {
+    result.ranking = rank_directions(design, settings);
+  } catch (const surface::FanError& error) {
+    throw Error(ErrorKind::kNotCuttable, error.what());
+  }
+  watch.lap("direction");
+  hooks.progress("slice", 0.25);
+  check_interrupt(hooks);
+  plan_along(0, design, settings, hooks, watch, result);
+  try_others(design, settings, hooks, watch, result);
+  result.decisions.push_back(decision_of("ribs", result));
+  result.decisions.back().taken = true;
 }
 
 }  // namespace
@@ -530,20 +550,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.blade = settings.blade;
   program.settings = settings;
   Stopwatch watch(result.times);
-  hooks.progress("direction", 0.05);
-  try {
-    result.ranking = rank_directions(design, settings);
-  } catch (const surface::FanError& error) {
-    throw Error(ErrorKind::kNotCuttable, error.what());
-  }
-  watch.lap("direction");
-  hooks.progress("slice", 0.25);
-  check_interrupt(hooks);
-  plan_along(0, design, settings, hooks, watch, result);
-  try_others(design, settings, hooks, watch, result);
-  result.decisions.push_back(decision_of("ribs", result));
-  result.decisions.back().taken = true;
-  try_sweeps(design, settings, hooks, watch, result);
+  if (!try_sweeps(design, settings, hooks, watch, result)) try_ribs(design, settings, hooks, watch, result);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;
