@@ -22,6 +22,7 @@
 #include "pipeline/verify/foam_share.hpp"
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
+#include "robot/blade/blade_section.hpp"
 #include "surface/slice/slice.hpp"
 
 namespace hotblade::pipeline {
@@ -340,7 +341,8 @@ void judge(const Settings& settings, PlanResult& result) {
     result.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
   }
   for (const StripFacts& f : result.strips) {
-    const double together = f.deviation_max_mm + f.droop_error_mm + f.motion.in_plane_sag_mm;
+    const double together =
+        f.deviation_max_mm + robot::kSagUnknownShare * (f.droop_error_mm + f.motion.in_plane_sag_mm);
     if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
       continue;
     result.refusals.push_back({f.id, "", Limit::kDeviationWithSag, together, settings.design.tolerance_mm});
@@ -380,8 +382,8 @@ void warn_of_facets(const surface::DesignSurface& design, const Settings& settin
 PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
   PoseErrors share;
   for (const StripFacts& f : strips) {
-    share.droop_mm = std::max(share.droop_mm, f.droop_error_mm);
-    share.in_plane_mm = std::max(share.in_plane_mm, f.motion.in_plane_sag_mm);
+    share.droop_mm = std::max(share.droop_mm, robot::kSagUnknownShare * f.droop_error_mm);
+    share.in_plane_mm = std::max(share.in_plane_mm, robot::kSagUnknownShare * f.motion.in_plane_sag_mm);
     share.clamp_mm = std::max(share.clamp_mm, f.motion.clamp_error_mm);
     share.joint_fit_mm = std::max(share.joint_fit_mm, f.joint_fit_mm);
     share.off_plane_mm = std::max(share.off_plane_mm, f.motion.off_plane_mm);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "elastica/blade/continuation.hpp"
@@ -11,6 +12,7 @@
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/as_cut.hpp"
 #include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/hanging.hpp"
 #include "robot/pose/motion.hpp"
 
 namespace hotblade::pipeline {
@@ -19,16 +21,59 @@ namespace {
 
 using Points = std::vector<Eigen::Vector3d>;
 
+// How the blade hangs that cuts a rib. A program without a pose for the rib does not say.
+class HangingRib {
+ public:
+  HangingRib(const Strip& strip, int rib, const robot::Blade& section) {
+    const auto pose = std::find_if(strip.poses.begin(), strip.poses.end(),
+                                   [&](const BladePose& p) { return p.rib == rib; });
+    frame_ = strip.ribs[static_cast<std::size_t>(rib)].frame;
+    if (pose == strip.poses.end()) return;
+    frame_ = pose->frame;
+    sag_ = hanging(pose->blade, frame_, strip.design_to_cell, section);
+    for (const auto& q : elastica::sample(pose->blade, elastica::kGravityCells + 1))
+      nodes_.push_back(frame_.point(q.x, q.y));
+  }
+
+  // At the blade's point nearest to p.
+  [[nodiscard]] Hang at(const Eigen::Vector3d& p) const {
+    if (nodes_.empty()) return {Eigen::Vector3d::Zero(), frame_.normal()};
+    double nearest = std::numeric_limits<double>::infinity(), share = 0;
+    Eigen::Vector3d along = frame_.x;
+    for (std::size_t k = 0; k + 1 < nodes_.size(); ++k) {
+      const Eigen::Vector3d way = nodes_[k + 1] - nodes_[k];
+      const double t = std::clamp((p - nodes_[k]).dot(way) / way.squaredNorm(), 0.0, 1.0);
+      const double away = (p - nodes_[k] - t * way).squaredNorm();
+      if (!(away < nearest)) continue;
+      nearest = away;
+      share = (static_cast<double>(k) + t) / elastica::kGravityCells;
+      along = way.normalized();
+    }
+    return hang_of(sag_.at(share), frame_, {along.dot(frame_.x), along.dot(frame_.y)});
+  }
+
+ private:
+  Frame frame_;
+  robot::SagProfile sag_;
+  Points nodes_;
+};
+
 // Largest distance of centre-line points, brought back by half the melted band, from the design.
 class RibMeasure {
  public:
   RibMeasure(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
       : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices(), mesh_.triangles(), backend) {}
 
-  // Of what lies on the design or no farther than `reach_mm` past its border.
-  [[nodiscard]] double deviation_mm(const Points& points, const Eigen::Vector3d& plane_normal,
-                                    double reach_mm) const {
+  // Of what lies on the design or no farther than `edge_mm` past its border, moved as the blade hangs.
+  [[nodiscard]] double deviation_mm(const Points& in_plane, const HangingRib& rib, double edge_mm) const {
     double worst = 0;
+    Points points;
+    std::vector<Eigen::Vector3d> plane_normals;
+    for (const Eigen::Vector3d& p : in_plane) {
+      const Hang hang = rib.at(p);
+      points.push_back(p + hang.shift_mm);
+      plane_normals.push_back(hang.plane_normal);
+    }
     const std::vector<gpu::Nearest> nearest = to_design_.query(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto& t = mesh_.triangles()[static_cast<std::size_t>(nearest[i].triangle)];
@@ -37,8 +82,8 @@ class RibMeasure {
       // Across the design's plane: a rib may end a little beyond the border.
       const Eigen::Vector3d d = points[i] - nearest[i].point;
       const double across = std::abs(n.dot(d));
-      if ((d - n.dot(d) * n).norm() > reach_mm) continue;
-      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normal)));
+      if ((d - n.dot(d) * n).norm() > edge_mm) continue;
+      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normals[i])));
     }
     return worst;
   }
@@ -57,7 +102,6 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
                      const VerifyOptions& options) {
   constexpr int kSamples = 129;
   const RibMeasure measure(program, design, options.backend);
-  const double reach_mm = options.reach * options.tolerance_mm;
   RibErrors errors;
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) {
@@ -65,9 +109,9 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
       for (const Eigen::Vector2d& q : rib.target) target.push_back(rib.frame.point(q.x(), q.y()));
       for (const auto& q : elastica::sample(rib.elastica, kSamples))
         curve.push_back(rib.frame.point(q.x, q.y));
-      const Eigen::Vector3d normal = rib.frame.normal();
-      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, normal, reach_mm));
-      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, normal, reach_mm));
+      const HangingRib hung(strip, static_cast<int>(&rib - strip.ribs.data()), program.blade);
+      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, hung, options.edge_mm));
+      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, hung, options.edge_mm));
       errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
     }
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "pipeline/verify/hanging.hpp"
 
 namespace hotblade::pipeline {
 
@@ -91,19 +92,53 @@ void for_rows(const StripGrid& grid, const Work& work) {
   });
 }
 
-// Blade points, curvatures, and in place of the normals the directions left of the blade.
-void place_rows(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
+// How the blades of some rows hang. Solved at every few rows: between them the shape hardly changes, and the
+// sag with it.
+class HangingRows {
+ public:
+  HangingRows(std::span<const BladePose* const> rows, const Strip& strip, const robot::Blade& blade) {
+    for (std::size_t i = 0;; i = std::min(i + kStep, rows.size() - 1)) {
+      profiles_.push_back(hanging(rows[i]->blade, rows[i]->frame, strip.design_to_cell, blade));
+      at_.push_back(i);
+      if (i + 1 == rows.size()) break;
+    }
+  }
+
+  [[nodiscard]] robot::SagProfile::Value at(std::size_t row, double share) const {
+    const std::size_t k = std::min(row / kStep, at_.size() - 1);
+    const robot::SagProfile::Value p = profiles_[k].at(share);
+    if (at_[k] == row) return p;
+    const robot::SagProfile::Value q = profiles_[k + 1].at(share);
+    const double t = static_cast<double>(row - at_[k]) / static_cast<double>(at_[k + 1] - at_[k]);
+    return {(1 - t) * p.droop_mm + t * q.droop_mm, (1 - t) * p.twist_rad + t * q.twist_rad,
+            (1 - t) * p.in_plane_mm + t * q.in_plane_mm};
+  }
+
+ private:
+  static constexpr std::size_t kStep = 8;
+  std::vector<robot::SagProfile> profiles_;
+  std::vector<std::size_t> at_;
+};
+
+// Points of the hanging blade, curvatures, and in place of the normals the directions left of the blade.
+void place_rows(const Program& program, const Strip& strip, const StripGrid& grid, std::size_t from,
+                std::size_t to, SweptSurface& out) {
   const auto some = std::span(grid.rows).subspan(from, to - from);
   const elastica::PartPoints on = points_in_foam(some, grid.columns);
+  const HangingRows hung(some, strip, program.blade);
   std::size_t v = grid.first_vertex + from * grid.columns;
   for (std::size_t i = 0; i < some.size(); ++i) {
     const Frame& frame = some[i]->frame;
-    const Eigen::Vector3d plane = frame.normal();
-    for (std::size_t n = i * grid.columns; n < (i + 1) * grid.columns; ++n, ++v) {
-      out.vertices[v] = frame.point(on.x[n], on.y[n]);
+    const auto& [first, last] = *some[i]->foam;
+    for (std::size_t j = 0; j < grid.columns; ++j, ++v) {
+      const std::size_t n = i * grid.columns + j;
+      const double s = first + (last - first) * static_cast<double>(j) / static_cast<double>(grid.columns - 1);
+      const Hang hang =
+          hang_of(hung.at(i, s / some[i]->blade.length), frame, Eigen::Vector2d(on.cos[n], on.sin[n]));
+      out.vertices[v] = frame.point(on.x[n], on.y[n]) + hang.shift_mm;
       out.curvature_per_mm[v] = std::abs(on.curvature[n]);
       out.normals[v] = -on.sin[n] * frame.x + on.cos[n] * frame.y;
-      out.plane_normals[v] = plane;
+      out.plane_normals[v] = hang.plane_normal;
     }
   }
 }
@@ -150,7 +185,8 @@ unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t colum
 }
 
 void add_strip(const Program& program, std::size_t index, const StripGrid& grid, SweptSurface& out) {
-  for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(grid, from, to, out); });
+  const Strip& strip = program.strips[index];
+  for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(program, strip, grid, from, to, out); });
   // Normals first, from the blade's points; then these move to the melted band's edge.
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {

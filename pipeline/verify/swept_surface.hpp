@@ -1,5 +1,5 @@
-// The surface that a program leaves on the kept foam: blade positions over the cut, moved to the edge of the
-// melted band.
+// The surface that a program leaves on the kept foam: positions of the hanging blade over the cut, moved to the
+// edge of the melted band.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,7 +23,7 @@ struct SweptSurface {
   std::vector<int> strip_of_vertex;            // index into program.strips
   std::vector<int> pose_of_vertex;             // index into its strip's poses
   std::vector<double> curvature_per_mm;        // of the blade there, without sign
-  std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+  std::vector<Eigen::Vector3d> plane_normals;  // unit, along the blade's width
   // The sides of its strip's surface that a vertex lies on, a bit each; an edge whose ends share one is the
   // strip's edge.
   std::vector<unsigned char> sides_of_vertex;

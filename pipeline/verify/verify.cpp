@@ -213,7 +213,7 @@ class CutMeasurement {
     if (border_->holds(on_design)) {
       const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
-      c.beyond = (d - n.dot(d) * n).norm() > near();
+      c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
     const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
     const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);

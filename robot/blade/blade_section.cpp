@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "elastica/blade/blade_batch.hpp"
 
@@ -22,6 +23,9 @@ NodeRange nodes(double length, double s0, double s1) {
   const double last = std::clamp(std::ceil(s1 / length * cells), first, cells);
   return {static_cast<std::size_t>(first), static_cast<std::size_t>(last)};
 }
+
+// Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
+constexpr double kLevel = 1e-9;
 
 }  // namespace
 
@@ -91,8 +95,6 @@ std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, con
   std::vector<BladeSag> sags;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     BladeSag& sag = sags.emplace_back(BladeSag{reach[i].shift, reach[i].twist, 0, reach[i].stable});
-    // Level planes carry no weight in the plane; rounding of a frame's axes is not worth a solve.
-    constexpr double kLevel = 1e-9;
     const Eigen::Vector2d in_plane = places[i].down.head<2>();
     if (in_plane.norm() <= kLevel) continue;
     const elastica::PlaneShift shift = elastica::plane_shift(shapes[i], load * in_plane);
@@ -100,6 +102,26 @@ std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, con
       sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[k].norm());
   }
   return sags;
+}
+
+SagProfile::Value SagProfile::at(double share) const {
+  const double place = std::clamp(share, 0.0, 1.0) * elastica::kGravityCells;
+  const auto k = std::min(static_cast<std::size_t>(place), std::size_t{elastica::kGravityCells - 1});
+  const double t = place - static_cast<double>(k);
+  const auto between = [&](const auto& values) { return (1 - t) * values[k] + t * values[k + 1]; };
+  return {between(droop_mm), between(twist_rad), between(in_plane_mm)};
+}
+
+SagProfile sag_profile(const elastica::Elastica& shape, const Blade& blade, const Eigen::Vector3d& down) {
+  const double load = weight_n_mm(blade) / bending_stiffness_n_mm2(blade);
+  elastica::Droop droop = elastica::droop(shape, load * down.z(), stiffness_ratios(blade));
+  SagProfile profile{std::move(droop.shift), std::move(droop.twist), {}, droop.stable};
+  if (down.head<2>().norm() <= kLevel) {
+    profile.in_plane_mm.assign(profile.droop_mm.size(), Eigen::Vector2d::Zero());
+  } else {
+    profile.in_plane_mm = elastica::plane_shift(shape, load * down.head<2>()).shift;
+  }
+  return profile;
 }
 
 }  // namespace hotblade::robot

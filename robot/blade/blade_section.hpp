@@ -65,4 +65,25 @@ struct SagPlace {
 [[nodiscard]] std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, const Blade& blade,
                                                std::span<const SagPlace> places);
 
+// Share of a sag that is not known beforehand. The modulus of spring steel falls by a tenth at 300 degrees
+// and a fifth at 450, and 2 % of thickness are 6 % of stiffness.
+inline constexpr double kSagUnknownShare = 0.2;
+
+// The same at elastica::kGravityCells + 1 evenly spaced points of the whole blade: how a blade hangs.
+struct SagProfile {
+  std::vector<double> droop_mm;  // along the plane's normal, x cross y
+  std::vector<double> twist_rad;
+  std::vector<Eigen::Vector2d> in_plane_mm;  // on the elastica's axes
+  bool stable = true;                        // false: the profile means nothing
+
+  struct Value {
+    double droop_mm = 0, twist_rad = 0;
+    Eigen::Vector2d in_plane_mm{0, 0};
+  };
+  // Between the points linearly; `share` of the length, clamped to [0, 1].
+  [[nodiscard]] Value at(double share) const;
+};
+[[nodiscard]] SagProfile sag_profile(const elastica::Elastica& shape, const Blade& blade,
+                                     const Eigen::Vector3d& down);
+
 }  // namespace hotblade::robot

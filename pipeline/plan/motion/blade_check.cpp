@@ -17,6 +17,7 @@
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/verify/clamp_error.hpp"
+#include "pipeline/verify/hanging.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -259,11 +260,6 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
 }
 
 }  // namespace
-
-Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame) {
-  const Eigen::Vector3d down = design_to_cell.q.conjugate() * -Eigen::Vector3d::UnitZ();
-  return {down.dot(frame.x), down.dot(frame.y), down.dot(frame.normal())};
-}
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const robot::Blade& blade = settings.blade;

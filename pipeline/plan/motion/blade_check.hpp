@@ -6,9 +6,6 @@
 
 namespace hotblade::pipeline {
 
-// Returns gravity along a frame's x, y and x cross y, for a strip on the table: a unit vector.
-[[nodiscard]] Eigen::Vector3d down_in_plane(const Pose& design_to_cell, const Frame& frame);
-
 // Fills the loads of motion.poses and the extremes of `motion`, and adds a refusal for each limit that a pose
 // exceeds, of the pose where it is worst.
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion);

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <utility>
 
-#include "elastica/blade/stability.hpp"
 #include "pipeline/plan/direction/body_axes.hpp"
 #include "pipeline/plan/sweep/sweep_strip.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -45,15 +45,15 @@ const Effort& close() {
   static const Effort effort{7, 16, 35, {2, 8}, 15};
   return effort;
 }
-const Effort& final_effort(int coefficients) {
-  static const Effort few{7, 40, 20, {2, 4, 8, 16}, 20}, some{10, 40, 20, {2, 4, 8, 16}, 20},
-      many{14, 48, 20, {2, 4, 8, 16}, 20};
-  return coefficients <= 7 ? few : coefficients <= 10 ? some : many;
+Effort final_effort(int coefficients) {
+  return {coefficients, coefficients > 10 ? 48 : 40, 20, {2, 4, 8, 16}, 20};
 }
 
 // A fit, what weight moves the cut where the design is steepest, and how stable its blade is.
 struct PartFit : SweepFitReport {
   double sag_mm = 0, margin = 0;
+  std::shared_ptr<const SweepSag> formed_by;  // what the fitted sections were moved by; none: weightless
+  std::shared_ptr<const SweepSag> sag;        // of the fit itself
 };
 
 // One direction and split, with a fit of each part.
@@ -178,7 +178,7 @@ class Search {
 
   // Foam between a rib's end and its clamp, and a little more.
   [[nodiscard]] double clear_mm() const {
-    constexpr double kReserve = 1.05, kMoreMm = 4;
+    constexpr double kReserve = 1.05, kMoreMm = 1;
     return settings_.stock.border_mm + kReserve * settings_.stock.clearance_mm + kMoreMm;
   }
 
@@ -204,8 +204,10 @@ class Search {
   [[nodiscard]] std::optional<PartFit> fit_part(const SweepFrame& frame, const SweepWindow& window,
                                                 const Effort& effort, const PartFit* start,
                                                 double calm) const {
+    const std::shared_ptr<const SweepSag> formed_by = start && start->sag->stable() ? start->sag : nullptr;
     const SweepData data = sweep_sections(
-        surface_, frame, section_options(settings_, window, effort.sections, effort.sample_mm));
+        surface_, frame,
+        section_options(settings_, window, effort.sections, effort.sample_mm, formed_by.get()));
     if (data.sections.empty() || data.steepest_rad > kMaxSlopeRad || !block_fits(data)) return std::nullopt;
     SweepFitOptions options;
     options.coefficients = effort.coefficients;
@@ -230,50 +232,37 @@ class Search {
       if (blade == 0) return std::nullopt;
       if (fit && blade <= options.blade_length_mm) break;
       options.blade_length_mm = blade;
-      const SweepFamily* from = fit ? &fit->family : start ? &start->family : nullptr;
-      fit = PartFit{fit_sweep(data, options, from)};
+      const std::optional<SweepFamily> from = fit     ? std::optional(fit->family)
+                                              : start ? std::optional(start->family)
+                                                      : std::nullopt;
+      fit.emplace();
+      static_cast<SweepFitReport&>(*fit) = fit_sweep(data, options, from ? &*from : nullptr);
       rib = rib_length(*fit);
       // Ends that leave the block steeply are longer.
       if (fit->clamp_depth_mm > kDeep_mm && blade < settings_.blade.free_lengths_mm.back())
         rib = std::max(rib, blade - 2 * clear_mm() + 1);
     }
-    weigh(*fit, options.blade_length_mm, data.steepest_rad);
+    fit->formed_by = formed_by;
+    weigh(*fit, {options.blade_length_mm, 0.5 * options.blade_length_mm}, data.steepest_rad);
     return fit;
   }
 
-  // Sag and margin at both ends and in the middle of a strip whose planes lie level.
-  void weigh(PartFit& fit, double blade_mm, double steepest_rad) const {
-    double droop = 0, twist = 0;
-    fit.sag_mm = fit.margin = kInfinite;
-    for (const double share : {0.05, 0.5, 0.95}) {
-      const SweepFamily& family = fit.family;
-      const double offset = family.first_mm + share * (family.last_mm - family.first_mm);
-      const elastica::MidState mid = family.mid_state(offset, blade_mm);
-      if (winds_up(mid, blade_mm)) {
-        fit.margin = -kInfinite;
-        return;
-      }
-      const elastica::Elastica blade = from_mid_state(mid);
-      fit.margin = std::min(fit.margin, elastica::stability_margin(blade));
-      const robot::BladeSag sag =
-          robot::blade_sag(blade, settings_.blade, -Vector3d::UnitZ(), 0.5 * blade_mm + fit.arc_low_mm,
-                           0.5 * blade_mm + fit.arc_high_mm);
-      if (!sag.stable) return;
-      droop = std::max(droop, sag.droop_mm);
-      twist = std::max(twist, sag.twist_rad);
-    }
-    fit.sag_mm = droop * std::sin(steepest_rad) + 0.5 * settings_.blade.width_mm * twist;
+  // Sag and margin of a strip whose planes lie level.
+  void weigh(PartFit& fit, const SweepBlade& blade, double steepest_rad) const {
+    fit.sag = std::make_shared<SweepSag>(fit.family, blade, settings_.blade);
+    fit.margin = fit.sag->smallest_margin();
+    fit.sag_mm = fit.sag->moved_mm(fit.arc_low_mm, fit.arc_high_mm, steepest_rad);
   }
 
   static double rib_length(const SweepFitReport& fit) {
     return 2 * std::max(-fit.arc_low_mm, fit.arc_high_mm);
   }
 
-  // How bad a fit is: its deviation, and how far its blade misses its limits.
+  // How bad a fit is: its deviation, what of its sag is not known, and how far its blade misses its limits.
   [[nodiscard]] double badness(const PartFit& fit) const {
     constexpr double kPerMm = 0.1, kUnstable = 2;  // the latter in tolerances: a split may well cure it
     const bool stable = std::isfinite(fit.sag_mm) && fit.margin >= settings_.blade.min_margin;
-    const double sag = stable ? fit.sag_mm : kUnstable * tolerance();
+    const double sag = stable ? robot::kSagUnknownShare * fit.sag_mm : kUnstable * tolerance();
     const double sharp = 1 - fit.smallest_radius_mm * max_curvature_per_mm(settings_.blade);
     return fit.max_mm + sag + kPerMm * fit.clamp_depth_mm + 100 * std::max(0.0, sharp);
   }
@@ -349,36 +338,62 @@ class Search {
     return best;
   }
 
-  // Closer and closer fits, until a strip deviates by no more than it may; calmer ones where the blade does
+  // Closer and closer fits with more and more ribs, as long as these help; calmer ones where the blade does
   // not serve.
   [[nodiscard]] SweptPlan plan_of(const Candidate& candidate) const {
-    constexpr double kWanted = 0.5;  // of the tolerance
+    // Of what one rib may deviate: edges, corners and what lies between samples have the rest.
+    constexpr double kWanted = 0.5;
+    constexpr double kHelps = 0.8;    // of the deviation before
     SweptPlan best{
         candidate.normal, candidate.parts.along_sweep, candidate.parts.along_ribs, kInfinite, 0, {}, {}};
     for (const double calm : {1.0, 6.0}) {
       Candidate fit = candidate;
-      for (const int coefficients : {7, 10, 14}) {
-        fit = fitted(candidate.normal, candidate.named, candidate.parts, final_effort(coefficients), calm,
-                     &fit);
+      for (const int coefficients : {5, 7, 10, 14}) {
+        const Effort effort = final_effort(coefficients);
+        fit = fitted(candidate.normal, candidate.named, candidate.parts, effort, calm, &fit);
         if (!std::isfinite(fit.deviation_mm)) break;
-        SweptPlan plan = strips_of(fit);
-        const bool better = std::pair(plan.strips.empty(), plan.deviation_mm) <
-                            std::pair(best.strips.empty(), best.deviation_mm);
-        if (better) best = std::move(plan);
-        if (!best.strips.empty() && best.deviation_mm <= kWanted * tolerance()) return best;
+        SweptPlan plan = strips_of(fit, effort, calm);
+        const double before = best.strips.empty() ? kInfinite : best.deviation_mm;
+        if (plan.strips.empty() && best.strips.empty() && !(plan.deviation_mm > best.deviation_mm)) best = plan;
+        if (!plan.strips.empty() && plan.deviation_mm < kHelps * before) best = std::move(plan);
+        if (best.strips.empty()) continue;
+        if (best.deviation_mm <= kWanted * settings_.fit.deviation_share * tolerance()) return best;
       }
       if (!best.strips.empty()) return best;
     }
     return best;
   }
 
-  [[nodiscard]] SweptPlan strips_of(const Candidate& fit) const {
-    SweptPlan plan{fit.normal, fit.parts.along_sweep, fit.parts.along_ribs, 0, 0, {}, {}};
-    const surface::PlaneFamily planes = surface::parallel_about(mesh_, fit.normal);
-    for (std::size_t i = 0; i < fit.fits.size(); ++i) {
-      plan.deviation_mm = std::max(plan.deviation_mm, fit.fits[i].max_mm);
-      plan.sag_mm = std::max(plan.sag_mm, fit.fits[i].sag_mm);
-      SweptStrip made = make_swept_strip(surface_, planes, fit.windows[i], fit.fits[i], settings_);
+  // A strip whose blade is not the one that its sections were moved for is fitted once more.
+  [[nodiscard]] SweptStrip strip_of(const surface::PlaneFamily& planes, const SweepWindow& window,
+                                    const Effort& effort, double calm, PartFit& fit) const {
+    constexpr int kLooks = 3;
+    constexpr double kSameBladeMm = 5;
+    SweptStrip made;
+    for (int look = 0; look < kLooks; ++look) {
+      made = make_swept_strip(surface_, planes, window, fit, fit.formed_by.get(), settings_);
+      if (!made.strip) return made;
+      const SweepBlade was = fit.formed_by ? fit.formed_by->blade() : SweepBlade{};
+      if (std::abs(was.length_mm - made.blade.length_mm) <= kSameBladeMm &&
+          std::abs(was.before_mm - made.blade.before_mm) <= kSameBladeMm)
+        return made;
+      PartFit start = fit;
+      start.sag = std::make_shared<SweepSag>(fit.family, made.blade, settings_.blade);
+      const auto again = fit_part(frame_of(planes.normal(0)), window, effort, &start, calm);
+      if (!again) return made;
+      fit = *again;
+    }
+    return made;
+  }
+
+  [[nodiscard]] SweptPlan strips_of(const Candidate& fitted, const Effort& effort, double calm) const {
+    SweptPlan plan{fitted.normal, fitted.parts.along_sweep, fitted.parts.along_ribs, 0, 0, {}, {}};
+    const surface::PlaneFamily planes = surface::parallel_about(mesh_, fitted.normal);
+    for (std::size_t i = 0; i < fitted.fits.size(); ++i) {
+      PartFit fit = fitted.fits[i];
+      SweptStrip made = strip_of(planes, fitted.windows[i], effort, calm, fit);
+      plan.deviation_mm = std::max(plan.deviation_mm, fit.max_mm);
+      plan.sag_mm = std::max(plan.sag_mm, fit.sag_mm);
       if (!made.strip) {
         plan.refusal = made.refusal;
         plan.refusal->strip = fmt::format("S{:03}", i + 1);

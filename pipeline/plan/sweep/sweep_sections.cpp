@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <utility>
 
 namespace hotblade::pipeline {
@@ -32,10 +33,16 @@ MovedVertex moved(const Vector3d& point, const Vector3d& normal, const SweepFram
   const auto in_frame = [&](const Vector3d& d) -> Vector3d {
     return {d.dot(frame.x), d.dot(frame.y), d.dot(frame.sweep)};
   };
-  const double along = normal.dot(frame.sweep);
-  const double half_band = 0.5 * (options.kerf_mm + options.width_mm * std::abs(along));
-  const Vector3d own = in_frame(point - frame.centre);
-  return {own + half_band * in_frame(normal), own, along};
+  const Vector3d own = in_frame(point - frame.centre), n = in_frame(normal);
+  const auto band = [&](double across) { return 0.5 * (options.kerf_mm + options.width_mm * std::abs(across)); };
+  Vector3d at = own + band(n.z()) * n;
+  if (options.sag) {
+    const SweepSag::Value sag = options.sag->at(at.z(), at.x());
+    // The width stands along the planes' normal, turned by the twist away from the curve's left.
+    const double left = n.y() * std::cos(sag.theta) - n.x() * std::sin(sag.theta);
+    at = own + band(n.z() - sag.twist_rad * left) * n - Vector3d(0, 0, sag.droop_mm);
+  }
+  return {at, own, n.z()};
 }
 
 std::vector<double> section_offsets(double first, double last, int count) {
@@ -98,6 +105,24 @@ std::vector<std::pair<int, int>> border_edges(const surface::TriangleMesh& mesh)
   return border;
 }
 
+// Where two edges of the border meet and turn by more than this, a fit is farthest off soon.
+std::vector<int> corners_of(const std::vector<Vector3d>& points,
+                            const std::vector<std::pair<int, int>>& border) {
+  constexpr double kSharp_rad = 0.5;
+  std::map<int, std::vector<int>> beside;
+  for (const auto& [a, b] : border) {
+    beside[a].push_back(b);
+    beside[b].push_back(a);
+  }
+  const auto at = [&](int i) -> const Vector3d& { return points[static_cast<std::size_t>(i)]; };
+  std::vector<int> corners;
+  for (const auto& [v, next] : beside) {
+    if (next.size() != 2) continue;
+    if (std::numbers::pi - angle_at(at(v), at(next[0]), at(next[1])) > kSharp_rad) corners.push_back(v);
+  }
+  return corners;
+}
+
 class Slicer {
  public:
   Slicer(const WasteSurface& surface, const SweepFrame& frame, const SweepSectionOptions& options)
@@ -114,6 +139,7 @@ class Slicer {
     for (const double offset : options_.extra_mm) {
       if (offset > first_ && offset < last_) offsets_.push_back(offset);
     }
+    add_corners();
     std::sort(offsets_.begin(), offsets_.end());
     offsets_.erase(std::unique(offsets_.begin(), offsets_.end()), offsets_.end());
     thinned_.assign(offsets_.size(), Thinned(options_.sample_mm));
@@ -130,6 +156,20 @@ class Slicer {
  private:
   [[nodiscard]] const MovedVertex& vertex(std::size_t triangle, std::size_t corner) const {
     return vertices_[static_cast<std::size_t>(surface_.triangles[triangle][corner % 3])];
+  }
+
+  // Sections close to each corner, on both sides of it. A border that is all corners is met often enough.
+  void add_corners() {
+    constexpr std::size_t kMostCorners = 12;
+    constexpr double kBesideMm = 0.5;
+    if (surface_.corners.size() > kMostCorners) return;
+    for (const int corner : surface_.corners) {
+      const Vector3d& at = vertices_[static_cast<std::size_t>(corner)].at;
+      if (at.x() < options_.window.low_mm || at.x() > options_.window.high_mm) continue;
+      for (const double offset : {at.z() - kBesideMm, at.z() + kBesideMm}) {
+        if (offset > first_ && offset < last_) offsets_.push_back(offset);
+      }
+    }
   }
 
   // Triangles that reach into the window; cut() drops the points outside.
@@ -227,7 +267,9 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   WasteSurface surface{{vertices.begin(), vertices.end()},
                        std::vector<Vector3d>(vertices.size(), Vector3d::Zero()),
                        {triangles.begin(), triangles.end()},
-                       border_edges(mesh)};
+                       border_edges(mesh),
+                       {}};
+  surface.corners = corners_of(surface.points, surface.border);
   for (const auto& t : triangles) {
     const auto corner = [&](std::size_t c) -> const Vector3d& {
       return vertices[static_cast<std::size_t>(t[c % 3])];

@@ -4,8 +4,9 @@
 // A point P with unit normal n towards the waste is formed by a blade whose middle line passes
 //   T = P + (kerf + width |n . N|) / 2 n,
 // N being the planes' normal: the melted band is that wide across a slope, and the kept side follows its edge.
-// T is moved in space, so its place along the sweep moves as well. Sections are taken of the moved surface:
-// the points of one section lie in one plane and are followed by one elastica.
+// T is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a place
+// higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved surface: the
+// points of one section lie in one plane and are followed by one elastica.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/plan/sweep/sweep_sag.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -23,6 +25,7 @@ struct WasteSurface {
   std::vector<Eigen::Vector3d> points, normals;
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::pair<int, int>> border;  // edges of one face, the smaller index first; ascending
+  std::vector<int> corners;                 // vertices at which the border turns sharply; ascending
 };
 
 // Normals are the faces', weighted by their angles at the vertex. `side` is +1 where the waste lies on the
@@ -61,6 +64,7 @@ struct SweepSectionOptions {
   double sample_mm = 20;             // samples of a section are about this far apart; border points are all taken
   SweepWindow window = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
+  const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
 };
 
 struct SweepData {
@@ -70,7 +74,8 @@ struct SweepData {
   Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  // corners of the design's part, not moved: x, y, along the sweep
 };
 
-// Sections at both ends, close to them, and evenly between; no section where there is no design. The result
+// Sections at both ends, close to them and to the corners, and evenly between; no section where there is no
+// design. The result
 // does not depend on the order of triangles but for ties. Empty sections where nothing lies in the window.
 [[nodiscard]] SweepData sweep_sections(const WasteSurface& surface, const SweepFrame& frame,
                                        const SweepSectionOptions& options);

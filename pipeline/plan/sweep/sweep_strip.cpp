@@ -6,6 +6,7 @@
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
 #include "pipeline/plan/strips/share_strip.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
@@ -56,16 +57,17 @@ std::vector<Vector2d> even_points(const std::vector<Foot>& feet) {
 class StripMaker {
  public:
   StripMaker(const WasteSurface& surface, const SweepWindow& window, const SweepFrame& frame,
-             const SweepFitReport& fit, const Settings& settings)
-      : surface_(surface), window_(window), frame_(frame), fit_(fit), settings_(settings) {}
+             const SweepFitReport& fit, const SweepSag* sag, const Settings& settings)
+      : surface_(surface), window_(window), frame_(frame), fit_(fit), sag_(sag), settings_(settings) {}
 
   SweptStrip run(const RibAxes& axes) {
     gather();
     std::vector<RibFit> ribs = make_ribs();
     enclose(ribs);
     SweptStrip made;
-    // What the fit leaves of the tolerance, weight may use up.
-    const double sag = std::max(0.0, settings_.design.tolerance_mm - fit_.max_mm);
+    // What the fit leaves of the tolerance may be used up by what of the sag is not known.
+    const double sag =
+        std::max(0.0, settings_.design.tolerance_mm - fit_.max_mm) / robot::kSagUnknownShare;
     const BladeReport blade =
         choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag);
     if (!blade.choice) {
@@ -80,6 +82,8 @@ class StripMaker {
           *std::max_element(settings_.stock.max_size_mm.begin(), settings_.stock.max_size_mm.end())};
       return made;
     }
+    made.blade = {strip.blade_length_mm,
+                  0.5 * length_mm_ + strip.share_a * (strip.blade_length_mm - length_mm_)};
     made.strip = std::move(strip);
     return made;
   }
@@ -98,7 +102,7 @@ class StripMaker {
   void gather() {
     constexpr int kSections = 64;
     constexpr double kSampleMm = 10;
-    SweepSectionOptions options = section_options(settings_, window_, kSections, kSampleMm);
+    SweepSectionOptions options = section_options(settings_, window_, kSections, kSampleMm, sag_);
     for (int i = 0; i < fit_.family.count(); ++i) options.extra_mm.push_back(rib_offset(i));
     const SweepData data = sweep_sections(surface_, frame_, options);
     double reach = 0;
@@ -188,6 +192,7 @@ class StripMaker {
   SweepWindow window_;
   SweepFrame frame_;
   const SweepFitReport& fit_;
+  const SweepSag* sag_;
   const Settings& settings_;
   std::vector<double> offsets_, slopes_;  // of the sections
   std::vector<std::vector<Foot>> feet_;
@@ -197,21 +202,22 @@ class StripMaker {
 }  // namespace
 
 SweepSectionOptions section_options(const Settings& settings, const SweepWindow& window, int count,
-                                    double sample_mm) {
+                                    double sample_mm, const SweepSag* sag) {
   const SweepWindow wider{window.first_mm - kSeamOverlapMm, window.last_mm + kSeamOverlapMm,
                           window.low_mm - kSeamOverlapMm, window.high_mm + kSeamOverlapMm};
-  return {settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, wider, {}};
+  return {settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, wider, {}, sag};
 }
 
 SweptStrip make_swept_strip(const WasteSurface& surface, const surface::PlaneFamily& planes,
-                            const SweepWindow& window, const SweepFitReport& fit, const Settings& settings) {
+                            const SweepWindow& window, const SweepFitReport& fit, const SweepSag* sag,
+                            const Settings& settings) {
   const SweepFrame frame = sweep_frame(surface, planes.normal(0), planes.centre());
   RibAxes axes;
   axes.planes = planes;
   axes.sweep = frame.sweep;
   axes.x = frame.x;
   axes.y = frame.y;
-  return StripMaker(surface, window, frame, fit, settings).run(axes);
+  return StripMaker(surface, window, frame, fit, sag, settings).run(axes);
 }
 
 }  // namespace hotblade::pipeline

@@ -1,0 +1,85 @@
+#include "pipeline/plan/sweep/sweep_sag.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "elastica/blade/stability.hpp"
+#include "pipeline/plan/ribs/rib_fit.hpp"
+#include "robot/blade/blade_section.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr int kNodes = 64;  // cells across a blade
+
+}  // namespace
+
+SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const robot::Blade& section)
+    : first_mm_(family.first_mm),
+      last_mm_(family.last_mm),
+      half_width_mm_(0.5 * section.width_mm),
+      blade_(blade),
+      margin_(std::numeric_limits<double>::infinity()) {
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const double offset = first_mm_ + (last_mm_ - first_mm_) * static_cast<double>(k) / (kPlaces - 1);
+    const double reach = 2 * std::max(blade.before_mm, blade.length_mm - blade.before_mm);
+    const elastica::MidState middle = family.mid_state(offset, reach);
+    if (winds_up(middle, reach)) {
+      stable_ = false;
+      margin_ = -std::numeric_limits<double>::infinity();
+      return;
+    }
+    const elastica::Elastica shape =
+        segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
+                0.5 * reach - blade.before_mm + blade.length_mm);
+    margin_ = std::min(margin_, elastica::stability_margin(shape));
+    const robot::SagProfile sag = sag_profile(shape, section, Eigen::Vector3d::UnitZ());
+    stable_ = stable_ && sag.stable;
+    const elastica::ElasticaCurve curve(shape);
+    for (int i = 0; i <= kNodes; ++i) {
+      const double share = static_cast<double>(i) / kNodes;
+      const elastica::CurvePoint p = curve.at(share * blade.length_mm);
+      // Ends may turn back; what lies inwards of them in x stays a graph.
+      if (!nodes_[k].empty() && p.x <= nodes_[k].back().x_mm) continue;
+      const auto value = sag.at(share);
+      nodes_[k].push_back({p.x, share * blade.length_mm - blade.before_mm,
+                           {value.droop_mm, value.twist_rad, p.theta}});
+    }
+  }
+}
+
+SweepSag::Value SweepSag::at(double offset_mm, double x_mm) const {
+  const auto across = [&](const std::vector<Node>& nodes) -> Value {
+    const auto above = std::lower_bound(nodes.begin(), nodes.end(), x_mm,
+                                        [](const Node& n, double x) { return n.x_mm < x; });
+    if (above == nodes.begin()) return above->value;
+    if (above == nodes.end()) return nodes.back().value;
+    const Node &p = *(above - 1), &q = *above;
+    const double t = (x_mm - p.x_mm) / (q.x_mm - p.x_mm);
+    return {(1 - t) * p.value.droop_mm + t * q.value.droop_mm,
+            (1 - t) * p.value.twist_rad + t * q.value.twist_rad, (1 - t) * p.value.theta + t * q.value.theta};
+  };
+  const double place = std::clamp((offset_mm - first_mm_) / (last_mm_ - first_mm_), 0.0, 1.0) * (kPlaces - 1);
+  const auto k = std::min(static_cast<std::size_t>(place), kPlaces - 2);
+  const double t = place - static_cast<double>(k);
+  const Value p = across(nodes_[k]), q = across(nodes_[k + 1]);
+  return {(1 - t) * p.droop_mm + t * q.droop_mm, (1 - t) * p.twist_rad + t * q.twist_rad,
+          (1 - t) * p.theta + t * q.theta};
+}
+
+double SweepSag::moved_mm(double arc_low_mm, double arc_high_mm, double steepest_rad) const {
+  if (!stable_) return std::numeric_limits<double>::infinity();
+  double droop = 0, twist = 0;
+  for (const std::vector<Node>& nodes : nodes_) {
+    for (const Node& n : nodes) {
+      if (n.s_mm < arc_low_mm || n.s_mm > arc_high_mm) continue;
+      droop = std::max(droop, std::abs(n.value.droop_mm));
+      twist = std::max(twist, std::abs(n.value.twist_rad));
+    }
+  }
+  return droop * std::sin(steepest_rad) + half_width_mm_ * twist;
+}
+
+}  // namespace hotblade::pipeline
