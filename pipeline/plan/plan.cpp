@@ -500,7 +500,8 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
 bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                 Stopwatch& watch, PlanResult& result) {
   bool taken = false;
-  if (settings.slice.fan_axis) return false;
+  // A family has parallel planes and one blade on both sides of a window.
+  if (settings.slice.fan_axis || settings.slice.gaps == Gaps::kApart) return false;
   hooks.progress("sweep", 0.05);
   search_sweeps(design, settings, [&](const SweptPlan& swept) {
     watch.lap("sweep");

@@ -26,6 +26,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // How a direction is split.
 struct Parts {
   std::size_t along_sweep = 1, along_ribs = 1;
+  // Widths of the parts along the sweep and along the ribs, sum 1; empty: even ones.
+  std::vector<double> sweep_shares = {}, rib_shares = {};
   [[nodiscard]] std::size_t count() const { return along_sweep * along_ribs; }
 };
 
@@ -156,24 +158,63 @@ class Search {
            static_cast<double>(parts.along_ribs) <= least + settings_.fit.max_splits;
   }
 
-  // The windows of even parts of the design's extent.
+  // The windows of the parts of the design's extent.
   [[nodiscard]] std::vector<SweepWindow> windows_of(const Vector3d& normal, const Parts& parts) const {
     if (parts.count() == 1) return {SweepWindow{}};
     const Extent box = extent_of(normal);
-    const auto cut = [](double low, double high, std::size_t i, std::size_t n) {
-      if (i == 0) return -kInfinite;
-      return i == n ? kInfinite : low + (high - low) * static_cast<double>(i) / static_cast<double>(n);
+    const auto cuts = [&](Eigen::Index axis, const std::vector<double>& shares) {
+      std::vector<double> at{-kInfinite};
+      double passed = 0;
+      for (std::size_t i = 0; i + 1 < shares.size(); ++i) {
+        passed += shares[i];
+        at.push_back(box.min()[axis] + passed * box.sizes()[axis]);
+      }
+      at.push_back(kInfinite);
+      return at;
     };
+    const std::vector<double> along = cuts(0, shares_of(parts.sweep_shares, parts.along_sweep)),
+                              across = cuts(1, shares_of(parts.rib_shares, parts.along_ribs));
     std::vector<SweepWindow> windows;
     for (std::size_t s = 0; s < parts.along_sweep; ++s) {
-      for (std::size_t r = 0; r < parts.along_ribs; ++r) {
-        windows.push_back({cut(box.min().x(), box.max().x(), s, parts.along_sweep),
-                           cut(box.min().x(), box.max().x(), s + 1, parts.along_sweep),
-                           cut(box.min().y(), box.max().y(), r, parts.along_ribs),
-                           cut(box.min().y(), box.max().y(), r + 1, parts.along_ribs)});
-      }
+      for (std::size_t r = 0; r < parts.along_ribs; ++r)
+        windows.push_back({along[s], along[s + 1], across[r], across[r + 1]});
     }
     return windows;
+  }
+
+  static std::vector<double> shares_of(const std::vector<double>& shares, std::size_t parts) {
+    return shares.empty() ? std::vector<double>(parts, 1 / static_cast<double>(parts)) : shares;
+  }
+
+  // Parts that are hard to follow made narrower and the others wider, as long as that helps the worst.
+  [[nodiscard]] Candidate balanced(Candidate best) const {
+    constexpr int kRounds = 5;
+    constexpr double kBy = 0.3;  // a family's deviation grows with about the cube of its width
+    if (best.parts.count() == 1 || !std::isfinite(best.deviation_mm)) return best;
+    for (int round = 0; round < kRounds; ++round) {
+      Parts parts = best.parts;
+      std::vector<double> along(parts.along_sweep, 0), across(parts.along_ribs, 0);
+      for (std::size_t i = 0; i < best.fits.size(); ++i) {
+        const double bad = std::max(badness(best.fits[i]), 1e-3 * best.deviation_mm);
+        double& s = along[i / parts.along_ribs];
+        double& r = across[i % parts.along_ribs];
+        s = std::max(s, bad);
+        r = std::max(r, bad);
+      }
+      const auto narrowed = [&](const std::vector<double>& before, const std::vector<double>& bad) {
+        std::vector<double> shares = shares_of(before, bad.size());
+        double sum = 0;
+        for (std::size_t i = 0; i < bad.size(); ++i) sum += shares[i] *= std::pow(bad[i], -kBy);
+        for (double& share : shares) share /= sum;
+        return shares;
+      };
+      parts.sweep_shares = narrowed(parts.sweep_shares, along);
+      parts.rib_shares = narrowed(parts.rib_shares, across);
+      Candidate other = fitted(best.normal, best.named, parts, cheap());
+      if (!(other.deviation_mm < best.deviation_mm)) return best;
+      best = std::move(other);
+    }
+    return best;
   }
 
   // Foam between a rib's end and its clamp, and a little more.
@@ -287,7 +328,7 @@ class Search {
   [[nodiscard]] std::vector<Candidate> rank(const std::vector<Vector3d>& normals, std::size_t parts) const {
     std::vector<Parts> splits;
     for (std::size_t s = 1; s <= parts; ++s) {
-      if (parts % s == 0) splits.push_back({s, parts / s});
+      if (parts % s == 0) splits.push_back({s, parts / s, {}, {}});
     }
     std::vector<Candidate> all(normals.size() * splits.size());
     tbb::parallel_for(std::size_t{0}, normals.size(), [&](std::size_t n) {
@@ -297,6 +338,10 @@ class Search {
         if (may_fit(extent, splits[k])) all[i] = fitted(normals[n], i, splits[k], cheap());
       }
     });
+    std::sort(all.begin(), all.end(), better);
+    constexpr std::size_t kBalanced = 6;
+    tbb::parallel_for(std::size_t{0}, std::min(kBalanced, all.size()),
+                      [&](std::size_t i) { all[i] = balanced(all[i]); });
     std::sort(all.begin(), all.end(), better);
     return all;
   }

@@ -2,7 +2,7 @@
 //
 // Directions are ranked by cheap fits, which cost some milliseconds each; the best are fitted closely and
 // turned a little to and fro. A design too large for one block, or one that a single family does not follow,
-// is split along the sweep or along the ribs into even parts, the fewest that do.
+// is split along the sweep or along the ribs into the fewest parts that do; hard parts are narrower.
 #pragma once
 
 #include <functional>

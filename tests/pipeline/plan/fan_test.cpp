@@ -11,6 +11,7 @@
 #include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/blade/common_plane.hpp"
+#include "robot/blade/blade_section.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -80,9 +81,11 @@ TEST(FanPlan, ASurfaceSweptByElasticaComesBackToItsMesh) {
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
   EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed);
   // Facets of 4.1 mm by 4.9 mm on curvature below 1 / 300 mm lie within 0.02 mm; where blade sections turn,
-  // half a band is measured in slightly different planes.
-  EXPECT_LT(result.verification.deviation.max, 0.06);
-  EXPECT_LT(result.verification.deviation.rms, 0.015);
+  // half a band is measured in slightly different planes. Fans are not planned against the blade's weight.
+  double sag = 0;
+  for (const StripFacts& f : result.strips) sag = std::max(sag, f.droop_error_mm + f.motion.in_plane_sag_mm);
+  EXPECT_LT(result.verification.deviation.max, 0.06 + sag);
+  EXPECT_LT(result.verification.deviation.rms, 0.015 + 0.5 * sag);
   EXPECT_LT(result.verification.uncut_share(), 1e-3);
   for (const StripFacts& f : result.strips) EXPECT_LT(f.worst_fit_mm, 0.03);
 }
@@ -195,7 +198,7 @@ TEST(FanPlan, TheBladesWeightInTiltedPlanesIsBudgeted) {
   EXPECT_GT(in_plane, 1e-3);
   for (const auto& [name, mm] : swept_fan().program.verification.budget_mm) {
     if (name != "gravity_in_plane") continue;
-    EXPECT_EQ(mm, in_plane);
+    EXPECT_EQ(mm, robot::kSagUnknownShare * in_plane);
   }
 }
 
@@ -208,6 +211,7 @@ TEST(FanPlan, ProgramsReadBackAndVerifyTheSame) {
 TEST(FanPlan, AnAxisFarAwayPlansAsParallelPlanesDo) {
   const auto design = cylinder_design();
   Settings settings = along_x();
+  settings.slice.gaps = Gaps::kApart;  // ribs one by one, as fans have them
   const PlanResult parallel = plan(design, settings, {});
   settings.slice.direction.reset();
   settings.slice.fan_axis = {{150, 9e5, 0, 0, 0, 1}};
