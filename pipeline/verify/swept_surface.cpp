@@ -132,7 +132,8 @@ void place_rows(const Program& program, const Strip& strip, const StripGrid& gri
     const auto& [first, last] = *some[i]->foam;
     for (std::size_t j = 0; j < grid.columns; ++j, ++v) {
       const std::size_t n = i * grid.columns + j;
-      const double s = first + (last - first) * static_cast<double>(j) / static_cast<double>(grid.columns - 1);
+      const double s =
+          first + (last - first) * static_cast<double>(j) / static_cast<double>(grid.columns - 1);
       const Hang hang =
           hang_of(hung.at(i, s / some[i]->blade.length), frame, Eigen::Vector2d(on.cos[n], on.sin[n]));
       out.vertices[v] = frame.point(on.x[n], on.y[n]) + hang.shift_mm;

@@ -1,5 +1,5 @@
-// The surface that a program leaves on the kept foam: positions of the hanging blade over the cut, moved to the
-// edge of the melted band.
+// The surface that a program leaves on the kept foam: positions of the hanging blade over the cut, moved to
+// the edge of the melted band.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,11 +2,10 @@
 //
 // Cut to design: every sample of the as-cut surface. A sample whose nearest design point lies on the design's
 // border has run past the edge; only its distance across the design's plane there counts, and nothing of it
-// farther than `edge_mm` past the edge: there is no design to compare it with, and the plane of the last facet
-// is off by more and more of its turn. Design to cut:
-// every sample of the design; it counts as uncut area, not as deviation, when it lies farther than `reach`
-// tolerances from the cut and its nearest cut point is on the cut's edge, or farther than `far` tolerances
-// from every cut.
+// farther than `edge_mm` past the edge: there is no design to compare it with, and the plane of the last
+// facet is off by more and more of its turn. Design to cut: every sample of the design; it counts as uncut
+// area, not as deviation, when it lies farther than `reach` tolerances from the cut and its nearest cut point
+// is on the cut's edge, or farther than `far` tolerances from every cut.
 //
 // The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
 // branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
@@ -29,9 +28,9 @@ namespace hotblade::pipeline {
 struct VerifyOptions {
   double tolerance_mm = 1;
   double max_uncut_share = 0.01;
-  double sample_mm = 2.5;                     // spacing of samples on both surfaces
-  double reach = 3, far = 20;                 // tolerances
-  double edge_mm = 1;                         // samples of the cut farther past the design's edge are left out
+  double sample_mm = 2.5;      // spacing of samples on both surfaces
+  double reach = 3, far = 20;  // tolerances
+  double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
   // Vertices of the cut that are searched at once, whole strips: memory, 500 bytes a vertex. Values depend on

@@ -31,9 +31,8 @@ SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const rob
       margin_ = -std::numeric_limits<double>::infinity();
       return;
     }
-    const elastica::Elastica shape =
-        segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
-                0.5 * reach - blade.before_mm + blade.length_mm);
+    const elastica::Elastica shape = segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
+                                             0.5 * reach - blade.before_mm + blade.length_mm);
     margin_ = std::min(margin_, elastica::stability_margin(shape));
     const robot::SagProfile sag = sag_profile(shape, section, Eigen::Vector3d::UnitZ());
     stable_ = stable_ && sag.stable;
@@ -44,8 +43,8 @@ SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const rob
       // Ends may turn back; what lies inwards of them in x stays a graph.
       if (!nodes_[k].empty() && p.x <= nodes_[k].back().x_mm) continue;
       const auto value = sag.at(share);
-      nodes_[k].push_back({p.x, share * blade.length_mm - blade.before_mm,
-                           {value.droop_mm, value.twist_rad, p.theta}});
+      nodes_[k].push_back(
+          {p.x, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, p.theta}});
     }
   }
 }

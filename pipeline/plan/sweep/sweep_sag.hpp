@@ -37,7 +37,9 @@ class SweepSag {
 
   [[nodiscard]] const SweepBlade& blade() const { return blade_; }
   [[nodiscard]] bool stable() const { return stable_; }
-  [[nodiscard]] double smallest_margin() const { return margin_; }  // of the blades' stability in their planes
+  [[nodiscard]] double smallest_margin() const {
+    return margin_;
+  }  // of the blades' stability in their planes
 
  private:
   static constexpr std::size_t kPlaces = 15;

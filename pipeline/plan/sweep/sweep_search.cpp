@@ -388,7 +388,7 @@ class Search {
   [[nodiscard]] SweptPlan plan_of(const Candidate& candidate) const {
     // Of what one rib may deviate: edges, corners and what lies between samples have the rest.
     constexpr double kWanted = 0.5;
-    constexpr double kHelps = 0.8;    // of the deviation before
+    constexpr double kHelps = 0.8;  // of the deviation before
     SweptPlan best{
         candidate.normal, candidate.parts.along_sweep, candidate.parts.along_ribs, kInfinite, 0, {}, {}};
     for (const double calm : {1.0, 6.0}) {
@@ -399,7 +399,8 @@ class Search {
         if (!std::isfinite(fit.deviation_mm)) break;
         SweptPlan plan = strips_of(fit, effort, calm);
         const double before = best.strips.empty() ? kInfinite : best.deviation_mm;
-        if (plan.strips.empty() && best.strips.empty() && !(plan.deviation_mm > best.deviation_mm)) best = plan;
+        if (plan.strips.empty() && best.strips.empty() && !(plan.deviation_mm > best.deviation_mm))
+          best = plan;
         if (!plan.strips.empty() && plan.deviation_mm < kHelps * before) best = std::move(plan);
         if (best.strips.empty()) continue;
         if (best.deviation_mm <= kWanted * settings_.fit.deviation_share * tolerance()) return best;

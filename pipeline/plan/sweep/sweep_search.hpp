@@ -29,9 +29,9 @@ struct SweptPlan {
 // Whether a plan is taken, once it has been looked at in full.
 using AcceptSweep = std::function<bool(const SweptPlan&)>;
 
-// Hands plans over until one is taken, or all are left: fewer parts first, then smaller deviations. Those whose
-// strips are refused are handed over with the reason. The same input gives the same plans, whatever the number
-// of threads.
+// Hands plans over until one is taken, or all are left: fewer parts first, then smaller deviations. Those
+// whose strips are refused are handed over with the reason. The same input gives the same plans, whatever the
+// number of threads.
 void search_sweeps(const surface::DesignSurface& design, const Settings& settings, const AcceptSweep& accept);
 
 }  // namespace hotblade::pipeline

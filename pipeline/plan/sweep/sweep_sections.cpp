@@ -34,7 +34,9 @@ MovedVertex moved(const Vector3d& point, const Vector3d& normal, const SweepFram
     return {d.dot(frame.x), d.dot(frame.y), d.dot(frame.sweep)};
   };
   const Vector3d own = in_frame(point - frame.centre), n = in_frame(normal);
-  const auto band = [&](double across) { return 0.5 * (options.kerf_mm + options.width_mm * std::abs(across)); };
+  const auto band = [&](double across) {
+    return 0.5 * (options.kerf_mm + options.width_mm * std::abs(across));
+  };
   Vector3d at = own + band(n.z()) * n;
   if (options.sag) {
     const SweepSag::Value sag = options.sag->at(at.z(), at.x());
@@ -67,8 +69,12 @@ class Thinned {
   explicit Thinned(double cell_mm) : cell_mm_(cell_mm) {}
 
   void add(const SweepSample& sample) {
-    const Eigen::Vector2d cell = (sample.q / cell_mm_).array().floor();
-    const double away = (sample.q / cell_mm_ - cell - Eigen::Vector2d::Constant(0.5)).squaredNorm();
+    // Grids of designs start at round numbers: a shift by none keeps their points off the cells' edges, where
+    // rounding would decide between neighbours.
+    constexpr double kShift = 0.3719;
+    const Eigen::Vector2d place = (sample.q / cell_mm_).array() + kShift;
+    const Eigen::Vector2d cell = place.array().floor();
+    const double away = (place - cell - Eigen::Vector2d::Constant(0.5)).squaredNorm();
     const auto [at, fresh] =
         cells_.try_emplace({static_cast<long>(cell.x()), static_cast<long>(cell.y())}, away, sample);
     if (!fresh && away < at->second.first) at->second = {away, sample};

@@ -1,12 +1,12 @@
-// What one swept family of elastica shall follow: the design's waste side, moved to the blade's middle line and
-// cut by parallel planes.
+// What one swept family of elastica shall follow: the design's waste side, moved to the blade's middle line
+// and cut by parallel planes.
 //
 // A point P with unit normal n towards the waste is formed by a blade whose middle line passes
 //   T = P + (kerf + width |n . N|) / 2 n,
-// N being the planes' normal: the melted band is that wide across a slope, and the kept side follows its edge.
-// T is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a place
-// higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved surface: the
-// points of one section lie in one plane and are followed by one elastica.
+// N being the planes' normal: the melted band is that wide across a slope, and the kept side follows its
+// edge. T is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a
+// place higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved
+// surface: the points of one section lie in one plane and are followed by one elastica.
 #pragma once
 
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ struct SweepFrame {
 
 struct SweepSample {
   Eigen::Vector2d q{0, 0};  // on the frame's axes, mm
-  double cosine = 1;        // of the slope against the plane: a distance in the plane times this is one in space
+  double cosine = 1;  // of the slope against the plane: a distance in the plane times this is one in space
 };
 
 struct SweepSection {
@@ -61,7 +61,7 @@ struct SweepWindow {
 struct SweepSectionOptions {
   double kerf_mm = 1, width_mm = 8;  // of the melted band
   int count = 24;                    // evenly spread sections
-  double sample_mm = 20;             // samples of a section are about this far apart; border points are all taken
+  double sample_mm = 20;  // samples of a section are about this far apart; border points are all taken
   SweepWindow window = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
   const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
@@ -69,9 +69,10 @@ struct SweepSectionOptions {
 
 struct SweepData {
   SweepFrame frame;
-  std::vector<SweepSection> sections;    // ascending
-  double steepest_rad = 0;               // of the design against the planes
-  Eigen::Vector3d low{0, 0, 0}, high{0, 0, 0};  // corners of the design's part, not moved: x, y, along the sweep
+  std::vector<SweepSection> sections;  // ascending
+  double steepest_rad = 0;             // of the design against the planes
+  Eigen::Vector3d low{0, 0, 0},
+      high{0, 0, 0};  // corners of the design's part, not moved: x, y, along the sweep
 };
 
 // Sections at both ends, close to them and to the corners, and evenly between; no section where there is no

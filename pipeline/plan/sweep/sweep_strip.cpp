@@ -66,8 +66,7 @@ class StripMaker {
     enclose(ribs);
     SweptStrip made;
     // What the fit leaves of the tolerance may be used up by what of the sag is not known.
-    const double sag =
-        std::max(0.0, settings_.design.tolerance_mm - fit_.max_mm) / robot::kSagUnknownShare;
+    const double sag = std::max(0.0, settings_.design.tolerance_mm - fit_.max_mm) / robot::kSagUnknownShare;
     const BladeReport blade =
         choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag);
     if (!blade.choice) {

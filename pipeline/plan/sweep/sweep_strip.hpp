@@ -12,15 +12,15 @@ namespace hotblade::pipeline {
 
 struct SweptStrip {
   std::optional<StripPlan> strip;
-  Refusal refusal;  // without the strip's id, where there is no strip
+  Refusal refusal;   // without the strip's id, where there is no strip
   SweepBlade blade;  // of the strip, on its family
 };
 
 // As many ribs as the family has coefficients, evenly spaced: their interpolating spline is the family itself
 // (SweepBasis). All are equally long, about the family's middles, and reach past what they form; the first
 // and the last lie beyond the design's ends, so that no end pose forms what is behind its plane. `planes` are
-// parallel ones square to the data's sweep through its centre; `sag` is what the data was moved by. The blade is the shortest of the list that the
-// family serves (plan/motion/blade.hpp).
+// parallel ones square to the data's sweep through its centre; `sag` is what the data was moved by. The blade
+// is the shortest of the list that the family serves (plan/motion/blade.hpp).
 [[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const surface::PlaneFamily& planes,
                                           const SweepWindow& window, const SweepFitReport& fit,
                                           const SweepSag* sag, const Settings& settings);

@@ -10,8 +10,8 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/settings/error.hpp"
-#include "robot/blade/common_plane.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "robot/blade/common_plane.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {

@@ -124,6 +124,10 @@ void expect_same(const PlanResult& is, const PlanResult& was, double mm) {
   }
 }
 
+// A fit ends where it is within what is wanted, with one number of ribs or another: by as much two of them
+// may differ that both do.
+constexpr double kFitMm = 0.25;
+
 // The same strips and blades; deviations but for `mm`.
 void expect_same_strips(const PlanResult& is, const PlanResult& was, double mm) {
   EXPECT_EQ(is.program.verification.status, was.program.verification.status);
@@ -212,7 +216,8 @@ double mesh_error_mm(const ObjMesh& mesh) {
 TEST(PlanInvariance, AnotherMeshChangesNoStripAndDeviationsWithinTheMeshErrorsOnly) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     const ObjMesh other = remeshed(21, 90, hills, seed);
-    expect_same_strips(plan_mesh(other), hill_plan(), mesh_error_mm(other) + mesh_error_mm(hill_mesh()));
+    expect_same_strips(plan_mesh(other), hill_plan(),
+                       mesh_error_mm(other) + mesh_error_mm(hill_mesh()) + kFitMm);
   }
 }
 

@@ -122,8 +122,8 @@ TEST(Verify, DoesNotDependOnHowManyStripsAreSearchedAtOnce) {
 }
 
 TEST(Verify, CountsWhatNoStripReachesAsUncutArea) {
-  // Half as long again: the last 150 mm are not cut, but for what the blade goes on past the end of the design
-  // that it was planned for, and the reach of three tolerances.
+  // Half as long again: the last 150 mm are not cut, but for what the blade goes on past the end of the
+  // design that it was planned for, and the reach of three tolerances.
   const surface::DesignSurface longer = grid_design("longer", 45, 120, [](double u, double v) {
     const double phi = 0.6 * (v - 0.5);
     return Eigen::Vector3d(450 * u, 400 * std::sin(phi), 400 * std::cos(phi));
