@@ -9,8 +9,8 @@
 
 namespace hotblade::pipeline {
 
-// The blade's middle and what bends it there, on a sweep's axes; the middle's x is common to the family, which
-// keeps its curves from sliding along themselves.
+// The blade's middle and what bends it there, on a sweep's axes; the middle's x is common to the family,
+// which keeps its curves from sliding along themselves.
 struct SweepState {
   double y = 0, theta = 0;
   Bend bend;
@@ -27,8 +27,8 @@ struct SweepFamily {
   [[nodiscard]] elastica::MidState mid_state(double offset_mm, double length_mm) const;
 };
 
-// The same family, as nearly as it can be, with another number of coefficients: equal at as many evenly spaced
-// places.
+// The same family, as nearly as it can be, with another number of coefficients: equal at as many evenly
+// spaced places.
 [[nodiscard]] SweepFamily with_coefficients(const SweepFamily& family, int count);
 
 }  // namespace hotblade::pipeline

@@ -19,8 +19,8 @@
 namespace hotblade::pipeline {
 
 struct SweepFitOptions {
-  int coefficients = 7;         // of each function; at least 4
-  double blade_length_mm = 0;   // free length, its middle on the family's x; the limits below hold on it
+  int coefficients = 7;        // of each function; at least 4
+  double blade_length_mm = 0;  // free length, its middle on the family's x; the limits below hold on it
   double smallest_radius_mm = 75;
   double largest_turn_rad = 1.4;  // of the blade's ends against x
   // Box that both clamps stay out of, on the frame's axes: the block and the clearance; none: anywhere.
@@ -29,19 +29,20 @@ struct SweepFitOptions {
   };
   std::optional<Box> block;
   double over_first_mm = 4, over_last_mm = 4;  // the family goes on past the first and last section
-  double calm = 1;           // factor of the pull towards few and smooth tensions
-  int most_iterations = 40;  // of each stage
-  std::vector<double> exponents{2};  // of the mean that is made small, stage by stage; the last ones near the maximum
+  double calm = 1;                             // factor of the pull towards few and smooth tensions
+  int most_iterations = 40;                    // of each stage
+  std::vector<double> exponents{
+      2};  // of the mean that is made small, stage by stage; the last ones near the maximum
 };
 
 struct SweepFitReport {
   SweepFamily family;
-  double rms_mm = 0, max_mm = 0;  // over the samples, in space
-  double max_offset_mm = 0;       // where: along the sweep
+  double rms_mm = 0, max_mm = 0;           // over the samples, in space
+  double max_offset_mm = 0;                // where: along the sweep
   double arc_low_mm = 0, arc_high_mm = 0;  // arc lengths from the middle that the samples lie between
-  double smallest_radius_mm = 0;  // of the whole blade at the sections
-  double largest_turn_rad = 0;    // of its ends
-  double clamp_depth_mm = 0;      // of the deeper clamp in the box; 0: both outside
+  double smallest_radius_mm = 0;           // of the whole blade at the sections
+  double largest_turn_rad = 0;             // of its ends
+  double clamp_depth_mm = 0;               // of the deeper clamp in the box; 0: both outside
   int iterations = 0;
   bool converged = false;  // the last stage ended by itself
 };

@@ -242,14 +242,20 @@ class Slicer {
       ++found;
     }
     if (found < 2) return;
+    for (const double edge : {options_.window.low_mm, options_.window.high_mm}) {
+      const double from = ends[0].q.x() - edge, to = ends[1].q.x() - edge;
+      if (from * to < 0) section.add_border(between(ends[0], ends[1], from / (from - to)));
+    }
     const double length = (ends[1].q - ends[0].q).norm();
     const int pieces = std::max(1, static_cast<int>(std::ceil(2 * length / options_.sample_mm)));
     for (int i = 0; i <= pieces; ++i) {
-      const double t = static_cast<double>(i) / pieces;
-      const SweepSample sample{ends[0].q + t * (ends[1].q - ends[0].q),
-                               ends[0].cosine + t * (ends[1].cosine - ends[0].cosine)};
+      const SweepSample sample = between(ends[0], ends[1], static_cast<double>(i) / pieces);
       if (inside(sample)) section.add(sample);
     }
+  }
+
+  static SweepSample between(const SweepSample& a, const SweepSample& b, double t) {
+    return {a.q + t * (b.q - a.q), a.cosine + t * (b.cosine - a.cosine)};
   }
 
   [[nodiscard]] bool inside(const SweepSample& sample) const {

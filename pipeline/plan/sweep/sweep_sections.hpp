@@ -61,7 +61,8 @@ struct SweepWindow {
 struct SweepSectionOptions {
   double kerf_mm = 1, width_mm = 8;  // of the melted band
   int count = 24;                    // evenly spread sections
-  double sample_mm = 20;  // samples of a section are about this far apart; border points are all taken
+  double sample_mm = 20;  // samples of a section are about this far apart; points of the border and of the
+                          // window's edges are all taken
   SweepWindow window = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
   const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
