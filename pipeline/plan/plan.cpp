@@ -12,8 +12,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "elastica/bezier/curve_distance.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
 #include "elastica/curve/placement.hpp"
+#include "elastica/fit/bezier_spline.hpp"
 #include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
@@ -102,8 +104,24 @@ RibFit design_part(const RibFit& fit) {
   return part;
 }
 
+// The fit's cubic where that is near the elastica, as few as are where it is not.
+void set_bezier(const elastica::Bezier& one, double residual, double near_mm, Rib& rib) {
+  constexpr double kBounds = 0.05;  // of the distance
+  rib.bezier.assign(one.begin(), one.end());
+  rib.lambda_residual = residual;
+  if (hausdorff(one, rib.elastica, kBounds * near_mm).upper <= near_mm) return;
+  rib.bezier.resize(1);
+  rib.lambda_residual = 0;
+  for (const elastica::Bezier& piece : elastica::bezier_spline(rib.elastica, near_mm)) {
+    rib.bezier.front() = rib.bezier.size() == 1 ? piece[0] : rib.bezier.front();
+    rib.bezier.insert(rib.bezier.end(), piece.begin() + 1, piece.end());
+    const elastica::LambdaResidual r = elastica::lambda_residual(piece);
+    if (has_value(r.status)) rib.lambda_residual = std::max(rib.lambda_residual, r.value);
+  }
+}
+
 // A rib in its own frame: origin at its first end, x towards its last, y to the waste side.
-Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id) {
+Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id, double tolerance_mm) {
   const RibFit fit = design_part(whole);
   Rib rib;
   rib.id = id;
@@ -114,7 +132,6 @@ Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id)
   rib.frame.x = x.x() * plane.x + x.y() * plane.y;
   rib.frame.y = -x.y() * plane.x + x.x() * plane.y;
   for (const Eigen::Vector2d& q : fit.target) rib.target.push_back(to_frame(q, origin, x));
-  for (std::size_t i = 0; i < 4; ++i) rib.bezier[i] = to_frame(fit.bezier[i], origin, x);
   elastica::Elastica shifted = fit.elastica;
   shifted.x -= origin.x();
   shifted.y -= origin.y();
@@ -122,19 +139,21 @@ Rib make_rib(const RibFit& whole, const StripPlan& strip, const std::string& id)
   turn.linear() << x.x(), x.y(), -x.y(), x.x();
   rib.elastica = elastica::transformed(shifted, turn);
   rib.elastica.theta = std::remainder(rib.elastica.theta, 2 * std::numbers::pi);
-  rib.lambda_residual = fit.lambda_residual;
+  elastica::Bezier one;
+  for (std::size_t i = 0; i < one.size(); ++i) one[i] = to_frame(fit.bezier[i], origin, x);
+  set_bezier(one, fit.lambda_residual, kBezierShare * tolerance_mm, rib);
   rib.design_deviation_mm = fit.deviation_mm;
   return rib;
 }
 
-Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses) {
+Strip make_strip(const StripPlan& plan, std::vector<BladePose> poses, double tolerance_mm) {
   Strip strip;
   strip.id = plan.id;
   strip.blade_length_mm = plan.blade_length_mm;
   strip.design_to_cell = plan.design_to_cell;
   strip.block = plan.block;
   for (std::size_t i = 0; i < plan.ribs.size(); ++i) {
-    strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i)));
+    strip.ribs.push_back(make_rib(plan.ribs[i], plan, rib_id(plan.id, i), tolerance_mm));
   }
   poses.shrink_to_fit();  // of hundreds of strips: as much again
   strip.poses = std::move(poses);
@@ -179,7 +198,7 @@ PlannedStrip planned_strip(PosedStrip posed, const Settings& settings) {
   planned.facts = facts_of(posed, settings);
   planned.refusals = std::move(posed.motion.refusals);
   planned.warnings = std::move(posed.motion.warnings);
-  planned.strip = make_strip(posed.strip, std::move(posed.motion.poses));
+  planned.strip = make_strip(posed.strip, std::move(posed.motion.poses), settings.design.tolerance_mm);
   planned.facts.foam_kept_share = foam_kept_share(planned.strip);
   return planned;
 }

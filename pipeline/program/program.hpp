@@ -26,12 +26,20 @@ struct Rib {
   std::string id;
   Frame frame;
   std::vector<Eigen::Vector2d> target;  // after the kerf offset, rib frame
-  std::array<Eigen::Vector2d, 4> bezier;
+  // Control points of n cubics, 3 n + 1; several where one does not come near the elastica. Each stands for an
+  // equal length of it; they join with their first derivatives.
+  std::vector<Eigen::Vector2d> bezier;
   double lambda_residual = 0;
   elastica::Elastica elastica;
   double l2 = 0, h1 = 0, hausdorff_mm = 0;  // Bezier against elastica
   double design_deviation_mm = 0;           // largest distance of the elastica from the target
 };
+
+// Of the distance between cut and design that is allowed: a rib's Beziers are no farther from its elastica.
+inline constexpr double kBezierShare = 0.1;
+// The cubics of a rib, at most kMostCubics.
+inline constexpr std::size_t kMostCubics = 64;
+[[nodiscard]] std::vector<std::array<Eigen::Vector2d, 4>> cubics(const Rib& rib);
 
 // What a pose asks of the blade and the clamps (robot/blade/blade_section.hpp).
 struct PoseLoads {

@@ -172,7 +172,10 @@ Rib rib_of(const JsonNode& node) {
   rib.target.resize(target.items(2));
   for (std::size_t i = 0; i < rib.target.size(); ++i) rib.target[i] = vector<2>(target.item(i));
   const JsonNode bezier = node.field("bezier");
-  [[maybe_unused]] const std::size_t points = bezier.items(rib.bezier.size(), true);
+  rib.bezier.resize(bezier.items(4));
+  if (rib.bezier.size() % 3 != 1 || rib.bezier.size() > 3 * kMostCubics + 1)
+    bezier.fail(fmt::format("wrong number of items ({}, 3 n + 1 for n = 1 to {} cubics)", rib.bezier.size(),
+                            kMostCubics));
   for (std::size_t i = 0; i < rib.bezier.size(); ++i) rib.bezier[i] = vector<2>(bezier.item(i));
   rib.lambda_residual = number(node, "lambda_residual", kNotNegative);
   rib.elastica = elastica_of(node.field("elastica"));

@@ -24,10 +24,39 @@ std::vector<const Rib*> ribs_of(const Program& program) {
   return ribs;
 }
 
-std::vector<Cubic> cubics_of(std::span<const Rib* const> ribs) {
-  std::vector<Cubic> cubics;
-  for (const Rib* rib : ribs) cubics.push_back(rib->bezier);
+// The cubics of some ribs, rib by rib.
+struct Cubics {
+  std::vector<Cubic> all;
+  std::vector<std::size_t> count;  // by rib
+};
+
+Cubics cubics_of(std::span<const Rib* const> ribs) {
+  Cubics cubics;
+  for (const Rib* rib : ribs) {
+    const std::vector<Cubic> own = pipeline::cubics(*rib);
+    cubics.all.insert(cubics.all.end(), own.begin(), own.end());
+    cubics.count.push_back(own.size());
+  }
   return cubics;
+}
+
+// Of n cubics for equal lengths: squared distances are relative to a part's length, squared angles are means.
+RibMeasure together(std::span<const gpu::PairDistance> parts) {
+  if (parts.size() == 1)
+    return {parts[0].l2, parts[0].h1, parts[0].hausdorff, parts[0].hausdorff_error};
+  const auto n = static_cast<double>(parts.size());
+  double distance2 = 0, angle2 = 0;
+  RibMeasure m;
+  for (const gpu::PairDistance& p : parts) {
+    distance2 += p.l2 * p.l2 / (n * n * n);
+    angle2 += std::max(0.0, p.h1 * p.h1 - p.l2 * p.l2) / n;
+    m.hausdorff_mm = std::max(m.hausdorff_mm, p.hausdorff);
+    m.hausdorff_error_mm = std::max(m.hausdorff_error_mm, p.hausdorff_error);
+    if (!std::isfinite(p.hausdorff) || !std::isfinite(p.h1)) distance2 = std::numeric_limits<double>::quiet_NaN();
+  }
+  m.l2 = std::sqrt(distance2);
+  m.h1 = std::sqrt(distance2 + angle2);
+  return m;
 }
 
 // Distance of the farther inner control point from the chord's line, in chords; infinity without a chord.
@@ -69,18 +98,26 @@ class Comparison {
 
 RibMeasures measured_ribs(const Program& program, gpu::Backend backend) {
   const std::vector<const Rib*> ribs = ribs_of(program);
-  const std::vector<Cubic> cubics = cubics_of(ribs);
+  const Cubics cubics = cubics_of(ribs);
   std::vector<gpu::ElasticaState> elastica;
-  for (const Rib* rib : ribs) {
-    const elastica::Elastica& e = rib->elastica;
-    elastica.push_back({e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length});
+  for (std::size_t i = 0; i < ribs.size(); ++i) {
+    const double length = ribs[i]->elastica.length / static_cast<double>(cubics.count[i]);
+    for (std::size_t k = 0; k < cubics.count[i]; ++k) {
+      const elastica::Elastica e =
+          cubics.count[i] == 1 ? ribs[i]->elastica
+                               : segment(ribs[i]->elastica, static_cast<double>(k) * length,
+                                         static_cast<double>(k + 1) * length);
+      elastica.push_back({e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length});
+    }
   }
-  std::vector<gpu::PairDistance> answers(ribs.size());
+  std::vector<gpu::PairDistance> answers(cubics.all.size());
   const gpu::PairDistances pairs(backend);
-  (void)pairs.query(cubics, elastica, kRibHausdorffErrorMm, answers);
+  (void)pairs.query(cubics.all, elastica, kRibHausdorffErrorMm, answers);
   RibMeasures measures;
-  for (const gpu::PairDistance& a : answers) {
-    measures.ribs.push_back({a.l2, a.h1, a.hausdorff, a.hausdorff_error});
+  std::size_t first = 0;
+  for (const std::size_t count : cubics.count) {
+    measures.ribs.push_back(together(std::span(answers).subspan(first, count)));
+    first += count;
   }
   measures.used = pairs.used();
   return measures;
@@ -89,16 +126,24 @@ RibMeasures measured_ribs(const Program& program, gpu::Backend backend) {
 RibCheck check_ribs(const Program& program, gpu::Backend backend) {
   const std::vector<const Rib*> ribs = ribs_of(program);
   const RibMeasures measures = measured_ribs(program, backend);
-  const std::vector<Cubic> cubics = cubics_of(ribs);
-  std::vector<double> residuals(ribs.size());
-  std::vector<gpu::ResidualStatus> status(ribs.size());
-  gpu::LambdaResiduals(backend).query(cubics, residuals, status);
+  const Cubics cubics = cubics_of(ribs);
+  std::vector<double> residuals(cubics.all.size());
+  std::vector<gpu::ResidualStatus> status(cubics.all.size());
+  gpu::LambdaResiduals(backend).query(cubics.all, residuals, status);
   RibCheck check{ribs.size(), {}, measures.used};
+  std::size_t first = 0;
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     const Comparison comparison(*ribs[i], check.mismatches);
     comparison.differences(measures.ribs[i]);
-    if (status[i] == gpu::ResidualStatus::kOk && bend_of(cubics[i]) >= kRibResidualLeastBend)
-      comparison.residual(residuals[i]);
+    // A rib's residual is the largest of its cubics'.
+    double largest = 0;
+    bool known = true;
+    for (std::size_t k = first; k < first + cubics.count[i]; ++k) {
+      known = known && status[k] == gpu::ResidualStatus::kOk && bend_of(cubics.all[k]) >= kRibResidualLeastBend;
+      largest = std::max(largest, residuals[k]);
+    }
+    if (known) comparison.residual(largest);
+    first += cubics.count[i];
   }
   return check;
 }

@@ -149,8 +149,8 @@ TEST_P(Border, IsWhereTheProgramsRibsEnd) {
     const auto at = [&](double s) { return elastica::point_at(rib.elastica, s).position(); };
     EXPECT_LT((at(0) - first).norm(), 1);
     EXPECT_LT((at(rib.elastica.length) - last).norm(), 1);
-    EXPECT_LT((rib.bezier[0] - first).norm(), 1);
-    EXPECT_LT((rib.bezier[3] - last).norm(), 1);
+    EXPECT_LT((rib.bezier.front() - first).norm(), 1);
+    EXPECT_LT((rib.bezier.back() - last).norm(), 1);
     EXPECT_LE(elastica::max_distance(rib.target, rib.elastica), rib.design_deviation_mm + 1e-9);
     EXPECT_LE(rib.design_deviation_mm, 1.2 * mesh_error_mm(GetParam()()));
   }
