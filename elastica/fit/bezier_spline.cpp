@@ -14,9 +14,10 @@ std::vector<Bezier> pieces_of(const ElasticaCurve& curve, int count) {
   std::vector<Bezier> pieces;
   for (int i = 0; i < count; ++i) {
     const CurvePoint a = curve.at(i * length), b = curve.at((i + 1) * length);
-    const Eigen::Vector2d at_a(std::cos(a.theta), std::sin(a.theta)), at_b(std::cos(b.theta), std::sin(b.theta));
-    pieces.push_back({a.position(), a.position() + length / 3 * at_a, b.position() - length / 3 * at_b,
-                      b.position()});
+    const Eigen::Vector2d at_a(std::cos(a.theta), std::sin(a.theta)),
+        at_b(std::cos(b.theta), std::sin(b.theta));
+    pieces.push_back(
+        {a.position(), a.position() + length / 3 * at_a, b.position() - length / 3 * at_b, b.position()});
   }
   return pieces;
 }

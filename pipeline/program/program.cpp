@@ -59,4 +59,11 @@ std::vector<robot::Waypoint> waypoints(const Strip& strip) {
   return out;
 }
 
+std::vector<std::array<Eigen::Vector2d, 4>> cubics(const Rib& rib) {
+  std::vector<std::array<Eigen::Vector2d, 4>> all;
+  for (std::size_t i = 0; i + 3 < rib.bezier.size(); i += 3)
+    all.push_back({rib.bezier[i], rib.bezier[i + 1], rib.bezier[i + 2], rib.bezier[i + 3]});
+  return all;
+}
+
 }  // namespace hotblade::pipeline

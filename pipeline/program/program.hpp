@@ -26,8 +26,8 @@ struct Rib {
   std::string id;
   Frame frame;
   std::vector<Eigen::Vector2d> target;  // after the kerf offset, rib frame
-  // Control points of n cubics, 3 n + 1; several where one does not come near the elastica. Each stands for an
-  // equal length of it; they join with their first derivatives.
+  // Control points of n cubics, 3 n + 1; several where one does not come near the elastica. Each stands for
+  // an equal length of it; they join with their first derivatives.
   std::vector<Eigen::Vector2d> bezier;
   double lambda_residual = 0;
   elastica::Elastica elastica;

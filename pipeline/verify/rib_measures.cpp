@@ -42,8 +42,7 @@ Cubics cubics_of(std::span<const Rib* const> ribs) {
 
 // Of n cubics for equal lengths: squared distances are relative to a part's length, squared angles are means.
 RibMeasure together(std::span<const gpu::PairDistance> parts) {
-  if (parts.size() == 1)
-    return {parts[0].l2, parts[0].h1, parts[0].hausdorff, parts[0].hausdorff_error};
+  if (parts.size() == 1) return {parts[0].l2, parts[0].h1, parts[0].hausdorff, parts[0].hausdorff_error};
   const auto n = static_cast<double>(parts.size());
   double distance2 = 0, angle2 = 0;
   RibMeasure m;
@@ -52,7 +51,8 @@ RibMeasure together(std::span<const gpu::PairDistance> parts) {
     angle2 += std::max(0.0, p.h1 * p.h1 - p.l2 * p.l2) / n;
     m.hausdorff_mm = std::max(m.hausdorff_mm, p.hausdorff);
     m.hausdorff_error_mm = std::max(m.hausdorff_error_mm, p.hausdorff_error);
-    if (!std::isfinite(p.hausdorff) || !std::isfinite(p.h1)) distance2 = std::numeric_limits<double>::quiet_NaN();
+    if (!std::isfinite(p.hausdorff) || !std::isfinite(p.h1))
+      distance2 = std::numeric_limits<double>::quiet_NaN();
   }
   m.l2 = std::sqrt(distance2);
   m.h1 = std::sqrt(distance2 + angle2);
@@ -103,10 +103,10 @@ RibMeasures measured_ribs(const Program& program, gpu::Backend backend) {
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     const double length = ribs[i]->elastica.length / static_cast<double>(cubics.count[i]);
     for (std::size_t k = 0; k < cubics.count[i]; ++k) {
-      const elastica::Elastica e =
-          cubics.count[i] == 1 ? ribs[i]->elastica
-                               : segment(ribs[i]->elastica, static_cast<double>(k) * length,
-                                         static_cast<double>(k + 1) * length);
+      const elastica::Elastica e = cubics.count[i] == 1
+                                       ? ribs[i]->elastica
+                                       : segment(ribs[i]->elastica, static_cast<double>(k) * length,
+                                                 static_cast<double>(k + 1) * length);
       elastica.push_back({e.x, e.y, e.theta, e.kappa, e.lambda1, e.lambda2, e.length});
     }
   }
@@ -139,7 +139,8 @@ RibCheck check_ribs(const Program& program, gpu::Backend backend) {
     double largest = 0;
     bool known = true;
     for (std::size_t k = first; k < first + cubics.count[i]; ++k) {
-      known = known && status[k] == gpu::ResidualStatus::kOk && bend_of(cubics.all[k]) >= kRibResidualLeastBend;
+      known =
+          known && status[k] == gpu::ResidualStatus::kOk && bend_of(cubics.all[k]) >= kRibResidualLeastBend;
       largest = std::max(largest, residuals[k]);
     }
     if (known) comparison.residual(largest);

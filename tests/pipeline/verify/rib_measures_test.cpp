@@ -4,11 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include "elastica/bezier/curve_distance.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/fit/bezier_spline.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -30,7 +32,8 @@ TEST(RibMeasures, OfAPlanAreThoseOfTheOnePairRoutine) {
   const std::vector<Rib> ribs = ribs_of(arch_program());
   ASSERT_GT(ribs.size(), 3u);
   for (const Rib& rib : ribs) {
-    const elastica::CurveDistance d = distance(rib.bezier, rib.elastica);
+    ASSERT_EQ(cubics(rib).size(), 1u);
+    const elastica::CurveDistance d = distance(cubics(rib)[0], rib.elastica);
     EXPECT_NEAR(rib.l2, d.l2, 1e-4 * d.l2 + 1e-9) << rib.id;
     EXPECT_NEAR(rib.h1, d.h1, 1e-4 * d.h1 + 1e-9) << rib.id;
     // Both bound the distance from above.
@@ -101,14 +104,48 @@ TEST(RibMeasures, OfProgramsOfVersion01Agree) {
   Program program = arch_program();
   for (Strip& strip : program.strips) {
     for (Rib& rib : strip.ribs) {
-      const elastica::CurveDistance d = distance(rib.bezier, rib.elastica);
+      const elastica::CurveDistance d = distance(cubics(rib)[0], rib.elastica);
       rib.l2 = d.l2;
       rib.h1 = d.h1;
       rib.hausdorff_mm = d.hausdorff;
-      rib.lambda_residual = elastica::lambda_residual(rib.bezier).value;
+      rib.lambda_residual = elastica::lambda_residual(cubics(rib)[0]).value;
     }
   }
   EXPECT_TRUE(check_ribs(program, gpu::Backend::kCpu).mismatches.empty());
+}
+
+TEST(RibMeasures, OfSeveralCubicsAreThoseOfAllTogether) {
+  Program program = arch_program();
+  Rib& rib = program.strips[0].ribs[1];
+  const double near_mm = 1e-3;
+  const std::vector<elastica::Bezier> pieces = elastica::bezier_spline(rib.elastica, near_mm);
+  ASSERT_GT(pieces.size(), 1u);
+  rib.bezier = {pieces[0][0]};
+  double residual = 0;
+  for (const elastica::Bezier& piece : pieces) {
+    rib.bezier.insert(rib.bezier.end(), piece.begin() + 1, piece.end());
+    residual = std::max(residual, elastica::lambda_residual(piece).value);
+  }
+  const RibMeasure m = measured_ribs(program, gpu::Backend::kCpu).ribs[1];
+  EXPECT_LE(m.hausdorff_mm, near_mm + kRibHausdorffErrorMm);
+  // The same by dense points at equal shares of the length: the cubics run along it almost evenly.
+  constexpr int kDense = 4000;
+  const double length = rib.elastica.length, n = static_cast<double>(pieces.size());
+  double squares = 0;
+  for (int i = 0; i < kDense; ++i) {
+    const double share = (i + 0.5) / kDense;
+    const auto piece = static_cast<std::size_t>(share * n);
+    const Eigen::Vector2d p = elastica::evaluate(pieces[piece], share * n - static_cast<double>(piece)).p;
+    squares += (p - elastica::point_at(rib.elastica, share * length).position()).squaredNorm() / kDense;
+  }
+  EXPECT_NEAR(m.l2, std::sqrt(squares) / length, 0.05 * m.l2 + 1e-9);
+  rib.l2 = m.l2;
+  rib.h1 = m.h1;
+  rib.hausdorff_mm = m.hausdorff_mm;
+  rib.lambda_residual = residual;
+  EXPECT_TRUE(check_ribs(program, gpu::Backend::kCpu).mismatches.empty());
+  rib.h1 *= 1.5;
+  EXPECT_EQ(check_ribs(program, gpu::Backend::kCpu).mismatches.size(), 1u);
 }
 
 TEST(RibMeasures, OfNoRibsAreNone) {

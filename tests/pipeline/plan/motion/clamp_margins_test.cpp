@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "elastica/blade/clamp_margin.hpp"
+#include "pipeline/verify/clamp_error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
