@@ -25,6 +25,10 @@ sanitize() { ./run sanitize; }
 
 threads() { ./run sanitize threads; }
 
+units() { ./run sanitize units; }
+
+tidy() { ./run tidy; }
+
 fuzz() { ./run fuzz 100000; }
 
 # 118 of three seeds' 120 is what the planner has to pass.
@@ -46,7 +50,7 @@ meshes() {
 
 samples() { ./run samples; }
 
-readonly all=(tests long sanitize threads fuzz panels meshes samples)
+readonly all=(tests long units sanitize threads tidy fuzz panels meshes samples)
 steps=("$@")
 ((${#steps[@]})) || steps=("${all[@]}")
 for step in "${steps[@]}"; do

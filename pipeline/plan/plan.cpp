@@ -462,6 +462,30 @@ void try_others(const surface::DesignSurface& design, const Settings& settings, 
   result = std::move(other);
 }
 
+// Fewer strips cannot cut a design: a strip's ribs are no longer than the longest blade, its sweep no longer
+// than the longest edge of a block, and it leans against its planes by kMaxSlopeRad at most; and what is
+// wider than a block's diagonal does not fit into one.
+std::size_t strips_lower_bound(const surface::DesignSurface& design, const Settings& settings) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& v : design.mesh.vertices()) box.extend(v);
+  double area = 0;
+  for (const auto& t : design.mesh.triangles()) {
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
+      return design.mesh.vertices()[static_cast<std::size_t>(t[i])];
+    };
+    area += 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+  }
+  const auto& size = settings.stock.max_size_mm;
+  const Eigen::Vector3d most(size[0], size[1], size[2]);
+  const double covered = settings.blade.free_lengths_mm.back() * most.maxCoeff() / std::cos(kMaxSlopeRad);
+  constexpr double kRounding = 1e-9;
+  // What may be left uncut need not be covered.
+  const double share = 1 - settings.design.max_uncut_share;
+  const double by_area = std::ceil(share * area / covered - kRounding);
+  const double by_size = box.sizes().maxCoeff() > most.norm() && share > 0.5 ? 2 : 1;
+  return static_cast<std::size_t>(std::max({1.0, by_area, by_size}));
+}
+
 // What came of a try.
 Decision decision_of(const std::string& way, const PlanResult& result) {
   Decision d;
@@ -522,7 +546,7 @@ bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   // A family has parallel planes and one blade on both sides of a window.
   if (settings.slice.fan_axis || settings.slice.gaps == Gaps::kApart) return false;
   hooks.progress("sweep", 0.05);
-  search_sweeps(design, settings, [&](const SweptPlan& swept) {
+  const auto accept = [&](const SweptPlan& swept) {
     watch.lap("sweep");
     check_interrupt(hooks);
     PlanResult other = result;
@@ -534,6 +558,12 @@ bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     result = std::move(other);
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
     return taken = true;
+  };
+  std::mutex telling;
+  search_sweeps(design, settings, accept, [&](double share) {
+    check_interrupt(hooks);
+    const std::scoped_lock lock(telling);
+    hooks.progress("sweep", 0.05 + 0.4 * share);
   });
   return taken;
 }
@@ -573,6 +603,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.settings = settings;
   Stopwatch watch(result.times);
   if (!try_sweeps(design, settings, hooks, watch, result)) try_ribs(design, settings, hooks, watch, result);
+  result.strips_lower_bound = strips_lower_bound(design, settings);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;

@@ -92,6 +92,7 @@ struct PlanResult {
   double spacing_mm = 0;  // of the ribs in the end
   int refinements = 0;    // times the spacing was halved
   std::vector<Decision> decisions;
+  std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;  // none, unless advice was asked for
   std::vector<StageTime> times;
 };

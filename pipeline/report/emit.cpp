@@ -274,6 +274,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["budget_sum_mm"] = budget_sum_mm(v.budget_mm);
   report["rib_spacing_mm"] = result.spacing_mm;
   report["spacing_halved"] = result.refinements;
+  report["strips_lower_bound"] = result.strips_lower_bound;
   report["decisions"] = decisions_json(result.decisions);
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));

@@ -89,14 +89,19 @@ double waste_side(const surface::TriangleMesh& mesh, Keep keep) {
 
 class Search {
  public:
-  Search(const surface::DesignSurface& design, double waste_side, const Settings& settings)
-      : mesh_(design.mesh), settings_(settings), surface_(waste_surface(design.mesh, waste_side)) {}
+  Search(const surface::DesignSurface& design, double waste_side, const Settings& settings,
+         const WatchSweeps& watch)
+      : mesh_(design.mesh),
+        settings_(settings),
+        watch_(watch),
+        surface_(waste_surface(design.mesh, waste_side)) {}
 
-  void run(const AcceptSweep& accept) const {
+  void run(const AcceptSweep& accept) {
     constexpr std::size_t kMostParts = 4, kMostTries = 3;
     const std::vector<Vector3d> normals = directions();
     std::size_t tries = 0;
     for (std::size_t parts = 1; parts <= kMostParts && tries < kMostTries; ++parts) {
+      share_ = static_cast<double>(parts - 1) / kMostParts;
       const std::vector<Candidate> near = refined(rank(normals, parts));
       for (const Candidate& candidate : near) {
         const SweptPlan plan = plan_of(candidate);
@@ -245,6 +250,7 @@ class Search {
   [[nodiscard]] std::optional<PartFit> fit_part(const SweepFrame& frame, const SweepWindow& window,
                                                 const Effort& effort, const PartFit* start,
                                                 double calm) const {
+    watch_(share_);
     const std::shared_ptr<const SweepSag> formed_by = start && start->sag->stable() ? start->sag : nullptr;
     const SweepData data = sweep_sections(
         surface_, frame,
@@ -456,15 +462,17 @@ class Search {
 
   const surface::TriangleMesh& mesh_;
   const Settings& settings_;
+  const WatchSweeps& watch_;
   WasteSurface surface_;
+  double share_ = 0;  // of the search that is done
 };
 
 }  // namespace
 
-void search_sweeps(const surface::DesignSurface& design, const Settings& settings,
-                   const AcceptSweep& accept) {
+void search_sweeps(const surface::DesignSurface& design, const Settings& settings, const AcceptSweep& accept,
+                   const WatchSweeps& watch) {
   const double side = waste_side(design.mesh, settings.design.keep);
-  if (side != 0) Search(design, side, settings).run(accept);
+  if (side != 0) Search(design, side, settings, watch).run(accept);
 }
 
 }  // namespace hotblade::pipeline

@@ -29,9 +29,15 @@ struct SweptPlan {
 // Whether a plan is taken, once it has been looked at in full.
 using AcceptSweep = std::function<bool(const SweptPlan&)>;
 
+// Told how far the search is, 0 to 1, before every fit of a part, from all threads; what it throws ends the
+// search at once.
+using WatchSweeps = std::function<void(double share)>;
+
 // Hands plans over until one is taken, or all are left: fewer parts first, then smaller deviations. Those
 // whose strips are refused are handed over with the reason. The same input gives the same plans, whatever the
 // number of threads.
-void search_sweeps(const surface::DesignSurface& design, const Settings& settings, const AcceptSweep& accept);
+void search_sweeps(
+    const surface::DesignSurface& design, const Settings& settings, const AcceptSweep& accept,
+    const WatchSweeps& watch = [](double) {});
 
 }  // namespace hotblade::pipeline
