@@ -4,10 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/operator_answer.hpp"
@@ -35,6 +37,7 @@ struct Plan {
   bool resume_first = false;
   bool agreed_first = false;  // the operator chose to restart it
   std::uint32_t run = 0;
+  std::uint32_t agreed_boot = 0;  // the controller's boot id when the operator agreed
 };
 
 // Of an outcome that is not kDone.
@@ -48,9 +51,16 @@ void require_attended(const RunArguments& arguments, const HostPort& where) {
                 "--connect: not this host (" + arguments.connect +
                     "): a machine may start to move; add --allow-remote if that is meant");
   }
-  if (!arguments.yes && ::isatty(STDIN_FILENO) == 0) {
+  if (arguments.yes) return;
+  if (::isatty(STDIN_FILENO) == 0) {
     throw Error(ErrorKind::kBadSettings,
                 "stdin: no terminal to ask before a strip starts: add --yes to start without asking");
+  }
+  if (::isatty(STDERR_FILENO) == 0) {
+    throw Error(
+        ErrorKind::kBadSettings,
+        "stderr: no terminal to show the questions on: --log-file keeps what is said, or add --yes to "
+        "start without asking");
   }
 }
 
@@ -102,12 +112,30 @@ void find_resume_point(const std::vector<Job>& jobs, const robot::ControllerSnap
   }
 }
 
+// Said before anything is asked: without --resume a strip that is under way is not started from its
+// beginning.
+void refuse_open_job(const std::vector<Job>& jobs, const robot::protocol::Status& status,
+                     const std::string& place) {
+  if (status.state != State::kOpen && status.state != State::kRunning && status.state != State::kHeld) return;
+  const auto open =
+      std::find_if(jobs.begin(), jobs.end(), [&](const Job& job) { return job.id == status.job_id; });
+  if (open == jobs.end()) return;
+  throw Error(
+      ErrorKind::kController,
+      fmt::format("{}: strip {} is under way ({}, {} of {} waypoints executed): --resume takes it over",
+                  place, open->strip, robot::protocol::name(status.state), status.executed, open->size()));
+}
+
 Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
                const robot::ControllerSnapshot& now) {
   Plan plan;
   plan.end = jobs.size();
   plan.run = now.status.run + 1;
-  if (arguments.resume) find_resume_point(jobs, now, arguments.connect, plan);
+  if (arguments.resume) {
+    find_resume_point(jobs, now, arguments.connect, plan);
+  } else {
+    refuse_open_job(jobs, now.status, arguments.connect);
+  }
   if (arguments.strip.empty()) return plan;
   const std::size_t wanted = index_of(jobs, arguments.strip);
   if (plan.resume_first && plan.first != wanted) {
@@ -129,6 +157,12 @@ bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Jo
                      const robot::ControllerSnapshot& controller, bool resumes, const Console& console) {
   if (arguments.yes) return true;
   console.end_progress();
+  const auto& status = controller.status;
+  if (resumes && status.state == State::kDone && status.executed == job.size()) {
+    console.warn(fmt::format("strip {}: all {} waypoints were executed meanwhile; nothing moves", strip.id,
+                             job.size()));
+    return true;
+  }
   const auto line = ask(start_question(strip, job, controller.status, resumes));
   if (line && agrees_to_start(*line, strip.id)) return true;
   console.warn(fmt::format("strip {} not started; to go on: hotblade run {} --connect {} --strip {}",
@@ -149,6 +183,7 @@ class Runner {
 
  private:
   robot::ControllerSnapshot meet();
+  void wait_for_rest(robot::ControllerSnapshot& now) const;
   Plan plan_with(const StripJobs& work, const robot::ControllerSnapshot& now);
   std::optional<Recovery> choose_recovery(const std::string& text);
   Plan recover(const StripJobs& work, const robot::ControllerSnapshot& now);
@@ -174,6 +209,7 @@ robot::ControllerSnapshot Runner::meet() {
   }
   auto now = robot::look(link_);
   if (!now.reached) throw Error(ErrorKind::kController, now.message);
+  if (arguments_.resume) wait_for_rest(now);
   const auto capabilities = now.ident.capabilities;
   if ((capabilities & robot::protocol::kCapSimulator) != 0)
     console_.note("controller: a simulator, nothing moves");
@@ -181,6 +217,25 @@ robot::ControllerSnapshot Runner::meet() {
     console_.note("controller: does not check the blade's equilibrium");
   }
   return now;
+}
+
+// A machine that moves for a client that is gone is held by its watchdog: what is asked then is about one
+// that stands.
+void Runner::wait_for_rest(robot::ControllerSnapshot& now) const {
+  if (now.status.state != State::kRunning) return;
+  console_.warn(
+      "the controller still moves for a client that is gone: waiting until its watchdog has held it");
+  const auto patience = std::chrono::steady_clock::now() + std::chrono::milliseconds(now.ident.lease_ms);
+  while (now.status.state == State::kRunning) {
+    if (interrupted()) throw Error(ErrorKind::kInterrupted, "interrupted");
+    if (std::chrono::steady_clock::now() > patience)
+      throw Error(ErrorKind::kController,
+                  arguments_.connect + ": the controller moves for another client: wait until that is done");
+    constexpr auto kLook = std::chrono::milliseconds(50);
+    std::this_thread::sleep_for(kLook);
+    now = robot::look(link_);
+    if (!now.reached) throw Error(ErrorKind::kController, now.message);
+  }
 }
 
 Plan Runner::plan_with(const StripJobs& work, const robot::ControllerSnapshot& now) {
@@ -274,7 +329,7 @@ bool Runner::may_go_on(const Job& job, const robot::protocol::Status& status) {
 Exit Runner::run(const StripJobs& work) {
   if (!arguments_.strip.empty()) index_of(work.jobs, arguments_.strip);
   const auto now = meet();
-  const Plan plan = plan_with(work, now);
+  Plan plan = plan_with(work, now);
   if (stopped_) return *stopped_;
   if (plan.first == plan.end) journal_.remove();
   std::size_t total = 0, done = 0;
@@ -283,6 +338,7 @@ Exit Runner::run(const StripJobs& work) {
   for (std::size_t i = plan.first; i < plan.end; ++i) {
     const bool first = i == plan.first;
     const auto asked = first ? now : robot::look(link_);
+    plan.agreed_boot = asked.ident.boot_id;
     if (!(first && plan.agreed_first) && !operator_agrees(arguments_, work.program.strips[i], work.jobs[i],
                                                           asked, first && plan.resume_first, console_))
       return Exit::kInterrupted;
@@ -298,6 +354,7 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
   journal_.expect_writable();
   robot::StreamOptions options = link_;
   options.run = plan.run;
+  options.agreed_boot = plan.agreed_boot;
   options.resume = plan.resume_first && index == plan.first;
   bool told_lost = false;
   options.progress = [&](const StreamProgress& p) {

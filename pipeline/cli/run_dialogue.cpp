@@ -1,11 +1,13 @@
 #include "pipeline/cli/run_dialogue.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <iostream>
 
@@ -30,11 +32,25 @@ std::string up_text(const Strip& strip) {
 
 }  // namespace
 
+// Read past every buffer of our own: what is typed after a line stays with the terminal, which the next
+// question empties.
 std::optional<std::string> ask(const std::string& question) {
   ::tcflush(STDIN_FILENO, TCIFLUSH);
   std::cerr << question << std::flush;
   std::string line;
-  if (!std::getline(std::cin, line) || interrupted()) return std::nullopt;
+  constexpr int kLook_ms = 100;  // for Ctrl-C that came between two reads
+  pollfd terminal{STDIN_FILENO, POLLIN, 0};
+  while (!line.ends_with('\n')) {
+    char c = 0;
+    const int ready = interrupted() ? -1 : ::poll(&terminal, 1, kLook_ms);
+    if (ready == 0 || (ready < 0 && errno == EINTR && !interrupted())) continue;
+    if (ready < 0 || ::read(STDIN_FILENO, &c, 1) != 1) {
+      std::cerr << '\n';  // the question's line is still open
+      return std::nullopt;
+    }
+    line += c;
+  }
+  line.pop_back();
   return line;
 }
 

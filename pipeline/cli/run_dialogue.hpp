@@ -10,8 +10,8 @@
 
 namespace hotblade::pipeline {
 
-// Reads a line from the terminal that was typed after the question was shown; nothing when input ends or the
-// run is interrupted.
+// Reads a line from the terminal that was typed after the question was shown and ended with Enter; nothing
+// when input ends before, or the run is interrupted.
 [[nodiscard]] std::optional<std::string> ask(const std::string& question);
 
 // Returns the question before a strip: blade, block, which side of it is up, how long it takes, what the

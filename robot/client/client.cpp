@@ -5,6 +5,7 @@
 #include <random>
 #include <thread>
 
+#include "robot/client/patience.hpp"
 #include "robot/wire/modbus_link.hpp"
 
 namespace hotblade::robot {
@@ -20,8 +21,6 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr auto kProgressEvery = milliseconds(100);
-constexpr auto kBusyRetry = milliseconds(100);
-constexpr auto kShortestBackoff = milliseconds(5), kLongestBackoff = milliseconds(500);
 constexpr std::uint32_t kPrefill = 256;  // waypoints before START: seconds of motion, at any step
 constexpr int kMaxFruitless = 100;       // answers without progress, one after the other
 // One after the other: a request that was spoilt on the way earns one, a controller of another kind nothing
@@ -117,6 +116,8 @@ class Streamer {
   bool finish();
   bool draw_back();
   bool may_move();
+  // Since motion was agreed to.
+  [[nodiscard]] bool restarted() const { return agreed_boot_ != ident_.boot_id; }
   void note_lost();
   void show(bool force);
 
@@ -136,7 +137,7 @@ class Streamer {
 
 bool Streamer::connect() {
   const auto give_up = Clock::now() + milliseconds(options_.link_down_ms);
-  auto pause = kShortestBackoff;
+  auto pause = kShortestPause;
   while (!link_.connect()) {
     note_lost();
     if (interrupted()) return interrupted_without_link();
@@ -146,7 +147,7 @@ bool Streamer::connect() {
                         " ms): check that the controller runs; --resume goes on later");
     }
     std::this_thread::sleep_for(pause);
-    pause = std::min<milliseconds>(2 * pause, kLongestBackoff);
+    pause = std::min<milliseconds>(2 * pause, kLongestPause);
   }
   return true;
 }
@@ -223,9 +224,16 @@ bool Streamer::known_kind() {
                                              std::to_string(ident_.version) + "): check the address");
 }
 
+// A connection that was lost may have been to a controller that was restarted since: a new one begins with
+// IDENT.
 bool Streamer::refresh() {
   std::array<std::uint16_t, protocol::kStatusSize> block{};
-  if (!read_block(protocol::kStatusBase, block, "STATUS")) return false;
+  for (;;) {
+    const int reconnects = report_.reconnects;
+    if (!read_block(protocol::kStatusBase, block, "STATUS")) return false;
+    if (report_.reconnects == reconnects) break;
+    if (!identify()) return false;
+  }
   status_ = protocol::decode_status(block);
   lost_ = false;
   lost_since_.reset();
@@ -267,6 +275,9 @@ bool Streamer::command(Op op) {
   for (int attempt = 0; attempt < kMaxFruitless; ++attempt) {
     if (!transact(protocol::kCommandBase, block)) return false;
     if (!lost_ && status_.last_result != Result::kBadCrc) return true;
+    // What sets the machine in motion was agreed to with another life of the controller.
+    const bool moves = op == Op::kStart || op == Op::kResume || op == Op::kWithdraw;
+    if (moves && restarted()) return true;
   }
   return settle(StreamOutcome::kLinkLost,
                 std::string(protocol::name(op)) + " is never answered: check the link");
@@ -293,7 +304,7 @@ bool Streamer::choose_run() {
 bool Streamer::open() {
   if (status_.state == State::kFault || status_.state == State::kEstop) return stopped_by_fault();
   // Our own lease may stand in the way: of the client we go on for, or of an OPEN whose answer was lost.
-  const auto patience = Clock::now() + milliseconds(ident_.lease_ms + 2000);
+  const auto patience = Clock::now() + lease_patience(ident_.lease_ms);
   for (;;) {
     const int reconnects = report_.reconnects;
     if (!command(Op::kOpen)) return false;
@@ -302,12 +313,12 @@ bool Streamer::open() {
     if (status_.last_result != Result::kBusy || !may_wait || Clock::now() > patience) break;
     if (interrupted()) return settle(StreamOutcome::kInterrupted, "interrupted while waiting for the lease");
     show(false);
-    std::this_thread::sleep_for(kBusyRetry);
+    std::this_thread::sleep_for(kRetry);
   }
   if (status_.last_result != Result::kOk) return refused_open();
   token_ = status_.token;
   open_ = true;
-  agreed_boot_ = ident_.boot_id;
+  agreed_boot_ = options_.agreed_boot != 0 ? options_.agreed_boot : ident_.boot_id;
   if (!check_prefix()) return false;
   if (options_.opened) options_.opened(run_, token_);
   return true;
@@ -358,7 +369,7 @@ bool Streamer::step() {
     case State::kOpen:
     case State::kHeld:
       if (!ready_to_move()) return send_window(false);
-      if (agreed_boot_ != ident_.boot_id) return may_move();
+      if (restarted()) return may_move();
       return command(status_.state == State::kOpen ? Op::kStart : Op::kResume) && started();
     case State::kRunning:
       return send_window(true);
@@ -384,6 +395,7 @@ bool Streamer::may_move() {
 }
 
 bool Streamer::started() {
+  if (restarted()) return true;  // and the operator is asked
   fruitless_ = status_.last_result == Result::kOk ? 0 : fruitless_ + 1;
   const bool may_change = status_.last_result == Result::kOk || status_.last_result == Result::kState;
   if (may_change && fruitless_ < kMaxFruitless) return true;
@@ -474,6 +486,8 @@ bool Streamer::draw_back() {
     if (!send_window(false)) return false;
   }
   if (!command(Op::kWithdraw)) return false;
+  if (restarted())
+    return settle(StreamOutcome::kInterrupted, "the controller was restarted, nothing moves: run it again");
   if (status_.last_result != Result::kOk) {
     return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
                                                ": WITHDRAW refused in state " +

@@ -38,6 +38,8 @@ struct StreamOptions {
   // Called with the run and the token as soon as the job is open, before anything moves: to be kept until the
   // job is done.
   std::function<void(std::uint32_t run, std::uint32_t token)> opened;
+  // The boot id of the controller that motion was agreed to with; 0: of whichever opens the job.
+  std::uint32_t agreed_boot = 0;
   // Asked before a machine whose controller was restarted meanwhile is set in motion again; false: it stays
   // HELD. Without it, it goes on.
   std::function<bool(const protocol::Status&)> may_go_on;

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "robot/client/client.hpp"
+#include "robot/client/patience.hpp"
 #include "robot/wire/modbus_link.hpp"
 
 namespace hotblade::robot {
@@ -14,10 +15,6 @@ using protocol::State;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
-
-constexpr auto kRetry = milliseconds(100);
-constexpr auto kShortestPause = milliseconds(5);
 
 }  // namespace
 
@@ -46,7 +43,7 @@ ResetReport reset(const StreamOptions& options) {
   const auto place = options.host + ":" + std::to_string(options.port) + ": ";
   ControllerSnapshot now = look(options);
   if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
-  const auto patience = Clock::now() + milliseconds(now.ident.lease_ms + 2000);
+  const auto patience = Clock::now() + lease_patience(now.ident.lease_ms);
   ModbusLink link(options.host, options.port, options.response_ms);
   std::uint32_t nonce = std::random_device{}();
   while (now.status.state == State::kFault || now.status.state == State::kEstop) {

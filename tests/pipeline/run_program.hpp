@@ -2,6 +2,7 @@
 #pragma once
 
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -23,10 +24,10 @@ struct Ended {
 };
 
 // A hotblade process; killed when it is still there at the end of the scope.
-class Program {
+class Process {
  public:
   // `args` without the program's name; the working directory is the caller's.
-  explicit Program(const std::vector<std::string>& args) {
+  explicit Process(const std::vector<std::string>& args) {
     std::vector<std::string> words{hotblade::testing::binary_dir() + "/hotblade"};
     words.insert(words.end(), args.begin(), args.end());
     std::vector<char*> argv;
@@ -42,9 +43,9 @@ class Program {
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) throw std::runtime_error("cannot start " + words[0]);
   }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-  ~Program() {
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+  ~Process() {
     if (pid_ <= 0) return;
     ::kill(pid_, SIGKILL);
     (void)wait();
@@ -55,6 +56,12 @@ class Program {
   // Whether the text is on stderr by now.
   [[nodiscard]] bool printed_to_stderr(const std::string& text) const {
     return read_bytes(files_ / "err").find(text) != std::string::npos;
+  }
+
+  // Ends it as Ctrl-C or a service manager does.
+  Ended stop() {
+    ::kill(pid_, SIGTERM);
+    return wait();
   }
 
   Ended wait() {
@@ -72,7 +79,7 @@ class Program {
 };
 
 inline Ended hotblade(const std::vector<std::string>& args) {
-  return Program(args).wait();
+  return Process(args).wait();
 }
 
 }  // namespace hotblade::pipeline::testing

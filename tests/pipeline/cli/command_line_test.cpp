@@ -388,7 +388,7 @@ TEST_F(CommandLine, PlanProgressIsJsonThatNeverGoesBack) {
 
 TEST_F(CommandLine, PlanThatIsInterruptedExitsWith130AndLeavesNoProgram) {
   // Fine ribs: long enough to be caught at work.
-  testing::Program program(
+  testing::Process program(
       plan_hypar(files_ / "cut", {"--set", "slice.spacing_mm=0.5", "--progress", "json"}));
   constexpr int kPatienceMs = 60000;
   for (int ms = 0; ms < kPatienceMs && !program.printed_to_stderr("progress"); ++ms) usleep(1000);

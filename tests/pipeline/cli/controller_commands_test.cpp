@@ -1,8 +1,5 @@
 // sim, run and dryrun as a user calls them.
 #include <gmock/gmock.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -13,6 +10,7 @@
 #include "robot/client/client.hpp"
 #include "robot/controller/execution_log.hpp"
 #include "tests/paths.hpp"
+#include "tests/pipeline/cli/simulated_cell.hpp"
 #include "tests/pipeline/motion_program.hpp"
 #include "tests/pipeline/run_program.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
@@ -25,57 +23,26 @@ using robot::protocol::State;
 using testing::Ended;
 using ::testing::HasSubstr;
 using testing::hotblade;
-using Process = testing::Program;
-
-std::uint16_t free_port() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ::bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(fd);
-  return ntohs(address.sin_port);
-}
+using testing::Process;
 
 class ControllerCommands : public ::testing::Test {
  protected:
   void write(const Program& program) { std::ofstream(file_) << to_json(program); }
 
-  // Starts `hotblade sim` and waits until it answers.
-  void simulate(const std::string& time_scale, const std::vector<std::string>& more = {}) {
-    port_ = free_port();
-    start_sim(time_scale, more);
-  }
   void start_sim(const std::string& time_scale, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{"sim",         "--listen",     place(),   "--log",
-                                       log_.string(), "--time-scale", time_scale};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    sim_ = std::make_unique<Process>(arguments);
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-    while (!now().reached && std::chrono::steady_clock::now() < patience) {
-    }
-    ASSERT_TRUE(now().reached);
+    std::vector<std::string> options{"--log", log_.string(), "--time-scale", time_scale};
+    options.insert(options.end(), more.begin(), more.end());
+    cell_.start(options);
   }
-  [[nodiscard]] std::string place() const { return "127.0.0.1:" + std::to_string(port_); }
-  [[nodiscard]] robot::ControllerSnapshot now() const {
-    robot::StreamOptions options;
-    options.port = port_;
-    return robot::look(options);
+  // Where `run` connects to.
+  [[nodiscard]] std::string place() const {
+    return proxy_port_ != 0 ? "127.0.0.1:" + std::to_string(proxy_port_) : cell_.place();
   }
   template <typename Condition>
   void wait_until(Condition condition) {
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!condition(now().status)) {
-      ASSERT_LT(std::chrono::steady_clock::now(), patience);
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    }
+    ASSERT_TRUE(cell_.until([&](const robot::ControllerSnapshot& now) { return condition(now.status); }));
   }
-  Ended stop_sim() {
-    ::kill(sim_->pid(), SIGTERM);
-    return sim_->wait();
-  }
+  [[nodiscard]] robot::protocol::Status status() const { return cell_.now().status; }
   [[nodiscard]] std::vector<std::string> run_arguments(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments{"run",   file_.string(), "--connect", place(),
                                        "--yes", "--progress",   "json"};
@@ -91,8 +58,8 @@ class ControllerCommands : public ::testing::Test {
 
   testing::TemporaryDirectory directory_;
   std::filesystem::path file_ = directory_ / "program.json", log_ = directory_ / "execution.jsonl";
-  std::uint16_t port_ = 0;
-  std::unique_ptr<Process> sim_;
+  testing::SimulatedCell cell_;
+  std::uint16_t proxy_port_ = 0;
 };
 
 TEST_F(ControllerCommands, DryrunProvesThatWhatWasExecutedIsWhatWasPlanned) {
@@ -152,13 +119,13 @@ TEST_F(ControllerCommands, WrongUseExitsByTheTable) {
 
 TEST_F(ControllerCommands, RunStreamsEveryStripAndEndsIdle) {
   write(testing::motion_program(3, 300));
-  simulate("max");
+  start_sim("max");
   const Ended ended = hotblade(run_arguments());
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr("S003 300 of 300 waypoints executed"));
   EXPECT_THAT(ended.err, ::testing::Not(HasSubstr("equilibrium")));
-  EXPECT_EQ(now().status.state, State::kIdle);
-  const Ended sim = stop_sim();
+  EXPECT_EQ(status().state, State::kIdle);
+  const Ended sim = cell_.stop();
   EXPECT_EQ(sim.code, 0);
   EXPECT_THAT(sim.out, HasSubstr("listening on " + place()));
   EXPECT_THAT(sim.err, HasSubstr("the blade's equilibrium is solved at every pose"));
@@ -168,26 +135,24 @@ TEST_F(ControllerCommands, RunStreamsEveryStripAndEndsIdle) {
 TEST_F(ControllerCommands, RunThroughTwentyCutsExecutesEverythingOnce) {
   using robot::testing::LinkFault;
   write(testing::motion_program(2, 1000));
-  simulate("max");
-  const auto sim_port = port_;
+  start_sim("max");
   {
-    const robot::testing::FaultProxy proxy(sim_port,
+    const robot::testing::FaultProxy proxy(cell_.port(),
                                            {LinkFault::kCutBefore, LinkFault::kCutWithinRequest,
                                             LinkFault::kCutAfter, LinkFault::kCutWithinAnswer},
                                            20, 10, 3);
-    port_ = proxy.port();
+    proxy_port_ = proxy.port();
     const Ended ended = hotblade(run_arguments());
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_EQ(proxy.faults_done(), 20);
   }
-  port_ = sim_port;
-  stop_sim();
+  cell_.stop();
   expect_log_holds();
 }
 
 TEST_F(ControllerCommands, AKilledRunIsResumedInItsStrip) {
   write(testing::motion_program(2, 200));
-  simulate("8");
+  start_sim("8");
   {
     Process first(run_arguments());
     wait_until([](const auto& status) { return status.run == 1 && status.executed > 60; });
@@ -204,46 +169,44 @@ TEST_F(ControllerCommands, AKilledRunIsResumedInItsStrip) {
   const Ended again = hotblade(run_arguments({"--resume"}));
   EXPECT_EQ(again.code, 0);
   EXPECT_THAT(again.err, HasSubstr("nothing left to run"));
-  stop_sim();
+  cell_.stop();
   expect_log_holds();
 }
 
 TEST_F(ControllerCommands, CtrlCHoldsAndSaysHowToGoOn) {
   write(testing::motion_program(1, 200));
-  simulate("4");
+  start_sim("4");
   Process first(run_arguments());
   wait_until([](const auto& status) { return status.executed > 40; });
   ::kill(first.pid(), SIGINT);
   const Ended ended = first.wait();
   EXPECT_EQ(ended.code, 130);
   EXPECT_THAT(ended.err, HasSubstr("--resume"));
-  EXPECT_EQ(now().status.state, State::kHeld);
+  EXPECT_EQ(status().state, State::kHeld);
   EXPECT_EQ(hotblade(run_arguments({"--resume"})).code, 0);
-  stop_sim();
+  cell_.stop();
   expect_log_holds();
 }
 
 TEST_F(ControllerCommands, KillsOfClientAndControllerAreResumedFromTheirJournals) {
   write(testing::motion_program(2, 200));
-  simulate("8");
+  start_sim("8");
   const auto journal =
-      std::filesystem::path(file_.string() + ".127.0.0.1-" + std::to_string(port_) + ".resume");
+      std::filesystem::path(file_.string() + ".127.0.0.1-" + std::to_string(cell_.port()) + ".resume");
   {
     Process first(run_arguments());
     wait_until([](const auto& status) { return status.executed > 60; });
     EXPECT_TRUE(std::filesystem::exists(journal));
     ::kill(first.pid(), SIGKILL);
     first.wait();
-    ::kill(sim_->pid(), SIGKILL);
-    sim_->wait();
+    cell_.kill();
   }
   start_sim("8");
-  EXPECT_EQ(now().status.state, State::kHeld);
+  EXPECT_EQ(status().state, State::kHeld);
   {
     Process second(run_arguments({"--resume"}));
     wait_until([](const auto& status) { return status.executed > 120; });
-    ::kill(sim_->pid(), SIGKILL);  // the client stays
-    sim_->wait();
+    cell_.kill();  // the client stays
     start_sim("8");
     const Ended ended = second.wait();
     EXPECT_EQ(ended.code, 0) << ended.err;
@@ -251,36 +214,35 @@ TEST_F(ControllerCommands, KillsOfClientAndControllerAreResumedFromTheirJournals
     EXPECT_THAT(ended.out, HasSubstr("S002 200 of 200"));
   }
   EXPECT_FALSE(std::filesystem::exists(journal)) << "only while a strip is unfinished";
-  stop_sim();
+  cell_.stop();
   expect_log_holds();
 }
 
 TEST_F(ControllerCommands, AnotherControllerThanTheOneLeftIsNotResumed) {
   write(testing::motion_program(1, 200));
-  simulate("4");
+  start_sim("4");
   {
     Process first(run_arguments());
     wait_until([](const auto& status) { return status.executed > 40; });
     ::kill(first.pid(), SIGKILL);
     first.wait();
-    ::kill(sim_->pid(), SIGKILL);
-    sim_->wait();
+    cell_.kill();
   }
   std::filesystem::remove(log_);
   start_sim("max");
   const Ended ended = hotblade(run_arguments({"--resume"}));
   EXPECT_EQ(ended.code, 6);
   EXPECT_THAT(ended.err, ::testing::AllOf(HasSubstr("S001"), HasSubstr("run 1"), HasSubstr("--strip S001")));
-  EXPECT_EQ(now().status.executed, 0u) << "nothing moved";
+  EXPECT_EQ(status().executed, 0u) << "nothing moved";
   EXPECT_EQ(hotblade(run_arguments({"--strip", "S001"})).code, 0) << "anew";
 }
 
 TEST_F(ControllerCommands, ARebootOfTheControllerChangesNothing) {
   write(testing::motion_program(2, 300));
-  simulate("max", {"--fault", "reboot@100"});
+  start_sim("max", {"--fault", "reboot@100"});
   const Ended ended = hotblade(run_arguments());
   EXPECT_EQ(ended.code, 0) << ended.err;
-  const Ended sim = stop_sim();
+  const Ended sim = cell_.stop();
   EXPECT_THAT(sim.err, HasSubstr("starts again from"));
   expect_log_holds();
 }
@@ -291,7 +253,7 @@ TEST_F(ControllerCommands, AFaultIsToldWithItsStripRibAndPhase) {
   const std::string rib =
       pose.rib ? program.strips[0].ribs.at(static_cast<std::size_t>(*pose.rib)).id : "no rib";
   write(program);
-  simulate("max", {"--fault", "fault@60"});
+  start_sim("max", {"--fault", "fault@60"});
   const Ended ended = hotblade(run_arguments());
   EXPECT_EQ(ended.code, 6);
   EXPECT_THAT(ended.err, HasSubstr("FAULT DRIVE at waypoint 60"));
@@ -327,17 +289,15 @@ class StreamSample : public ControllerCommands, public ::testing::WithParamInter
   }
   void run_through(std::vector<robot::testing::LinkFault> faults, unsigned seed) {
     std::filesystem::remove(log_);
-    simulate("max");
-    const auto sim_port = port_;
+    start_sim("max");
     {
-      const robot::testing::FaultProxy proxy(sim_port, std::move(faults), 20, 15, seed);
-      port_ = proxy.port();
+      const robot::testing::FaultProxy proxy(cell_.port(), std::move(faults), 20, 15, seed);
+      proxy_port_ = proxy.port();
       const Ended ended = hotblade(run_arguments());
       EXPECT_EQ(ended.code, 0) << ended.err;
       EXPECT_EQ(proxy.faults_done(), 20);
     }
-    port_ = sim_port;
-    stop_sim();
+    cell_.stop();
     expect_log_holds();
   }
   std::string design_;
@@ -369,7 +329,7 @@ TEST_P(StreamSample, TwentyCutsAndTwentyLostAnswersChangeNothing) {
 }
 
 TEST_P(StreamSample, AKilledRunIsResumed) {
-  simulate("100");
+  start_sim("100");
   {
     Process first(run_arguments());
     wait_until([](const auto& status) { return status.executed > 500; });
@@ -378,7 +338,7 @@ TEST_P(StreamSample, AKilledRunIsResumed) {
   }
   const Ended ended = hotblade(run_arguments({"--resume"}));
   EXPECT_EQ(ended.code, 0) << ended.err;
-  stop_sim();
+  cell_.stop();
   expect_log_holds();
 }
 
@@ -397,15 +357,16 @@ Ended shell(const std::string& command) {
 
 TEST_F(ControllerCommands, MbpollReadsIdentAndStatusAndWritesScratch) {
   if (shell("command -v mbpoll").code != 0) GTEST_SKIP() << "mbpoll is not installed";
-  simulate("1");
-  const std::string mbpoll = "mbpoll -m tcp -a 1 -0 -1 -q -p " + std::to_string(port_) + " ";
+  start_sim("1");
+  const std::string mbpoll = "mbpoll -m tcp -a 1 -0 -1 -q -p " + std::to_string(cell_.port()) + " ";
   const Ended ident = shell(mbpoll + "-r 0 -c 7 -t 4:hex 127.0.0.1");
   EXPECT_EQ(ident.code, 0) << ident.out;
   EXPECT_THAT(ident.out, ::testing::AllOf(HasSubstr("0x4842"), HasSubstr("0x001A")));
   const Ended status = shell(mbpoll + "-r 64 -c 40 -t 3 127.0.0.1");
   EXPECT_EQ(status.code, 0) << status.out;
   EXPECT_EQ(
-      shell("mbpoll -m tcp -a 1 -0 -q -p " + std::to_string(port_) + " -r 384 -t 4 127.0.0.1 11 22 33").code,
+      shell("mbpoll -m tcp -a 1 -0 -q -p " + std::to_string(cell_.port()) + " -r 384 -t 4 127.0.0.1 11 22 33")
+          .code,
       0);
   const Ended scratch = shell(mbpoll + "-r 384 -c 3 -t 4 127.0.0.1");
   EXPECT_THAT(scratch.out, ::testing::AllOf(HasSubstr("11"), HasSubstr("22"), HasSubstr("33")));
@@ -414,9 +375,11 @@ TEST_F(ControllerCommands, MbpollReadsIdentAndStatusAndWritesScratch) {
 
 TEST_F(ControllerCommands, ALatchedEstopIsClearedByReset) {
   write(testing::motion_program(1, 100));
-  simulate("max");
-  ASSERT_EQ(shell("mbpoll -m tcp -a 255 -0 -q -p " + std::to_string(port_) + " -r 320 -t 4 127.0.0.1 1").code,
-            0);
+  start_sim("max");
+  ASSERT_EQ(
+      shell("mbpoll -m tcp -a 255 -0 -q -p " + std::to_string(cell_.port()) + " -r 320 -t 4 127.0.0.1 1")
+          .code,
+      0);
   const Ended latched = hotblade(run_arguments());
   EXPECT_EQ(latched.code, 6);
   EXPECT_THAT(latched.err, HasSubstr("ESTOP"));

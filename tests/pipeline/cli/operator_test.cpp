@@ -1,29 +1,23 @@
 // What starts the arms at a terminal, and what does not.
 #include <gmock/gmock.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <pty.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <fstream>
-#include <memory>
 #include <thread>
 
 #include "pipeline/cli/operator_answer.hpp"
 #include "pipeline/cli/run_dialogue.hpp"
-#include "robot/client/client.hpp"
-#include "tests/paths.hpp"
+#include "tests/pipeline/cli/simulated_cell.hpp"
+#include "tests/pipeline/cli/terminal.hpp"
 #include "tests/pipeline/motion_program.hpp"
-#include "tests/pipeline/run_program.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
+using testing::events;
 using ::testing::HasSubstr;
+using testing::Terminal;
 
 TEST(OperatorAnswer, OnlyYesOrTheStripsIdStart) {
   for (const char* yes : {"yes", "YES", " yes \t", "yes\r", "S003", "s003"}) {
@@ -34,143 +28,83 @@ TEST(OperatorAnswer, OnlyYesOrTheStripsIdStart) {
   }
 }
 
-std::uint16_t free_port() {
-  const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ::bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
-  ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(fd);
-  return ntohs(address.sin_port);
-}
-
-// `hotblade run` at a terminal of its own: what it shows, and a hand that types.
-class Terminal {
- public:
-  explicit Terminal(std::vector<std::string> words) {
-    words.insert(words.begin(), hotblade::testing::binary_dir() + "/hotblade");
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    pid_ = ::forkpty(&terminal_, nullptr, nullptr, nullptr);
-    if (pid_ == 0) {
-      ::execv(argv[0], argv.data());
-      ::_exit(127);
-    }
-  }
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-  ~Terminal() {
-    if (pid_ > 0) {
-      ::kill(pid_, SIGKILL);
-      ::waitpid(pid_, nullptr, 0);
-    }
-    ::close(terminal_);
-  }
-
-  void type(const std::string& text) const {
-    EXPECT_EQ(::write(terminal_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
-  }
-
-  // Reads on until the text was shown `times` times; false when the program ends or is silent for long first.
-  bool shows(const std::string& text, int times = 1) {
-    const auto count = [&] {
-      int found = 0;
-      for (auto at = shown_.find(text); at != std::string::npos; at = shown_.find(text, at + 1)) ++found;
-      return found;
-    };
-    while (count() < times) {
-      if (!read_more()) return false;
-    }
-    return true;
-  }
-
-  // The exit code, with all that was shown in shown().
-  int wait() {
-    while (read_more()) {
-    }
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    pid_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  }
-
-  [[nodiscard]] const std::string& shown() const { return shown_; }
-
- private:
-  bool read_more() {
-    constexpr int kPatience_ms = 60000;
-    pollfd readable{terminal_, POLLIN, 0};
-    if (::poll(&readable, 1, kPatience_ms) <= 0) return false;
-    char bytes[4096];
-    const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
-    if (n <= 0) return false;
-    shown_.append(bytes, static_cast<std::size_t>(n));
-    return true;
-  }
-
-  int terminal_ = -1;
-  pid_t pid_ = -1;
-  std::string shown_;
-};
-
 class OperatorAtATerminal : public ::testing::Test {
  protected:
   void SetUp() override {
     std::ofstream(file_) << to_json(testing::motion_program(2, 400));
-    port_ = free_port();
-    simulate({"--time-scale", "max"});
+    cell_.start({"--time-scale", "max"});
   }
 
-  // A controller on a new port; a running one is killed.
-  void simulate(const std::vector<std::string>& more) {
-    sim_.reset();
-    std::vector<std::string> words{"sim", "--listen", place()};
-    words.insert(words.end(), more.begin(), more.end());
-    sim_ = std::make_unique<testing::Program>(words);
-    const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!now().reached && std::chrono::steady_clock::now() < patience) {
-    }
-    ASSERT_TRUE(now().reached);
-  }
-
-  [[nodiscard]] std::string place() const { return "127.0.0.1:" + std::to_string(port_); }
-  [[nodiscard]] robot::ControllerSnapshot now() const {
-    robot::StreamOptions options;
-    options.port = port_;
-    return robot::look(options);
-  }
+  [[nodiscard]] robot::protocol::Status status() const { return cell_.now().status; }
   [[nodiscard]] std::vector<std::string> run() const {
-    return {"run", file_.string(), "--connect", place(), "--progress", "none"};
+    return {"run", file_.string(), "--connect", cell_.place(), "--progress", "none"};
   }
 
   testing::TemporaryDirectory directory_;
   std::filesystem::path file_ = directory_ / "program.json";
-  std::uint16_t port_ = 0;
-  std::unique_ptr<testing::Program> sim_;
+  testing::SimulatedCell cell_;
 };
 
-TEST_F(OperatorAtATerminal, NStartsNothing) {
-  for (const std::string answer : {"n", "", "no", "y"}) {
+// What a hand may do at a question, other than to agree: letters, a paste, arrows, Ctrl-D in an empty line
+// and after a word without Enter, Ctrl-C.
+const std::vector<std::string> kNoAnswers{"n\n",
+                                          "\n",
+                                          "no\n",
+                                          "y\n",
+                                          "yess\n",
+                                          "S00\n",
+                                          "S002 yes\n",
+                                          "yes no\n",
+                                          "\x1b[A\n",
+                                          "\x04",
+                                          "yes\x04\x04",
+                                          "\x03",
+                                          "yes\x03",
+                                          std::string(10000, 'y') + "\n",
+                                          std::string("yes\0\n", 5)};
+
+TEST_F(OperatorAtATerminal, NothingButYesOrTheIdStarts) {
+  for (const std::string& answer : kNoAnswers) {
     Terminal terminal(run());
     ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
     EXPECT_THAT(terminal.shown(), HasSubstr("the controller is IDLE"));
-    terminal.type(answer + "\n");
-    EXPECT_EQ(terminal.wait(), 130);
+    ASSERT_TRUE(terminal.type(answer));
+    EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
     EXPECT_THAT(terminal.shown(), HasSubstr("strip S001 not started")) << answer;
-    EXPECT_EQ(now().status.executed, 0u) << answer;
+    EXPECT_EQ(status().executed, 0u) << answer;
   }
+}
+
+TEST_F(OperatorAtATerminal, BlanksAndCapitalsAreNoMatter) {
+  for (const std::string answer : {" yes \n", "YES\n", "s001\n"}) {
+    Terminal terminal(run());
+    ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+    ASSERT_TRUE(terminal.type(answer));
+    EXPECT_TRUE(terminal.shows("S001 400 of 400 waypoints executed")) << terminal.shown();
+    ASSERT_TRUE(terminal.shows("to start, anything else stops: ", 2)) << terminal.shown();
+    ASSERT_TRUE(terminal.type("\n"));
+    EXPECT_EQ(terminal.wait(), 130);
+  }
+}
+
+TEST_F(OperatorAtATerminal, WhereQuestionsCannotBeSeenNothingStarts) {
+  // The terminal's shell sends them to a file.
+  const std::string command = hotblade::testing::binary_dir() + "/hotblade run '" + file_.string() +
+                              "' --connect " + cell_.place() + " 2> '" + (directory_ / "said.txt").string() +
+                              "'";
+  Terminal shell("/bin/sh", {"-c", command});
+  EXPECT_EQ(shell.wait(), 2);
+  EXPECT_THAT(testing::read_bytes(directory_ / "said.txt"),
+              HasSubstr("no terminal to show the questions on"));
 }
 
 TEST_F(OperatorAtATerminal, WhatWasTypedDuringOneStripDoesNotStartTheNext) {
   Terminal terminal(run());
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
   // The answer, and before anybody was asked again two lines that would start the second strip.
-  terminal.type("yes\nyes\nS002\n");
+  ASSERT_TRUE(terminal.type("yes\nyes\nS002\n"));
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ", 2)) << terminal.shown();
-  terminal.type("n\n");
+  ASSERT_TRUE(terminal.type("n\n"));
   EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
   EXPECT_THAT(terminal.shown(), HasSubstr("S001 400 of 400 waypoints executed"));
   EXPECT_THAT(terminal.shown(), HasSubstr("strip S002 not started"));
@@ -179,20 +113,11 @@ TEST_F(OperatorAtATerminal, WhatWasTypedDuringOneStripDoesNotStartTheNext) {
 TEST_F(OperatorAtATerminal, YesOrTheIdStartEachStrip) {
   Terminal terminal(run());
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
-  terminal.type("yes\n");
+  ASSERT_TRUE(terminal.type("yes\n"));
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ", 2)) << terminal.shown();
-  terminal.type("S002\n");
+  ASSERT_TRUE(terminal.type("S002\n"));
   EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
   EXPECT_THAT(terminal.shown(), HasSubstr("S002 400 of 400 waypoints executed"));
-}
-
-// What the log of the simulator has of an event.
-int events(const std::filesystem::path& log, const std::string& event) {
-  const std::string text = testing::read_bytes(log);
-  const std::string wanted = "{\"ev\":\"" + event + "\"";
-  int found = 0;
-  for (auto at = text.find(wanted); at != std::string::npos; at = text.find(wanted, at + 1)) ++found;
-  return found;
 }
 
 // A simulator stops in the cut; the next `run --reset` finds the strip half cut.
@@ -201,13 +126,13 @@ class HalfCut : public OperatorAtATerminal {
   void SetUp() override {
     OperatorAtATerminal::SetUp();
     // 20 s of motion, hot from 5 s to 15 s.
-    simulate({"--time-scale", "20", "--log", log_.string(), "--fault", "estop@8"});
+    cell_.start({"--time-scale", "20", "--log", log_.string(), "--fault", "estop@8"});
     Terminal terminal(run());
     ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
-    terminal.type("yes\n");
+    ASSERT_TRUE(terminal.type("yes\n"));
     ASSERT_EQ(terminal.wait(), 6) << terminal.shown();
     ASSERT_THAT(terminal.shown(), HasSubstr("ESTOP"));
-    executed_ = now().status.executed;
+    executed_ = status().executed;
     ASSERT_GT(executed_, 100u);
   }
   [[nodiscard]] std::vector<std::string> reset() const {
@@ -221,16 +146,20 @@ class HalfCut : public OperatorAtATerminal {
 };
 
 TEST_F(HalfCut, IsSaidAndNothingMovesWithoutAChoice) {
-  for (const std::string answer : {"", "n", "yes", "S001", "start"}) {
+  std::vector<std::string> answers = kNoAnswers;
+  answers.insert(answers.end(), {"yes\n", "S001\n", "start\n", "withdraw", "withdraw\x04\x04"});
+  for (const std::string& answer : answers) {
     Terminal terminal(reset());
+    // Before the question is asked; it answers nothing.
+    ASSERT_TRUE(terminal.type("withdraw\nrestart\n"));
     ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
     EXPECT_THAT(terminal.shown(), HasSubstr("strip S001 was left half cut: " + std::to_string(executed_) +
                                             " of 400 waypoints"));
-    terminal.type(answer + "\n");
+    ASSERT_TRUE(terminal.type(answer == "withdraw" ? "withdraw\x03" : answer));
     EXPECT_EQ(terminal.wait(), 130) << answer;
     EXPECT_THAT(terminal.shown(), HasSubstr("nothing was moved")) << answer;
-    EXPECT_EQ(now().status.executed, executed_);
-    EXPECT_TRUE(now().status.left_in_cut);
+    EXPECT_EQ(status().executed, executed_);
+    EXPECT_TRUE(status().left_in_cut);
   }
   EXPECT_EQ(events(log_, "resume") + events(log_, "withdraw") + events(log_, "release"), 0);
 }
@@ -238,18 +167,18 @@ TEST_F(HalfCut, IsSaidAndNothingMovesWithoutAChoice) {
 TEST_F(HalfCut, WithdrawDrawsTheBladeBackAndEndsTheStrip) {
   Terminal terminal(reset());
   ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
-  terminal.type("withdraw\n");
+  ASSERT_TRUE(terminal.type("withdraw\n"));
   EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
   EXPECT_THAT(terminal.shown(), HasSubstr("withdrawn: the blade stands where the strip began, cold"));
   EXPECT_EQ(events(log_, "withdrawn"), 1);
-  EXPECT_EQ(now().status.executed, executed_);
-  EXPECT_FALSE(now().status.left_in_cut);
+  EXPECT_EQ(status().executed, executed_);
+  EXPECT_FALSE(status().left_in_cut);
 }
 
 TEST_F(HalfCut, RestartGoesOnWithTheSameBlockToTheEnd) {
   Terminal terminal(reset());
   ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
-  terminal.type("restart\n");
+  ASSERT_TRUE(terminal.type("restart\n"));
   EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
   EXPECT_THAT(terminal.shown(), HasSubstr("S001 400 of 400 waypoints executed"));
   EXPECT_EQ(events(log_, "reenter"), 1);
@@ -260,14 +189,14 @@ TEST_F(HalfCut, GivenUpNothingMovesAndTheStripStartsAnew) {
   {
     Terminal terminal(reset());
     ASSERT_TRUE(terminal.shows("anything else stops: ")) << terminal.shown();
-    terminal.type("give up\n");
+    ASSERT_TRUE(terminal.type("give up\n"));
     EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
     EXPECT_THAT(terminal.shown(), HasSubstr("free the blade and take the block out"));
   }
   EXPECT_EQ(events(log_, "resume") + events(log_, "withdraw"), 0);
   Terminal terminal(reset());
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
-  terminal.type("yes\n");
+  ASSERT_TRUE(terminal.type("yes\n"));
   EXPECT_EQ(terminal.wait(), 0) << terminal.shown();
 }
 
@@ -275,52 +204,99 @@ TEST_F(HalfCut, WithRecoverAYesIsAskedFor) {
   auto words = reset();
   words.insert(words.end(), {"--recover", "withdraw"});
   {
-    Terminal terminal(words);
-    ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
-    terminal.type("n\n");
-    EXPECT_EQ(terminal.wait(), 130);
-    EXPECT_EQ(events(log_, "withdraw"), 0);
+    for (const std::string answer : {"n\n", "S001\n", "withdraw\n", "\n", "\x04"}) {
+      Terminal terminal(words);
+      ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
+      ASSERT_TRUE(terminal.type(answer));
+      EXPECT_EQ(terminal.wait(), 130);
+      EXPECT_EQ(events(log_, "withdraw"), 0);
+    }
   }
   Terminal terminal(words);
   ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
-  terminal.type("yes\n");
+  ASSERT_TRUE(terminal.type("yes\n"));
   EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
   EXPECT_EQ(events(log_, "withdrawn"), 1);
 }
 
 TEST_F(OperatorAtATerminal, AfterARestartOfTheControllerMotionWaits) {
   const auto log = directory_ / "execution.jsonl";
-  for (const std::string answer : {"n", "yes"}) {
+  for (const std::string answer : {"n\n", "\n", "y\n", "\x04", "\x03", "yes\n"}) {
     std::filesystem::remove(log);
-    simulate({"--time-scale", "20", "--log", log.string(), "--fault", "reboot@150"});
+    cell_.start({"--time-scale", "20", "--log", log.string(), "--fault", "reboot@150"});
     Terminal terminal(run());
     ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
-    terminal.type("yes\n");
+    // With lines that answer nothing, since the restart is yet to come.
+    ASSERT_TRUE(terminal.type("yes\nyes\nS001\n"));
     ASSERT_TRUE(terminal.shows("to go on, anything else stops: ")) << terminal.shown();
     EXPECT_THAT(terminal.shown(), HasSubstr("strip S001: the controller was restarted after "));
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
     EXPECT_EQ(events(log, "resume"), 0) << "it waits";
-    terminal.type(answer + "\n");
-    if (answer == "n") {
-      EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
-      EXPECT_EQ(events(log, "resume"), 0);
-    } else {
+    ASSERT_TRUE(terminal.type(answer));
+    if (answer == "yes\n") {
       ASSERT_TRUE(terminal.shows("strip S002: ")) << terminal.shown();
       EXPECT_EQ(events(log, "exec"), 400);
+    } else {
+      EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+      EXPECT_EQ(events(log, "resume"), 0);
     }
   }
 }
 
+TEST_F(OperatorAtATerminal, AYesIsForTheControllerThatWasAskedAbout) {
+  const auto log = directory_ / "execution.jsonl";
+  cell_.start({"--time-scale", "20", "--log", log.string()});
+  Terminal terminal(run());
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  cell_.restart();
+  ASSERT_TRUE(terminal.type("yes\n"));
+  const std::string again = "to go on, anything else stops: ";
+  ASSERT_TRUE(terminal.shows(again)) << terminal.shown();
+  EXPECT_EQ(events(log, "start"), 0);
+  ASSERT_TRUE(terminal.type("yes\n"));
+  ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.executed > 150; }));
+  cell_.restart();
+  ASSERT_TRUE(terminal.shows(again, 2)) << terminal.shown();
+  // Twice, and the second time while nothing but STATUS is read of it.
+  cell_.restart();
+  ASSERT_TRUE(terminal.type("yes\n"));
+  ASSERT_TRUE(terminal.shows(again, 3)) << terminal.shown();
+  EXPECT_EQ(events(log, "resume"), 0);
+  ASSERT_TRUE(terminal.type("yes\n"));
+  ASSERT_TRUE(terminal.shows("strip S002: ")) << terminal.shown();
+  EXPECT_EQ(events(log, "resume"), 1);
+  EXPECT_EQ(events(log, "exec"), 400) << "each waypoint once";
+}
+
+TEST_F(OperatorAtATerminal, AStripThatWasCutMeanwhileIsNotAskedAbout) {
+  cell_.start({"--time-scale", "20"});
+  {
+    Terminal left(run());
+    ASSERT_TRUE(left.shows("to start, anything else stops: ")) << left.shown();
+    ASSERT_TRUE(left.type("yes\n"));
+    // All of the strip is with the controller, and 20 s of it pass in 1.
+    ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.accepted == 400; }));
+    left.kill();
+  }
+  auto words = run();
+  words.emplace_back("--resume");
+  ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.executed == 400; }));
+  Terminal terminal(words);
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  EXPECT_THAT(terminal.shown(), HasSubstr("strip S001: all 400 waypoints were executed meanwhile"));
+  EXPECT_THAT(terminal.shown(), HasSubstr("strip S002: blade"));
+}
+
 TEST_F(OperatorAtATerminal, ALostLinkIsShownAtOnce) {
-  simulate({"--time-scale", "1"});
+  cell_.start({"--time-scale", "1"});
   auto words = run();
   words.back() = "bar";
   Terminal terminal(words);
   ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
-  terminal.type("yes\n");
+  ASSERT_TRUE(terminal.type("yes\n"));
   ASSERT_TRUE(terminal.shows("S001 RUNNING")) << terminal.shown();
   const auto lost = std::chrono::steady_clock::now();
-  sim_.reset();
+  cell_.kill();
   ASSERT_TRUE(terminal.shows("S001 link lost, trying again, 0 s")) << terminal.shown();
   EXPECT_LT(std::chrono::steady_clock::now() - lost, std::chrono::seconds(3));
   EXPECT_TRUE(terminal.shows("S001 link lost, trying again, 2 s")) << terminal.shown();
