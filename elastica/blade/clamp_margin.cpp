@@ -27,7 +27,7 @@ Elastica unit_blade(const Vector4d& q) {
   return {0, 0, 0, q[1], kForce * q[2], kForce * q[3], 1};
 }
 
-Vector4d unknowns_of(const Elastica& e) {
+Vector4d fold_unknowns(const Elastica& e) {
   const Vector2d force = force_along(e, e.theta) * (e.length * e.length / kForce);
   return {0, e.kappa * e.length, force.x(), force.y()};
 }
@@ -69,12 +69,12 @@ class FoldSearch {
       : e_(e),
         weight_(options.mm_per_rad > 0 ? options.mm_per_rad / e.length : 0.5),
         largest_(options.largest_mm / e.length) {
-    const JacobiFields end = end_map(unit_blade(unknowns_of(e)));
+    const JacobiFields end = end_map(unit_blade(fold_unknowns(e)));
     held_ = {e, end.index, 0, end};
     clamps_ = clamps_of(e);
     chord_ = end.point.position();
     turn_ = end.point.theta;
-    home_ = placed(unknowns_of(e), end);
+    home_ = placed(fold_unknowns(e), end);
   }
 
   // Leads the clamps straight in a direction of errors and starts the descent where, of some places on the
@@ -178,7 +178,7 @@ class FoldSearch {
     return untaut(q, shape.end);
   }
   [[nodiscard]] Vector4d seen_by(const Elastica& shape) const {
-    Vector4d q = unknowns_of(shape);
+    Vector4d q = fold_unknowns(shape);
     q[0] = std::remainder(shape.theta - e_.theta, 2 * std::numbers::pi);
     return q;
   }
@@ -252,12 +252,22 @@ class FoldSearch {
     return {};
   }
 
+  // Three directions square to v and to each other: the other columns of the reflection that turns v into an
+  // axis. Eigen's decompositions would give the same, and take ten seconds to compile.
+  [[nodiscard]] static Eigen::Matrix<double, 4, 3> square_to(const Vector4d& v) {
+    Vector3d essential;
+    double tau = 0, length = 0;
+    v.makeHouseholder(essential, tau, length);
+    Matrix4d q = Matrix4d::Identity();
+    Eigen::RowVector4d workspace;
+    q.applyHouseholderOnTheLeft(essential, tau, workspace.data());
+    return q.rightCols<3>();
+  }
+
   // One step of sequential quadratic programming: nearest along the fold's tangent space by the second
   // derivatives, made positive there, and no farther than the blade's shape changes smoothly.
   [[nodiscard]] static Vector4d step(const Place& p, const Slopes& s) {
-    const Eigen::HouseholderQR<Eigen::Matrix<double, 4, 1>> qr(s.fold);
-    const Matrix4d q = qr.householderQ();
-    const Eigen::Matrix<double, 4, 3> tangent = q.rightCols<3>();
+    const Eigen::Matrix<double, 4, 3> tangent = square_to(s.fold);
     const Vector4d to_fold = -p.fold / s.fold.squaredNorm() * s.fold;
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(tangent.transpose() * s.bend * tangent);
     const Vector3d slope =

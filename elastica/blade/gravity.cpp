@@ -11,9 +11,9 @@ namespace hotblade::elastica {
 
 namespace {
 
-constexpr int kCells = kGravityCells;
-constexpr std::size_t kInner = kCells - 1;
-constexpr double kStep = 1.0 / kCells;
+constexpr int kSagCells = kGravityCells;
+constexpr std::size_t kSagInner = kSagCells - 1;
+constexpr double kStep = 1.0 / kSagCells;
 
 // Middles of the cells, the blade scaled to length 1.
 struct Middle {
@@ -29,8 +29,8 @@ std::vector<Middle> cell_middles(const ElasticaCurve& curve) {
   const Eigen::Vector2d force = force_along(e, turn) * l2;
   const double along = force.x(), across = force.y();
   std::vector<Middle> middles;
-  middles.reserve(kCells);
-  for (int i = 0; i < kCells; ++i) {
+  middles.reserve(kSagCells);
+  for (int i = 0; i < kSagCells; ++i) {
     const CurvePoint p = curve.at(e.length * (i + 0.5) * kStep);
     const double c = std::cos(p.theta - turn), s = std::sin(p.theta - turn);
     middles.push_back({c, s, p.kappa * e.length, across * c - along * s, along * c + across * s});
@@ -42,19 +42,19 @@ std::vector<Middle> cell_middles(const ElasticaCurve& curve) {
 template <int N>
 struct BlockTridiagonal {
   using Block = Eigen::Matrix<double, N, N>;
-  std::vector<Block> diagonal = std::vector<Block>(kInner, Block::Zero());
-  std::vector<Block> lower = std::vector<Block>(kInner, Block::Zero());  // row i, column i - 1
+  std::vector<Block> diagonal = std::vector<Block>(kSagInner, Block::Zero());
+  std::vector<Block> lower = std::vector<Block>(kSagInner, Block::Zero());  // row i, column i - 1
 
   // Adds a cell's form on the values at both of its nodes; those of the clamped nodes are zero.
   void add(std::size_t cell, const Eigen::Matrix<double, 2 * N, 2 * N>& form) {
     if (cell > 0) diagonal[cell - 1] += form.template topLeftCorner<N, N>();
-    if (cell < kInner) diagonal[cell] += form.template bottomRightCorner<N, N>();
-    if (cell > 0 && cell < kInner) lower[cell] += form.template bottomLeftCorner<N, N>();
+    if (cell < kSagInner) diagonal[cell] += form.template bottomRightCorner<N, N>();
+    if (cell > 0 && cell < kSagInner) lower[cell] += form.template bottomLeftCorner<N, N>();
   }
 };
 
 template <int N, int R>
-struct Solved {
+struct BandSolution {
   std::vector<Eigen::Matrix<double, N, R>> x;
   int negative = 0;  // negative eigenvalues of the matrix
 };
@@ -68,10 +68,10 @@ int negative_eigenvalues(const Eigen::Matrix<double, N, N>& block) {
 
 // Gauss elimination by blocks; the pivots' signs are the matrix's inertia.
 template <int N, int R>
-Solved<N, R> solve(const BlockTridiagonal<N>& m, std::vector<Eigen::Matrix<double, N, R>> right) {
-  std::vector<Eigen::Matrix<double, N, N>> inverse(kInner);
-  Solved<N, R> solved{std::move(right), 0};
-  for (std::size_t i = 0; i < kInner; ++i) {
+BandSolution<N, R> solve(const BlockTridiagonal<N>& m, std::vector<Eigen::Matrix<double, N, R>> right) {
+  std::vector<Eigen::Matrix<double, N, N>> inverse(kSagInner);
+  BandSolution<N, R> solved{std::move(right), 0};
+  for (std::size_t i = 0; i < kSagInner; ++i) {
     Eigen::Matrix<double, N, N> pivot = m.diagonal[i];
     if (i > 0) {
       const Eigen::Matrix<double, N, N> factor = m.lower[i] * inverse[i - 1];
@@ -81,8 +81,8 @@ Solved<N, R> solve(const BlockTridiagonal<N>& m, std::vector<Eigen::Matrix<doubl
     solved.negative += negative_eigenvalues<N>(pivot);
     inverse[i] = pivot.inverse();
   }
-  for (std::size_t i = kInner; i-- > 0;) {
-    if (i + 1 < kInner) solved.x[i] -= m.lower[i + 1].transpose() * solved.x[i + 1];
+  for (std::size_t i = kSagInner; i-- > 0;) {
+    if (i + 1 < kSagInner) solved.x[i] -= m.lower[i + 1].transpose() * solved.x[i + 1];
     solved.x[i] = (inverse[i] * solved.x[i]).eval();
   }
   return solved;
@@ -138,7 +138,7 @@ BlockTridiagonal<2> lateral_form(const std::vector<Middle>& middles, const Stiff
 // plane.
 int lateral_eigenvalues_below(const std::vector<Middle>& middles, const StiffnessRatios& ratios,
                               double sigma) {
-  const std::vector<Eigen::Vector2d> mean(kInner, Eigen::Vector2d(kStep, 0));
+  const std::vector<Eigen::Vector2d> mean(kSagInner, Eigen::Vector2d(kStep, 0));
   const auto solved = solve<2, 1>(lateral_form(middles, ratios, sigma), mean);
   double compliance = 0;
   for (const auto& x : solved.x) compliance += kStep * x[0];
@@ -156,19 +156,19 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
   const Eigen::Vector2d q = l3 * (Eigen::Rotation2Dd(-turn) * load);
   // Right sides: the load's moment about the rest of the blade, and the two constraints that keep the end
   // point.
-  std::vector<Eigen::RowVector3d> right(kInner, Eigen::RowVector3d::Zero());
+  std::vector<Eigen::RowVector3d> right(kSagInner, Eigen::RowVector3d::Zero());
   for (std::size_t i = 0; i < middles.size(); ++i) {
     const Middle& m = middles[i];
     const double rest = 0.5 - (static_cast<double>(i) + 0.5) * kStep;
     const Eigen::RowVector3d half =
         0.5 * kStep * Eigen::RowVector3d((q.y() * m.cos - q.x() * m.sin) * rest, m.cos, m.sin);
     if (i > 0) right[i - 1] += half;
-    if (i < kInner) right[i] += half;
+    if (i < kSagInner) right[i] += half;
   }
   const auto solved = solve<1, 3>(plane_form(middles), right);
   Eigen::Matrix2d compliance = Eigen::Matrix2d::Zero();
   Eigen::Vector2d off = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < kInner; ++i) {
+  for (std::size_t i = 0; i < kSagInner; ++i) {
     compliance += right[i].tail<2>().transpose() * solved.x[i].tail<2>();
     off += right[i].tail<2>().transpose() * solved.x[i][0];
   }
@@ -180,7 +180,7 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
   result.shift.push_back(shift);
   double before = 0;
   for (std::size_t i = 0; i < middles.size(); ++i) {
-    const double after = i < kInner ? solved.x[i][0] - solved.x[i].tail<2>().dot(force) : 0;
+    const double after = i < kSagInner ? solved.x[i][0] - solved.x[i].tail<2>().dot(force) : 0;
     shift += 0.5 * kStep * (before + after) * Eigen::Vector2d(-middles[i].sin, middles[i].cos);
     before = after;
     result.shift.push_back(e.length * (Eigen::Rotation2Dd(turn) * shift));
@@ -192,9 +192,9 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
 Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
   require_finite(e, load);
   const std::vector<Middle> middles = cell_middles(ElasticaCurve(e));
-  std::vector<Eigen::Matrix2d> right(kInner, Eigen::Matrix2d::Zero());
+  std::vector<Eigen::Matrix2d> right(kSagInner, Eigen::Matrix2d::Zero());
   const double weight = -kStep * load * std::pow(e.length, 3);
-  for (std::size_t i = 0; i < kInner; ++i) {
+  for (std::size_t i = 0; i < kSagInner; ++i) {
     const double rest = 0.5 - (static_cast<double>(i) + 1) * kStep;
     right[i].row(0) << weight * rest, kStep;
   }
@@ -209,10 +209,10 @@ Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
   result.shift.push_back(0);
   result.twist.push_back(0);
   double before = 0, shift = 0;
-  for (std::size_t i = 0; i <= kInner; ++i) {
+  for (std::size_t i = 0; i <= kSagInner; ++i) {
     const Eigen::Vector2d at =
-        i < kInner ? Eigen::Vector2d(solved.x[i].col(0) - loaded / compliance * solved.x[i].col(1))
-                   : Eigen::Vector2d::Zero();
+        i < kSagInner ? Eigen::Vector2d(solved.x[i].col(0) - loaded / compliance * solved.x[i].col(1))
+                      : Eigen::Vector2d::Zero();
     shift -= 0.5 * kStep * (before + at[0]);
     before = at[0];
     result.shift.push_back(e.length * shift);

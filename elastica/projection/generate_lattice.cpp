@@ -24,7 +24,7 @@ constexpr DescentEnd kTight{1e-6, 1e-7};
 constexpr double kLower = 3e-4, kLowerLeast = 3e-6;
 // Floors of neighbours nearer than this are of one valley: valleys move by less from place to place, but at
 // their ends, and there one of the other seven neighbours tells.
-constexpr double kOneValley = 0.004;
+constexpr double kOneLatticeValley = 0.004;
 constexpr int kMostRounds = 40;
 
 struct Minimum {
@@ -207,7 +207,7 @@ class Lattice {
           for (int l = j - 1; l <= j + 1; ++l) {
             const std::size_t at = index({around(k, kPlaces), around(l, kPlaces)});
             const Floor& o = floors_[at];
-            if (!fresh[at] || o.e > 1 || std::hypot(o.u - own.u, o.v - own.v) < kOneValley) continue;
+            if (!fresh[at] || o.e > 1 || std::hypot(o.u - own.u, o.v - own.v) < kOneLatticeValley) continue;
             // One that is this much higher cannot be the lower at the next place.
             constexpr double kAbove = 0.02;
             if (own.e <= 1 && o.e > own.e + kAbove) continue;

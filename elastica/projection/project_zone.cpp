@@ -13,7 +13,7 @@ namespace {
 // Edge-length constraint 2.
 constexpr double kMostUneven = 1.3;
 // Steps of a deformation; the first one inside the zone is then moved back to the boundary by halving.
-constexpr int kSteps = 64, kHalvings = 30;
+constexpr int kZoneSteps = 64, kHalvings = 30;
 
 // The quarter of the boundary with phi2 <= phi1 and phi1 + phi2 <= 2 pi: four cubic pieces, phi1 ascending.
 class Boundary {
@@ -45,9 +45,9 @@ class Boundary {
     int piece = 0;
     while (piece + 1 < kQuarter && at(piece + 1).x() < phi1) ++piece;
     double low = 0, high = 1;
-    constexpr int kMostSteps = 60;
+    constexpr int kMostSecants = 60;
     double t = (phi1 - at(piece).x()) / (at(piece + 1).x() - at(piece).x());
-    for (int k = 0; k < kMostSteps; ++k) {
+    for (int k = 0; k < kMostSecants; ++k) {
       // Secant of a nearly straight piece, kept inside the bracket.
       const double off = (*this)(piece, t).x() - phi1;
       (off > 0 ? high : low) = t;
@@ -126,10 +126,10 @@ Walk walk(const StandardPosition& from, double l1, double l2, bool inflectional_
     const StandardPosition s = at(t);
     return inside_zone_boundary(polygon_angles(s)) || (inflectional_only && !inflectional(s));
   };
-  for (int i = 0; i <= kSteps; ++i) {
-    double inside = static_cast<double>(i) / kSteps;
+  for (int i = 0; i <= kZoneSteps; ++i) {
+    double inside = static_cast<double>(i) / kZoneSteps;
     if (!arrived(inside)) continue;
-    double outside = std::max(0.0, static_cast<double>(i - 1) / kSteps);
+    double outside = std::max(0.0, static_cast<double>(i - 1) / kZoneSteps);
     for (int k = 0; k < kHalvings && i > 0; ++k) {
       const double middle = 0.5 * (inside + outside);
       (arrived(middle) ? inside : outside) = middle;

@@ -16,8 +16,8 @@ namespace hotblade::elastica {
 namespace {
 
 // Lengths tried at a joint; the first grid spans the domain by steps of 10%, each later one a third of it.
-constexpr int kLengths = 57, kRounds = 9;
-constexpr double kShrink = 1.0 / 3;
+constexpr int kLengths = 57, kSplineRounds = 9;
+constexpr double kSplineShrink = 1.0 / 3;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 void expect_chain(std::span<const Bezier> chain) {
@@ -87,7 +87,7 @@ std::optional<std::vector<double>> joint_lengths(const std::vector<Segment>& seg
     middles[k] = 0.5 * (all.u0 + all.u1) + 0.5 * (before + after);
   }
   double half = 0.5 * (all.u1 - all.u0);
-  for (int round = 0; round < kRounds; ++round, half *= kShrink) {
+  for (int round = 0; round < kSplineRounds; ++round, half *= kSplineShrink) {
     std::vector<std::vector<double>> grids;
     for (const double middle : middles) {
       grids.emplace_back();

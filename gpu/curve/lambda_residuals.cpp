@@ -23,7 +23,7 @@ using Answer = std::array<double, 2>;  // e, status
 static_assert(sizeof(Curve) == 8 * sizeof(double), "the kernels read eight numbers a curve");
 
 // Curves of one task; with which both backends are timed; on the device at once.
-constexpr std::size_t kBlock = 1024, kTimed = 16384, kPortion = std::size_t{1} << 21;
+constexpr std::size_t kResidualBlock = 1024, kResidualsTimed = 16384, kResidualPortion = std::size_t{1} << 21;
 
 class ResidualsOnDevice {
  public:
@@ -44,31 +44,32 @@ class ResidualsOnDevice {
   mutable DevicePortions portions_;
 };
 
-struct Query {
+struct ResidualQuery {
   std::span<const Curve> curves;
   std::span<double> e;
   std::span<ResidualStatus> status;
   [[nodiscard]] std::size_t size() const { return curves.size(); }
-  [[nodiscard]] Query part(std::size_t first, std::size_t n) const {
+  [[nodiscard]] ResidualQuery part(std::size_t first, std::size_t n) const {
     return {curves.subspan(first, n), e.subspan(first, n), status.subspan(first, n)};
   }
 };
 
-void on_host(const Query& q) {
+void residuals_on_host(const ResidualQuery& q) {
   const CurveLanes& lanes = curve_lanes();
   // Whole blocks, so that a curve is in the same lane whatever the number of threads.
-  const std::size_t blocks = (q.size() + kBlock - 1) / kBlock;
+  const std::size_t blocks = (q.size() + kResidualBlock - 1) / kResidualBlock;
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    const Query part = q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock));
+    const ResidualQuery part =
+        q.part(block * kResidualBlock, std::min(kResidualBlock, q.size() - block * kResidualBlock));
     lanes.residuals(part.curves.data()->data()->data(), part.size(), part.e.data(),
                     reinterpret_cast<std::uint8_t*>(part.status.data()));
   });
 }
 
-void on_device(const ResidualsOnDevice& device, const Query& q) {
-  std::vector<Answer> answers(std::min(kPortion, q.size()));
-  for (std::size_t first = 0; first < q.size(); first += kPortion) {
-    const Query part = q.part(first, std::min(kPortion, q.size() - first));
+void residuals_on_device(const ResidualsOnDevice& device, const ResidualQuery& q) {
+  std::vector<Answer> answers(std::min(kResidualPortion, q.size()));
+  for (std::size_t first = 0; first < q.size(); first += kResidualPortion) {
+    const ResidualQuery part = q.part(first, std::min(kResidualPortion, q.size() - first));
     device.run(part.curves, std::span(answers).first(part.size()));
     for (std::size_t i = 0; i < part.size(); ++i) {
       part.e[i] = answers[i][0];
@@ -79,8 +80,8 @@ void on_device(const ResidualsOnDevice& device, const Query& q) {
 
 // Seconds for all by what a part takes, after a run that warms up.
 template <typename Run>
-double predicted_s(const Query& q, const Run& run) {
-  const Query part = q.part(0, std::min(kTimed, q.size()));
+double predicted_s(const ResidualQuery& q, const Run& run) {
+  const ResidualQuery part = q.part(0, std::min(kResidualsTimed, q.size()));
   if (part.size() == 0) return 0;
   run(part);
   const auto start = std::chrono::steady_clock::now();
@@ -106,21 +107,22 @@ void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
   if (e.size() != curves.size() || status.size() != curves.size()) {
     throw std::logic_error("LambdaResiduals::query: spans of different sizes");
   }
-  const Query q{curves, e, status};
+  const ResidualQuery q{curves, e, status};
   const auto device = impl_->choice.choose(
-      [&] { return predicted_s(q, on_host); }, [] { return std::make_shared<const ResidualsOnDevice>(); },
+      [&] { return predicted_s(q, residuals_on_host); },
+      [] { return std::make_shared<const ResidualsOnDevice>(); },
       [&](const ResidualsOnDevice& search) {
-        return predicted_s(q, [&](const Query& part) { on_device(search, part); });
+        return predicted_s(q, [&](const ResidualQuery& part) { residuals_on_device(search, part); });
       });
   if (device) {
     try {
-      on_device(*device, q);
+      residuals_on_device(*device, q);
       return;
     } catch (const DeviceError& error) {
       impl_->choice.drop(error);
     }
   }
-  on_host(q);
+  residuals_on_host(q);
 }
 
 BackendUse LambdaResiduals::used() const {

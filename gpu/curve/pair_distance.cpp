@@ -22,7 +22,7 @@ namespace {
 using Bezier = std::array<Eigen::Vector2d, 4>;
 
 // Pairs of one task; with which both backends are timed; on the device at once.
-constexpr std::size_t kBlock = 1024, kTimed = 2048, kPortion = std::size_t{1} << 17;
+constexpr std::size_t kPairBlock = 1024, kPairsTimed = 2048, kPairPortion = std::size_t{1} << 17;
 // Beziers shorter than this in their frame are points.
 constexpr double kLeastLength = 1e-100;
 // Bounds that are wider than the tolerance by less than this get narrow by twice the samples, twice at most:
@@ -30,13 +30,13 @@ constexpr double kLeastLength = 1e-100;
 constexpr double kWorthMoreSamples = 12;
 constexpr int kRounds = 3;
 
-struct Query {
+struct PairQuery {
   std::span<const Bezier> beziers;
   std::span<const ElasticaState> elastica;
   double tolerance;
   std::span<PairDistance> out;
   [[nodiscard]] std::size_t size() const { return beziers.size(); }
-  [[nodiscard]] Query part(std::size_t first, std::size_t n) const {
+  [[nodiscard]] PairQuery part(std::size_t first, std::size_t n) const {
     return {beziers.subspan(first, n), elastica.subspan(first, n), tolerance, out.subspan(first, n)};
   }
 };
@@ -45,7 +45,8 @@ struct Query {
 template <typename Kernels>
 class Block {
  public:
-  Block(const Query& q, const Kernels& kernels) : kernels_(kernels), frames_(q.size()), numbers_(q.size()) {
+  Block(const PairQuery& q, const Kernels& kernels)
+      : kernels_(kernels), frames_(q.size()), numbers_(q.size()) {
     tbb::parallel_for(std::size_t{0}, q.size(), [&](std::size_t i) {
       frames_[i] = pair_frame(q.beziers[i], q.elastica[i], q.tolerance);
       numbers_[i] = frames_[i].numbers;
@@ -147,20 +148,20 @@ class Block {
 };
 
 // Both return how many pairs needed the careful search.
-std::size_t on_host(const Query& q) {
-  const std::size_t blocks = (q.size() + kBlock - 1) / kBlock;
+std::size_t pairs_on_host(const PairQuery& q) {
+  const std::size_t blocks = (q.size() + kPairBlock - 1) / kPairBlock;
   std::atomic<std::size_t> careful = 0;
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    const Query part = q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock));
+    const PairQuery part = q.part(block * kPairBlock, std::min(kPairBlock, q.size() - block * kPairBlock));
     careful += Block(part, pair_lanes()).answer(part.out);
   });
   return careful;
 }
 
-std::size_t on_device(const PairsOnDevice& device, const Query& q) {
+std::size_t pairs_on_device(const PairsOnDevice& device, const PairQuery& q) {
   std::size_t careful = 0;
-  for (std::size_t first = 0; first < q.size(); first += kPortion) {
-    const Query part = q.part(first, std::min(kPortion, q.size() - first));
+  for (std::size_t first = 0; first < q.size(); first += kPairPortion) {
+    const PairQuery part = q.part(first, std::min(kPairPortion, q.size() - first));
     careful += Block(part, device).answer(part.out);
   }
   return careful;
@@ -168,8 +169,8 @@ std::size_t on_device(const PairsOnDevice& device, const Query& q) {
 
 // Returns the seconds that all would take by what a part takes, after a run that warms up.
 template <typename Run>
-double predicted_s(const Query& q, const Run& run) {
-  const Query part = q.part(0, std::min(kTimed, q.size()));
+double predicted_s(const PairQuery& q, const Run& run) {
+  const PairQuery part = q.part(0, std::min(kPairsTimed, q.size()));
   if (part.size() == 0) return 0;
   run(part);
   const auto start = std::chrono::steady_clock::now();
@@ -208,20 +209,20 @@ std::size_t PairDistances::query(std::span<const Bezier> beziers, std::span<cons
     throw std::logic_error("PairDistances::query: spans of different sizes");
   }
   if (!(tolerance > 0)) throw std::logic_error("PairDistances::query: needs a tolerance above 0");
-  const Query q{beziers, elastica, tolerance, out};
+  const PairQuery q{beziers, elastica, tolerance, out};
   const auto device = impl_->choice.choose(
-      [&] { return predicted_s(q, on_host); }, [] { return std::make_shared<const PairsOnDevice>(); },
+      [&] { return predicted_s(q, pairs_on_host); }, [] { return std::make_shared<const PairsOnDevice>(); },
       [&](const PairsOnDevice& pairs) {
-        return predicted_s(q, [&](const Query& part) { on_device(pairs, part); });
+        return predicted_s(q, [&](const PairQuery& part) { pairs_on_device(pairs, part); });
       });
   if (device) {
     try {
-      return on_device(*device, q);
+      return pairs_on_device(*device, q);
     } catch (const DeviceError& error) {
       impl_->choice.drop(error);
     }
   }
-  return on_host(q);
+  return pairs_on_host(q);
 }
 
 BackendUse PairDistances::used() const {

@@ -25,7 +25,7 @@ bool all_finite(const Bezier& b, const ElasticaState& e) {
 }
 
 // The power of two that brings an extent into [1/2, 1).
-double scale_of(double extent) {
+double pair_scale(double extent) {
   int exponent = 0;
   (void)std::frexp(extent, &exponent);
   return extent > 0 ? std::ldexp(1.0, std::clamp(-exponent, -500, 500)) : 1;
@@ -120,7 +120,7 @@ PairFrame pair_frame(const Bezier& bezier, const ElasticaState& e, double tolera
   double extent = e.length;
   for (const Vector2d& p : bezier) extent = std::max(extent, (p - start).lpNorm<Eigen::Infinity>());
   if (!(extent < kGreatestExtent)) return f;
-  f.scale = scale_of(extent);
+  f.scale = pair_scale(extent);
   f.tolerance = tolerance * f.scale;
   for (int axis = 0; axis < 2; ++axis) {
     double b[4];

@@ -13,11 +13,11 @@ using protocol::State;
 
 namespace {
 
-constexpr double kMicro = 1e-6;
+constexpr double kMicrosecond = 1e-6;
 constexpr double kRounding_s = 1e-9;  // far below the microsecond that times are given in
 
 double time_s(const protocol::RawWaypoint& raw) {
-  return protocol::time_us(raw) * kMicro;
+  return protocol::time_us(raw) * kMicrosecond;
 }
 
 }  // namespace
@@ -169,7 +169,7 @@ void Controller::restore(const ControllerJournal& journal) {
   replay(journal);
   published_executed_ = job_.executed;
   published_crc_ = job_.executed_crc;
-  motion_s_ = static_cast<double>(journal.motion_us) * kMicro;
+  motion_s_ = static_cast<double>(journal.motion_us) * kMicrosecond;
   constexpr double kPosesPerS = 100;
   poses_written_ = static_cast<std::uint64_t>(motion_s_ * kPosesPerS) + 1;
   heat_off_ = true;

@@ -17,7 +17,7 @@ enum Function : std::uint8_t {
 
 constexpr std::uint16_t kMaxRead = 125, kMaxWrite = 123, kMaxReadWriteWrite = 121;
 
-std::uint16_t get16(std::span<const std::uint8_t> bytes, std::size_t at) {
+std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::uint16_t>(bytes[at] << 8 | bytes[at + 1]);
 }
 
@@ -82,7 +82,7 @@ Reply RegisterMap::handle(std::span<const std::uint8_t> request, Controller::Con
 
 std::uint8_t RegisterMap::read(Pdu& pdu) {
   if (pdu.in.size() != 5) return kIllegalValue;
-  const std::uint16_t address = get16(pdu.in, 1), count = get16(pdu.in, 3);
+  const std::uint16_t address = word_at(pdu.in, 1), count = word_at(pdu.in, 3);
   if (count < 1 || count > kMaxRead) return kIllegalValue;
   if (const auto refused = check_read(address, count); refused != kOk) return refused;
   return fill(pdu, address, count);
@@ -112,7 +112,7 @@ std::uint8_t RegisterMap::fill(Pdu& pdu, std::uint16_t address, std::uint16_t co
 
 std::uint8_t RegisterMap::write_single(Pdu& pdu) {
   if (pdu.in.size() != 5) return kIllegalValue;
-  const auto refused = write(pdu, get16(pdu.in, 1), pdu.in.subspan(3, 2));
+  const auto refused = write(pdu, word_at(pdu.in, 1), pdu.in.subspan(3, 2));
   if (refused == kOk) {
     for (std::size_t i = 1; i < 5; ++i) pdu.byte(pdu.in[i]);
   }
@@ -122,11 +122,11 @@ std::uint8_t RegisterMap::write_single(Pdu& pdu) {
 std::uint8_t RegisterMap::write_multiple(Pdu& pdu) {
   constexpr std::size_t kHead = 6;
   if (pdu.in.size() < kHead) return kIllegalValue;
-  const std::uint16_t count = get16(pdu.in, 3);
+  const std::uint16_t count = word_at(pdu.in, 3);
   if (count < 1 || count > kMaxWrite || pdu.in[5] != 2 * count || pdu.in.size() != kHead + 2u * count) {
     return kIllegalValue;
   }
-  const auto refused = write(pdu, get16(pdu.in, 1), pdu.in.subspan(kHead));
+  const auto refused = write(pdu, word_at(pdu.in, 1), pdu.in.subspan(kHead));
   if (refused == kOk) {
     for (std::size_t i = 1; i < 5; ++i) pdu.byte(pdu.in[i]);
   }
@@ -136,8 +136,8 @@ std::uint8_t RegisterMap::write_multiple(Pdu& pdu) {
 std::uint8_t RegisterMap::read_write(Pdu& pdu) {
   constexpr std::size_t kHead = 10;
   if (pdu.in.size() < kHead) return kIllegalValue;
-  const std::uint16_t read_at = get16(pdu.in, 1), read_count = get16(pdu.in, 3);
-  const std::uint16_t write_at = get16(pdu.in, 5), write_count = get16(pdu.in, 7);
+  const std::uint16_t read_at = word_at(pdu.in, 1), read_count = word_at(pdu.in, 3);
+  const std::uint16_t write_at = word_at(pdu.in, 5), write_count = word_at(pdu.in, 7);
   if (read_count < 1 || read_count > kMaxRead || write_count < 1 || write_count > kMaxReadWriteWrite ||
       pdu.in[9] != 2 * write_count || pdu.in.size() != kHead + 2u * write_count) {
     return kIllegalValue;
@@ -151,7 +151,7 @@ std::uint8_t RegisterMap::read_write(Pdu& pdu) {
 std::uint8_t RegisterMap::write(Pdu& pdu, std::uint16_t address, std::span<const std::uint8_t> data) {
   std::array<std::uint16_t, kMaxWrite> registers{};
   const std::size_t count = data.size() / 2;
-  for (std::size_t i = 0; i < count; ++i) registers[i] = get16(data, 2 * i);
+  for (std::size_t i = 0; i < count; ++i) registers[i] = word_at(data, 2 * i);
   const auto words = std::span<const std::uint16_t>(registers).first(count);
   if (address == protocol::kCommandBase) return write_command(pdu, words);
   if (address == protocol::kWindowBase) return write_window(pdu, words);

@@ -8,7 +8,7 @@
 namespace hotblade::surface {
 namespace {
 
-std::size_t at(int i) {
+std::size_t place(int i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -17,7 +17,8 @@ int longest_edge(std::span<const Eigen::Vector3d> vertices, const std::array<int
   int best = 0;
   double longest = -1;
   for (int i = 0; i < 3; ++i) {
-    const double length = (vertices[at(t[at(i)])] - vertices[at(t[at((i + 1) % 3)])]).squaredNorm();
+    const double length =
+        (vertices[place(t[place(i)])] - vertices[place(t[place((i + 1) % 3)])]).squaredNorm();
     if (length > longest) {
       best = i;
       longest = length;
@@ -30,10 +31,10 @@ int longest_edge(std::span<const Eigen::Vector3d> vertices, const std::array<int
 // the neighbour is a needle too and another round follows. False, and nothing done, where both have the same
 // three corners: the needles lie folded on each other.
 bool turn_edge(std::vector<std::array<int, 3>>& triangles, int needle_corner, int other_corner) {
-  const int middle = triangles[at(needle_corner / 3)][at((needle_corner + 2) % 3)];
-  auto& needle = triangles[at(needle_corner / 3)];
-  auto& other = triangles[at(other_corner / 3)];
-  const std::size_t i = at(other_corner % 3);
+  const int middle = triangles[place(needle_corner / 3)][place((needle_corner + 2) % 3)];
+  auto& needle = triangles[place(needle_corner / 3)];
+  auto& other = triangles[place(other_corner / 3)];
+  const std::size_t i = place(other_corner % 3);
   const int x = other[i], y = other[(i + 1) % 3], far = other[(i + 2) % 3];
   if (middle == far) return false;
   needle = {x, middle, far};
@@ -62,10 +63,10 @@ class Needles {
     for (const std::size_t f : needles_) {
       const int corner = 3 * static_cast<int>(f) + longest_edge(vertices_, triangles_[f]);
       const int other = mesh.beyond(corner);
-      if (touched[f] || (other != TriangleMesh::kNone && touched[at(other / 3)])) {
+      if (touched[f] || (other != TriangleMesh::kNone && touched[place(other / 3)])) {
         left.push_back(f);
       } else if (other != TriangleMesh::kNone) {
-        const std::size_t beyond = at(other / 3);
+        const std::size_t beyond = place(other / 3);
         touched[f] = touched[beyond] = true;
         if (!turn_edge(triangles_, corner, other)) {
           any_folded = folded[f] = folded[beyond] = true;
@@ -125,8 +126,8 @@ class Needles {
 }  // namespace
 
 bool has_area(std::span<const Eigen::Vector3d> vertices, const std::array<int, 3>& t) {
-  const Eigen::Vector3d a = vertices[at(t[1])] - vertices[at(t[0])],
-                        b = vertices[at(t[2])] - vertices[at(t[0])];
+  const Eigen::Vector3d a = vertices[place(t[1])] - vertices[place(t[0])],
+                        b = vertices[place(t[2])] - vertices[place(t[0])];
   // Each component of the product is rounded by at most 2^-52 of |a| |b|: less is no area at all.
   constexpr double kRounding = 1e-15;
   return a.cross(b).norm() > kRounding * a.norm() * b.norm();

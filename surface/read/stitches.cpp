@@ -14,7 +14,7 @@
 namespace hotblade::surface {
 namespace {
 
-std::size_t at(int i) {
+std::size_t slot(int i) {
   return static_cast<std::size_t>(i);
 }
 
@@ -52,7 +52,7 @@ class Cells {
   [[nodiscard]] Cell cell(int v) const {
     Cell c;
     for (std::size_t i = 0; i < 3; ++i)
-      c[i] = static_cast<std::int64_t>(std::floor(vertices_[at(v)][static_cast<Eigen::Index>(i)] / width_));
+      c[i] = static_cast<std::int64_t>(std::floor(vertices_[slot(v)][static_cast<Eigen::Index>(i)] / width_));
     return c;
   }
   // Cells of one key share a list: a far vertex more to look at, never a near one less.
@@ -78,7 +78,7 @@ std::vector<Pair> close_pairs(std::span<const Eigen::Vector3d> vertices, std::sp
   std::vector<Pair> pairs;
   for (const int v : members) {
     cells.near(v, [&](int w) {
-      const double d = (vertices[at(v)] - vertices[at(w)]).norm();
+      const double d = (vertices[slot(v)] - vertices[slot(w)]).norm();
       if (v < w && d <= distance) pairs.push_back({d, v, w});
     });
   }
@@ -97,7 +97,8 @@ class Groups {
 
   // Joins the groups of both, unless that joins the ends of an edge.
   void join(int a, int b) {
-    const int low = std::min(lowest_[at(a)], lowest_[at(b)]), high = std::max(lowest_[at(a)], lowest_[at(b)]);
+    const int low = std::min(lowest_[slot(a)], lowest_[slot(b)]),
+              high = std::max(lowest_[slot(a)], lowest_[slot(b)]);
     if (low == high) return;
     std::vector<int>& into = members(low);
     std::vector<int>& from = members(high);
@@ -106,7 +107,7 @@ class Groups {
         if (mesh_.joined(v, w)) return;
       }
     }
-    for (const int w : from) lowest_[at(w)] = low;
+    for (const int w : from) lowest_[slot(w)] = low;
     into.insert(into.end(), from.begin(), from.end());
     from.clear();
   }
@@ -137,7 +138,7 @@ Stitches find_stitches(const TriangleMesh& mesh, double distance_mm) {
     const int stands = result.vertex[v];
     if (stands == static_cast<int>(v)) continue;
     if (result.joined++ == 0) result.first = static_cast<int>(v);
-    result.largest_move_mm = std::max(result.largest_move_mm, (vertices[v] - vertices[at(stands)]).norm());
+    result.largest_move_mm = std::max(result.largest_move_mm, (vertices[v] - vertices[slot(stands)]).norm());
   }
   return result;
 }

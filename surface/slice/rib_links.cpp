@@ -25,7 +25,7 @@ constexpr double kSeamDistance = 2;
 constexpr double kThereAndBack = 2;
 
 // How far one piece lies along another: the share of its stations covered, and their mean distance.
-struct Cover {
+struct PieceCover {
   double share = 0, mean_mm = 0;
 };
 
@@ -81,9 +81,9 @@ double overhang(const SectionPiece& piece, const Foot& foot, const Eigen::Vector
 
 // A station of `of` is covered when `by` has a point beside it, on a face that looks to the same side, or
 // ends less than a plane distance before it: borders may run at 45 degrees.
-Cover cover(const SectionPiece& of, const std::vector<SectionPoint>& of_stations, const SectionPiece& by,
-            double spacing, double limit) {
-  Cover result;
+PieceCover cover(const SectionPiece& of, const std::vector<SectionPoint>& of_stations, const SectionPiece& by,
+                 double spacing, double limit) {
+  PieceCover result;
   std::size_t covered = 0;
   for (const SectionPoint& station : of_stations) {
     const Foot foot = nearest(by, station.p);
@@ -129,9 +129,9 @@ class Linker {
   // The mean distance of two pieces that may link, or nothing when they may not.
   [[nodiscard]] std::optional<double> match(std::size_t a, std::size_t b, bool joined, bool branches) const {
     const double limit = joined ? std::numeric_limits<double>::infinity() : kSeamDistance * spacing_;
-    const Cover ab = cover(nodes_[a].piece, stations_[a], nodes_[b].piece, spacing_, limit);
+    const PieceCover ab = cover(nodes_[a].piece, stations_[a], nodes_[b].piece, spacing_, limit);
     if (joined && !branches && ab.share >= kMost) return ab.mean_mm;  // the only pair; either side will do
-    const Cover ba = cover(nodes_[b].piece, stations_[b], nodes_[a].piece, spacing_, limit);
+    const PieceCover ba = cover(nodes_[b].piece, stations_[b], nodes_[a].piece, spacing_, limit);
     if (joined && !branches) return ba.share >= kMost ? std::optional(ba.mean_mm) : std::nullopt;
     if (std::min(ab.share, ba.share) < (branches ? kNearlyAll : kMost)) return std::nullopt;
     return (ab.mean_mm * ab.share + ba.mean_mm * ba.share) / (ab.share + ba.share);
