@@ -116,7 +116,7 @@ void find_resume_point(const std::vector<Job>& jobs, const robot::ControllerSnap
 // beginning.
 void refuse_open_job(const std::vector<Job>& jobs, const robot::protocol::Status& status,
                      const std::string& place) {
-  if (status.state != State::kOpen && status.state != State::kRunning && status.state != State::kHeld) return;
+  if (status.state == State::kIdle || status.state == State::kFault || status.state == State::kEstop) return;
   const auto open =
       std::find_if(jobs.begin(), jobs.end(), [&](const Job& job) { return job.id == status.job_id; });
   if (open == jobs.end()) return;

@@ -1,6 +1,7 @@
 // `hotblade` at a terminal of its own: what it shows, and a hand that types.
 #pragma once
 
+#include <fcntl.h>
 #include <poll.h>
 #include <pty.h>
 #include <signal.h>
@@ -29,6 +30,7 @@ class Terminal {
       ::execv(argv[0], argv.data());
       ::_exit(127);
     }
+    ::fcntl(terminal_, F_SETFD, FD_CLOEXEC);
   }
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
@@ -55,9 +57,14 @@ class Terminal {
     return true;
   }
 
-  // The exit code, with all that was shown in shown().
+  // The exit code, with all that was shown in shown(); -1 for a program that is silent for long and is
+  // killed.
   int wait() {
     while (read_more()) {
+    }
+    if (silent_) {
+      kill();
+      return -1;
     }
     int status = 0;
     ::waitpid(pid_, &status, 0);
@@ -79,9 +86,15 @@ class Terminal {
   bool read_more() {
     constexpr int kPatience_ms = 60000;
     pollfd readable{terminal_, POLLIN, 0};
-    if (::poll(&readable, 1, kPatience_ms) <= 0) return false;
+    silent_ = ::poll(&readable, 1, kPatience_ms) <= 0;
+    if (silent_) return false;
     char bytes[4096];
-    const ssize_t n = ::read(terminal_, bytes, sizeof bytes);
+    ssize_t n = ::read(terminal_, bytes, sizeof bytes);
+    if (n < 0) {
+      // The last words of a program that has ended may still be on their way through the terminal.
+      ::usleep(100'000);
+      n = ::read(terminal_, bytes, sizeof bytes);
+    }
     if (n <= 0) return false;
     shown_.append(bytes, static_cast<std::size_t>(n));
     return true;
@@ -89,6 +102,7 @@ class Terminal {
 
   int terminal_ = -1;
   pid_t pid_ = -1;
+  bool silent_ = false;
   std::string shown_;
 };
 
