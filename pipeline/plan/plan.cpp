@@ -307,7 +307,7 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
 void judge_budget(const Settings& settings, PlanResult& result) {
   const Verdict verdict = verdict_of(result.program);
   if (!verdict.over_budget()) return;
-  if (settings.design.over_budget != "refuse") {
+  if (settings.design.over_budget == OverBudget::kWarn) {
     result.warnings.push_back("design: " + budget_text(verdict));
     return;
   }

@@ -19,10 +19,13 @@ namespace hotblade::pipeline {
 enum class Keep { kBelow, kAbove, kBack, kFront };
 // May one blade cut both sides of a window?
 enum class Gaps { kBridge, kApart };
+// What becomes of a plan whose error budget is over the tolerance.
+enum class OverBudget { kWarn, kRefuse };
 
 // Return the words that settings and programs have for them.
 [[nodiscard]] std::string_view name(Keep keep);
 [[nodiscard]] std::string_view name(Gaps gaps);
+[[nodiscard]] std::string_view name(OverBudget over_budget);
 
 struct DesignSettings {
   std::string units;     // mm, cm, m, in, ft; required, no default
@@ -31,11 +34,11 @@ struct DesignSettings {
   std::string group;  // OBJ group or object to cut; empty: the whole file
   // The faces that look in this direction of the design frame are cut; absent, all are.
   std::optional<std::array<double, 3>> facing;
-  double facing_max_deg = 80;        // between a face's normal and `facing`
-  double stitch_mm = 0;              // borders of the design this close to each other are joined
-  double tolerance_mm = 1.0;         // accepted deviation between cut and design
-  double max_uncut_share = 0.01;     // of the design's area that no strip reaches
-  std::string over_budget = "warn";  // warn or refuse: what an error budget over the tolerance does
+  double facing_max_deg = 80;     // between a face's normal and `facing`
+  double stitch_mm = 0;           // borders of the design this close to each other are joined
+  double tolerance_mm = 1.0;      // accepted deviation between cut and design
+  double max_uncut_share = 0.01;  // of the design's area that no strip reaches
+  OverBudget over_budget = OverBudget::kWarn;
 };
 
 struct SliceSettings {

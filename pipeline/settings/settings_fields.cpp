@@ -36,7 +36,7 @@ constexpr SettingField kFields[] = {
     {"design", "max_uncut_share", "", 0, 1, "",
      "Share of the design's area that may stay out of reach of every strip",
      [](S& s) -> Place { return &s.design.max_uncut_share; }},
-    {"design", "over_budget", "", 0, 0, "warn|refuse",
+    {"design", "over_budget", "", 0, 0, kOverBudgetWords,
      "What an error budget over the tolerance does: the plan is amber with a warning, or refused",
      [](S& s) -> Place { return &s.design.over_budget; }},
 
@@ -177,6 +177,10 @@ std::string_view name(Keep keep) {
 
 std::string_view name(Gaps gaps) {
   return word_at(kGapsWords, static_cast<std::size_t>(gaps));
+}
+
+std::string_view name(OverBudget over_budget) {
+  return word_at(kOverBudgetWords, static_cast<std::size_t>(over_budget));
 }
 
 std::span<const SettingField> setting_fields() {

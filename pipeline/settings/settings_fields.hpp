@@ -16,14 +16,16 @@ namespace hotblade::pipeline {
 
 // A place inside a Settings value.
 using SettingPlace =
-    std::variant<double*, int*, std::string*, Keep*, Gaps*, std::vector<double>*, std::array<double, 3>*,
-                 std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
+    std::variant<double*, int*, std::string*, Keep*, Gaps*, OverBudget*, std::vector<double>*,
+                 std::array<double, 3>*, std::optional<std::array<double, 3>>*,
+                 std::optional<std::array<double, 6>>*>;
 
 // The choices of a string that may be any text.
 inline constexpr std::string_view kAnyText = "*";
 
 // The words of each enum, in its order.
-inline constexpr std::string_view kKeepWords = "below|above|back|front", kGapsWords = "bridge|apart";
+inline constexpr std::string_view kKeepWords = "below|above|back|front", kGapsWords = "bridge|apart",
+                                  kOverBudgetWords = "warn|refuse";
 
 struct SettingField {
   std::string_view section, key, unit;

@@ -101,7 +101,7 @@ TEST(Verdict, OfARefusedPlanIsRedWhateverItsBudget) {
 
 TEST(Verdict, ASettingMakesTheBudgetBinding) {
   Settings settings = with_clamps(2, 0.002);
-  settings.design.over_budget = "refuse";
+  settings.design.over_budget = OverBudget::kRefuse;
   const PlanResult result = plan(cylinder_design(), settings, {});
   ASSERT_EQ(result.refusals.size(), 1u);
   EXPECT_EQ(result.refusals.front().limit, Limit::kBudget);
