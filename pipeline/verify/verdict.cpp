@@ -17,8 +17,10 @@ namespace {
 // Two digits down: the largest such number that is not above x.
 double two_digits_down(double x) {
   if (!(x > 0)) return 0;
-  const double step = std::pow(10.0, std::floor(std::log10(x)) - 1);
-  return step * std::floor(x / step);
+  // By a power that is a whole number, the quotient is the number that its two digits read as.
+  const double digits = 1 - std::floor(std::log10(x));
+  if (digits >= 0) return std::floor(x * std::pow(10.0, digits)) / std::pow(10.0, digits);
+  return std::floor(x / std::pow(10.0, -digits)) * std::pow(10.0, -digits);
 }
 
 // What the clamps' errors, scaled, move the blades of a program by at its ribs.
