@@ -132,6 +132,19 @@ void append_fish_options(std::string& script, const CLI::App& command, const std
   }
 }
 
+// `case` branches for the options of one command that take words of a choice.
+std::string choice_cases(const CLI::App& command) {
+  std::string script;
+  for (const CLI::Option* option : options_of(command)) {
+    const std::string choices = choices_of(*option);
+    std::vector<std::string> names;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    if (!choices.empty() && !names.empty())
+      script += fmt::format("        {}) values='{}' ;;\n", fmt::join(names, "|"), choices);
+  }
+  return script;
+}
+
 // `case` branches for one command: what follows it, and what follows its options.
 void append_case(std::string& script, const CLI::App& command, const std::string& path,
                  const std::string& global) {
@@ -139,14 +152,7 @@ void append_case(std::string& script, const CLI::App& command, const std::string
   for (const CLI::App* inner : command.get_subcommands({})) words.push_back(inner->get_name());
   script += fmt::format("    '{}')\n      words='{} {}'\n      case \"$previous\" in\n", path, joined(words),
                         global);
-  for (const CLI::Option* option : options_of(command)) {
-    const std::string choices = choices_of(*option);
-    std::vector<std::string> names;
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    if (!choices.empty() && !names.empty()) {
-      script += fmt::format("        {}) values='{}' ;;\n", fmt::join(names, "|"), choices);
-    }
-  }
+  script += choice_cases(command);
   for (const CLI::Option* option : options_of(command)) {
     if (option->check_lname("set")) script += "        --set) values=\"$settings\" ;;\n";
   }
@@ -173,18 +179,22 @@ std::string manual_page(const CLI::App& app) {
   return page;
 }
 
-std::string bash_completion(const CLI::App& app) {
+namespace {
+
+// A function of bash that completes the words of a command line; zsh runs it as well.
+std::string completing_function(const CLI::App& app, const std::string& name) {
   std::vector<std::string> commands;
   for (const CLI::App* command : app.get_subcommands({})) commands.push_back(command->get_name());
   const std::string global = joined(flags_of(app));
   std::string script =
-      "# bash completion for hotblade, made by `hotblade completion bash`\n_hotblade() {\n"
+      name +
+      "() {\n"
       "  local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\" path='' "
       "words='' values='' word\n"
       "  local settings='" +
       joined(setting_names()) +
       "'\n"
-      "  for word in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
+      "  for word in \"${COMP_WORDS[@]:1:$((COMP_CWORD-1))}\"; do\n"
       "    case \"$path $word\" in\n";
   for (const CLI::App* command : app.get_subcommands({})) {
     script += fmt::format("      ' {0}') path='{0}' ;;\n", command->get_name());
@@ -192,10 +202,12 @@ std::string bash_completion(const CLI::App& app) {
       script += fmt::format("      '{0} {1}') path='{0} {1}' ;;\n", command->get_name(), inner->get_name());
     }
   }
-  script += "    esac\n  done\n  case \"$path\" in\n";
-  script += fmt::format("    '') words='{} {}' ;;\n", joined(commands), global);
+  script += "      ' help') path=help ;;\n    esac\n  done\n  case \"$path\" in\n";
+  script += fmt::format("    '') words='{} help {}' ;;\n", joined(commands), global);
+  script += fmt::format("    help) words='{}' ;;\n", joined(commands));
   for (const CLI::App* command : app.get_subcommands({}))
     append_case(script, *command, command->get_name(), global);
+  script += "  esac\n  case \"$previous\" in\n" + choice_cases(app);
   script +=
       "  esac\n"
       "  [[ $values != \"$settings\" ]] || compopt -o nospace 2> /dev/null\n  if [[ -n $values ]]; then\n    "
@@ -203,24 +215,36 @@ std::string bash_completion(const CLI::App& app) {
       "  elif [[ $current == -* || -z $path ]]; then\n    COMPREPLY=($(compgen -W \"$words\" -- "
       "\"$current\"))\n"
       "  else\n    COMPREPLY=($(compgen -W \"$words\" -- \"$current\") $(compgen -f -- \"$current\"))\n  "
-      "fi\n}\n"
-      "complete -o filenames -F _hotblade hotblade\n";
+      "fi\n}\n";
   return script;
 }
 
+}  // namespace
+
+std::string bash_completion(const CLI::App& app) {
+  return "# bash completion for hotblade, made by `hotblade completion bash`\n" +
+         completing_function(app, "_hotblade") + "complete -o filenames -F _hotblade hotblade\n";
+}
+
+// As a file `_hotblade` of the function path it is the body of the function that completes; read by `source`
+// it is not called.
 std::string zsh_completion(const CLI::App& app) {
   return "#compdef hotblade\n# zsh completion for hotblade, made by `hotblade completion zsh`\n"
          "autoload -U +X bashcompinit && bashcompinit\n" +
-         bash_completion(app);
+         completing_function(app, "_hotblade_words") +
+         "if [[ ${funcstack[1]} == _hotblade ]]; then\n  _bash_complete -o filenames -F _hotblade_words\n"
+         "else\n  complete -o filenames -F _hotblade_words hotblade\nfi\n";
 }
 
 std::string fish_completion(const CLI::App& app) {
   std::string script = "# fish completion for hotblade, made by `hotblade completion fish`\n";
   append_fish_options(script, app, "");
+  script += "complete -c hotblade -n __fish_use_subcommand -f -a help -d 'Print the help of a command'\n";
   for (const CLI::App* command : app.get_subcommands({})) {
     const std::string name = command->get_name();
     script += "complete -c hotblade -n __fish_use_subcommand -f -a " + name + " -d " +
               fish_quoted(command->get_description()) + "\n";
+    script += "complete -c hotblade -n '__fish_seen_subcommand_from help' -f -a " + name + "\n";
     append_fish_options(script, *command, " -n '__fish_seen_subcommand_from " + name + "'");
     for (const CLI::App* inner : command->get_subcommands({})) {
       script += "complete -c hotblade -n '__fish_seen_subcommand_from " + name + "' -f -a " +
