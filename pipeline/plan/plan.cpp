@@ -12,6 +12,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
@@ -29,6 +30,9 @@ namespace hotblade::pipeline {
 namespace {
 
 constexpr int kMaxRefinements = 3;
+
+// Of an attempt, what is done when its ribs are fitted, when its strips are posed, and when it is verified.
+constexpr double kFitShare = 0.1, kPoseShare = 0.3, kVerifyShare = 0.9;
 
 class Stopwatch {
  public:
@@ -154,7 +158,8 @@ void pose_strips(const StripLayout& layout, const Settings& settings, const Plan
     posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
     planned[i] = planned_strip(std::move(posed), settings);
     const std::scoped_lock lock(telling);
-    hooks.progress("pose", 0.5 + 0.3 * static_cast<double>(++told) / static_cast<double>(count));
+    const double posed_share = static_cast<double>(++told) / static_cast<double>(count);
+    hooks.progress("pose", kPoseShare + posed_share * (kVerifyShare - kPoseShare));
   });
   for (PlannedStrip& d : planned) {
     result.program.strips.push_back(std::move(d.strip));
@@ -185,7 +190,7 @@ void pose_and_verify(const StripLayout& layout, const surface::DesignSurface& de
   pose_strips(layout, settings, hooks, result);
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
-  hooks.progress("verify", 0.8);
+  hooks.progress("verify", kVerifyShare);
   check_interrupt(hooks);
   VerifyOptions verify_options;
   verify_options.tolerance_mm = settings.design.tolerance_mm;
@@ -214,9 +219,12 @@ bool plan_once(const surface::DesignSurface& design, const Settings& settings, c
   const surface::RibGraph graph = slice(design, options);
   result.warnings = graph.warnings;
   watch.lap("slice");
-  hooks.progress("fit", 0.3);
+  hooks.progress("fit", kFitShare);
   check_interrupt(hooks);
-  const StripLayout layout = lay_out_strips(make_targets(graph, settings), settings);
+  const StripLayout layout = lay_out_strips(make_targets(graph, settings), settings, kMostMoreStrips, [&] {
+    check_interrupt(hooks);
+    hooks.progress("fit", kFitShare);
+  });
   result.refusals = layout.refusals;
   result.warnings.insert(result.warnings.end(), layout.warnings.begin(), layout.warnings.end());
   watch.lap("fit");
@@ -438,7 +446,7 @@ bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   bool taken = false;
   // A family has parallel planes and one blade on both sides of a window.
   if (settings.slice.fan_axis || settings.slice.gaps == Gaps::kApart) return false;
-  hooks.progress("sweep", 0.05);
+  hooks.progress("sweep", 0);
   const auto accept = [&](const SweptPlan& swept) {
     watch.lap("sweep");
     check_interrupt(hooks);
@@ -452,11 +460,9 @@ bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
     return taken = true;
   };
-  std::mutex telling;
-  search_sweeps(design, settings, accept, [&](double share) {
+  search_sweeps(design, settings, accept, [&](double) {
     check_interrupt(hooks);
-    const std::scoped_lock lock(telling);
-    hooks.progress("sweep", 0.05 + 0.4 * share);
+    hooks.progress("sweep", 0);
   });
   return taken;
 }
@@ -464,14 +470,17 @@ bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
 // Ribs fitted one by one, in the best directions.
 void try_ribs(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
               Stopwatch& watch, PlanResult& result) {
-  hooks.progress("direction", 0.05);
+  hooks.progress("direction", 0);
   try {
-    result.ranking = rank_directions(design, settings);
+    result.ranking = rank_directions(design, settings, DirectionSearch::kBounded, [&] {
+      check_interrupt(hooks);
+      hooks.progress("direction", 0);
+    });
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
   watch.lap("direction");
-  hooks.progress("slice", 0.25);
+  hooks.progress("slice", 0);
   check_interrupt(hooks);
   plan_along(0, design, settings, hooks, watch, result);
   try_others(design, settings, hooks, watch, result);
@@ -495,7 +504,14 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.blade = settings.blade;
   program.settings = settings;
   Stopwatch watch(result.times);
-  if (!try_sweeps(design, settings, hooks, watch, result)) try_ribs(design, settings, hooks, watch, result);
+  PlanProgress progress(hooks.progress);
+  constexpr double kSweepsEnd = 0.45, kDirectionsEnd = 0.55;
+  PlanHooks sweeps = hooks, ribs = hooks;
+  sweeps.progress = [&](const std::string& stage, double) { progress.step(stage, kSweepsEnd); };
+  ribs.progress = [&](const std::string& stage, double share) {
+    stage == "direction" ? progress.step(stage, kDirectionsEnd) : progress.attempt(stage, share);
+  };
+  if (!try_sweeps(design, settings, sweeps, watch, result)) try_ribs(design, settings, ribs, watch, result);
   result.strips_lower_bound = strips_lower_bound(design, settings);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;

@@ -78,10 +78,12 @@ std::optional<DirectionTrial> try_axis(const surface::DesignSurface& design, con
 // Trials on their way to a ranking.
 class Search {
  public:
-  Search(const surface::DesignSurface& design, const Settings& settings, DirectionSearch search)
+  Search(const surface::DesignSurface& design, const Settings& settings, DirectionSearch search,
+         const WatchDirections& watch)
       : design_(design),
         settings_(settings),
         search_(search),
+        watch_(watch),
         body_(body_axes(design.mesh)),
         sides_(long_sides(design.mesh)),
         borders_(border_directions(design.mesh, body_, sides_)) {}
@@ -126,6 +128,7 @@ class Search {
   void plan(const std::vector<Vector3d>& directions, const std::vector<surface::FanAxis>& axes) {
     std::vector<std::optional<DirectionTrial>> trials(directions.size() + axes.size());
     tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+      watch_();
       trials[i] = i < directions.size() ? try_direction(design_, directions[i], settings_)
                                         : try_axis(design_, axes[i - directions.size()], settings_);
     });
@@ -138,6 +141,7 @@ class Search {
     });
     const bool all = search_ == DirectionSearch::kAll;
     for (const std::size_t i : queue) {
+      watch_();
       const double most =
           all || planned_.empty() ? std::numeric_limits<double>::infinity() : best_score() + kNoise;
       const DirectionScore score = plan_coarsely(*trials[i], settings_, most);
@@ -173,6 +177,7 @@ class Search {
   const surface::DesignSurface& design_;
   const Settings& settings_;
   DirectionSearch search_;
+  const WatchDirections& watch_;
   BodyAxes body_;
   std::vector<BorderRun> sides_;
   std::vector<Vector3d> borders_;  // directions along its sides
@@ -184,7 +189,7 @@ class Search {
 }  // namespace
 
 std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design, const Settings& settings,
-                                            DirectionSearch search) {
+                                            DirectionSearch search, const WatchDirections& watch) {
   if (settings.slice.fan_axis) {
     const auto& a = *settings.slice.fan_axis;
     return {try_fan(design, {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}}, settings).score};
@@ -193,7 +198,7 @@ std::vector<DirectionScore> rank_directions(const surface::DesignSurface& design
     const auto& d = *settings.slice.direction;
     return {try_direction(design, Vector3d(d[0], d[1], d[2]).normalized(), settings).score};
   }
-  return Search(design, settings, search).run();
+  return Search(design, settings, search, watch).run();
 }
 
 std::optional<std::size_t> next_direction(const std::vector<DirectionScore>& ranking) {

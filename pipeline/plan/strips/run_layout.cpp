@@ -18,11 +18,12 @@ class RunLayout {
  public:
   // `sections` go on past the design's border all or none.
   RunLayout(const ChainTarget& chain, std::span<const RibTarget> sections, const Settings& settings,
-            std::size_t most_more)
+            std::size_t most_more, const WatchTries& watch)
       : chain_(chain),
         sections_(sections),
         settings_(settings),
         most_more_(static_cast<int>(most_more)),
+        watch_(watch),
         ribs_(first_ribs(sections)) {}
 
   StripLayout run() {
@@ -76,6 +77,7 @@ class RunLayout {
 
   // The share's fits, with what the block must hold of the sections between them.
   [[nodiscard]] std::vector<RibFit> fit_share(double u0, double u1, const RibRange& range) const {
+    watch_();
     std::vector<RibFit> fits =
         fit_ribs(std::span(targets_).subspan(range.first, range.size()), u0, u1, settings_.fit);
     if (!completed()) return fits;
@@ -255,6 +257,7 @@ class RunLayout {
   std::span<const RibTarget> sections_;
   const Settings& settings_;
   int most_more_;
+  const WatchTries& watch_;
   std::vector<std::size_t> ribs_;   // sections that have a rib
   std::vector<RibTarget> targets_;  // of them
   std::vector<double> lines_;
@@ -282,14 +285,14 @@ std::span<const RibTarget> without_tips(std::span<const RibTarget> sections) {
 }  // namespace
 
 StripLayout lay_out_run(const ChainTarget& chain, std::span<const RibTarget> sections,
-                        const Settings& settings, std::size_t most_more) {
+                        const Settings& settings, std::size_t most_more, const WatchTries& watch) {
   const std::span<const RibTarget> own = without_tips(sections);
   const auto whole = complete_ribs(sections);
-  if (!whole) return RunLayout(chain, own, settings, most_more).run();
-  StripLayout completed = RunLayout(chain, *whole, settings, most_more).run();
+  if (!whole) return RunLayout(chain, own, settings, most_more, watch).run();
+  StripLayout completed = RunLayout(chain, *whole, settings, most_more, watch).run();
   constexpr std::size_t kFewRibs = 10;
   if (completed.strips.size() == 1 && completed.strips[0].ribs.size() <= kFewRibs) return completed;
-  StripLayout as_it_is = RunLayout(chain, own, settings, most_more).run();
+  StripLayout as_it_is = RunLayout(chain, own, settings, most_more, watch).run();
   return cost(as_it_is) < cost(completed) ? as_it_is : completed;
 }
 

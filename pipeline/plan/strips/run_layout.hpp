@@ -13,6 +13,7 @@ namespace hotblade::pipeline {
 // Returns the strips of these sections of the chain, at most `most_more` more than they need at the least,
 // without names; or one refusal. `sections`: at least two, offsets ascending.
 [[nodiscard]] StripLayout lay_out_run(const ChainTarget& chain, std::span<const RibTarget> sections,
-                                      const Settings& settings, std::size_t most_more);
+                                      const Settings& settings, std::size_t most_more,
+                                      const WatchTries& watch);
 
 }  // namespace hotblade::pipeline

@@ -74,11 +74,11 @@ void add_runs(const TargetReport& targets, std::size_t chain, const Settings& se
   }
 }
 
-std::vector<Part> lay_out_runs(const std::vector<Run>& runs, const Settings& settings,
-                               std::size_t most_more) {
+std::vector<Part> lay_out_runs(const std::vector<Run>& runs, const Settings& settings, std::size_t most_more,
+                               const WatchTries& watch) {
   std::vector<Part> parts(runs.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-    parts[i] = {runs[i].place, lay_out_run(*runs[i].chain, runs[i].sections(), settings, most_more)};
+    parts[i] = {runs[i].place, lay_out_run(*runs[i].chain, runs[i].sections(), settings, most_more, watch)};
     parts[i].place.strips = parts[i].layout.strips.size();
   });
   return parts;
@@ -99,7 +99,7 @@ std::size_t least_fan_runs(const ChainTarget& chain) {
 // are refused twice as many again; those without a refusal and then with the fewest strips are taken, more
 // runs among equals.
 std::vector<Part> lay_out_fan(const TargetReport& targets, std::size_t chain, const Settings& settings,
-                              std::size_t most_more) {
+                              std::size_t most_more, const WatchTries& watch) {
   constexpr std::size_t kTries = 5;
   std::vector<Part> best;
   std::pair<std::size_t, std::size_t> fewest;  // refusals, strips
@@ -110,7 +110,7 @@ std::vector<Part> lay_out_fan(const TargetReport& targets, std::size_t chain, co
     add_runs(targets, chain, settings, count, runs);
     if (i > 0 && runs.size() < count) break;  // no more sections to split at
     count = std::max(count, runs.size());
-    std::vector<Part> parts = lay_out_runs(runs, settings, most_more);
+    std::vector<Part> parts = lay_out_runs(runs, settings, most_more, watch);
     const auto is = cost(parts);
     if (best.empty() || is <= fewest) {
       best = std::move(parts);
@@ -125,19 +125,20 @@ std::vector<Part> lay_out_fan(const TargetReport& targets, std::size_t chain, co
 // Every chain on its own, in the order of `chains`.
 std::vector<std::vector<Part>> lay_out_chains(const TargetReport& targets,
                                               const std::vector<std::size_t>& chains,
-                                              const Settings& settings, std::size_t most_more) {
+                                              const Settings& settings, std::size_t most_more,
+                                              const WatchTries& watch) {
   std::vector<std::vector<Part>> by_chain(chains.size());
   std::vector<Run> runs;
   std::vector<std::size_t> chain_of;
   for (std::size_t i = 0; i < chains.size(); ++i) {
     if (targets.chains[chains[i]].planes.turns()) {
-      by_chain[i] = lay_out_fan(targets, chains[i], settings, most_more);
+      by_chain[i] = lay_out_fan(targets, chains[i], settings, most_more, watch);
     } else {
       add_runs(targets, chains[i], settings, 1, runs);
     }
     chain_of.resize(runs.size(), i);
   }
-  std::vector<Part> parts = lay_out_runs(runs, settings, most_more);
+  std::vector<Part> parts = lay_out_runs(runs, settings, most_more, watch);
   for (std::size_t i = 0; i < parts.size(); ++i) by_chain[chain_of[i]].push_back(std::move(parts[i]));
   return by_chain;
 }
@@ -146,8 +147,13 @@ std::vector<std::vector<Part>> lay_out_chains(const TargetReport& targets,
 // on their own. Those are laid out only where they may be as few.
 class ChainLayout {
  public:
-  ChainLayout(const TargetReport& targets, const Settings& settings, std::size_t most_more)
-      : targets_(targets), settings_(settings), most_more_(most_more), by_chain_(targets.chains.size()) {}
+  ChainLayout(const TargetReport& targets, const Settings& settings, std::size_t most_more,
+              const WatchTries& watch)
+      : targets_(targets),
+        settings_(settings),
+        most_more_(most_more),
+        watch_(watch),
+        by_chain_(targets.chains.size()) {}
 
   std::vector<std::vector<Part>> run() {
     std::vector<std::vector<Part>> bridged = lay_out_bridges();
@@ -176,7 +182,7 @@ class ChainLayout {
       all.push_back(whole.chains.size());
       whole.chains.push_back(bridge.target);
     }
-    return lay_out_chains(whole, all, settings_, most_more_);
+    return lay_out_chains(whole, all, settings_, most_more_, watch_);
   }
 
   void lay_out_apart(const std::vector<char>& bridged_over) {
@@ -184,7 +190,7 @@ class ChainLayout {
     for (std::size_t c = 0; c < by_chain_.size(); ++c) {
       if (bridged_over[c] == 0) chains.push_back(c);
     }
-    std::vector<std::vector<Part>> laid = lay_out_chains(targets_, chains, settings_, most_more_);
+    std::vector<std::vector<Part>> laid = lay_out_chains(targets_, chains, settings_, most_more_, watch_);
     for (std::size_t i = 0; i < laid.size(); ++i) by_chain_[chains[i]] = std::move(laid[i]);
   }
 
@@ -201,17 +207,19 @@ class ChainLayout {
   const TargetReport& targets_;
   const Settings& settings_;
   std::size_t most_more_;
+  const WatchTries& watch_;
   std::vector<std::vector<Part>> by_chain_;
 };
 
 }  // namespace
 
-StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings, std::size_t most_more) {
+StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings, std::size_t most_more,
+                           const WatchTries& watch) {
   StripLayout layout;
   layout.refusals = targets.refusals;
   layout.warnings = targets.warnings;
   int number = 1;
-  for (std::vector<Part>& parts : ChainLayout(targets, settings, most_more).run()) {
+  for (std::vector<Part>& parts : ChainLayout(targets, settings, most_more, watch).run()) {
     for (Part& part : parts) {
       name_strips(part.layout, number);
       layout.runs.push_back(part.place);

@@ -2,6 +2,7 @@
 // piece, a blade of the list can be extended from it, and the block fits the stock.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -23,14 +24,21 @@ struct StripLayout {
   std::vector<std::string> warnings;
 };
 
+// More strips than any design takes.
+inline constexpr std::size_t kMostMoreStrips = 1000;
+
+// Told before every try of a strip, from all threads; what it throws ends the layout at once.
+using WatchTries = std::function<void()>;
+
 // Returns the strips of the targets. Ribs stand on as many of the sections as keep the surface between them
 // near the design. They are split at shares of arc length common to all ribs of a run of sections: the fewest
 // strips, and of those the lines with the smallest deviation (pipeline/plan/strips/split.hpp). Strips side by
 // side share end points and tangents where their deviations allow it (pipeline/plan/ribs/seams.hpp). Runs are
 // laid out on all cores allowed; the result is the same. `most_more` is how many strips a run may take beyond
 // its least, and a fan's chain in runs: what needs more is refused, as with fit.max_splits.
-[[nodiscard]] StripLayout lay_out_strips(const TargetReport& targets, const Settings& settings,
-                                         std::size_t most_more = 1000);
+[[nodiscard]] StripLayout lay_out_strips(
+    const TargetReport& targets, const Settings& settings, std::size_t most_more = kMostMoreStrips,
+    const WatchTries& watch = [] {});
 
 // Returns the runs that a layout of these targets has at the least, with `strips` 0: exactly these where
 // planes are parallel; a fan may be cut into more.
