@@ -85,7 +85,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
                            100 * result.verification.uncut_share());
   const Verdict verdict = verdict_of(result.program);
   const Paint paint = paint_of(verdict.color);
-  std::cout << budget_text(verdict) << "\n";
+  if (result.verification.cut_samples > 0) std::cout << budget_text(verdict) << "\n";
   std::cout << "status " << painted(name(v.status), paint, STDOUT_FILENO) << "\n";
   std::cout << "verdict " << painted(name(verdict.color), paint, STDOUT_FILENO) << ": " << headline(verdict)
             << "\n";

@@ -18,6 +18,7 @@
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/read_design.hpp"
+#include "pipeline/program/refused_plan.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -76,10 +77,39 @@ std::optional<DesignSurface> design_of(const Program& program, const PreviewOpti
   return design;
 }
 
+// What a .json holds: a program, or what a refused plan found, with why.
+struct Shown {
+  Program program;
+  std::vector<RefusedReason> reasons;
+};
+
+Shown read_shown(const fs::path& file) {
+  if (!is_refused_plan(file)) return {read_program(file), {}};
+  RefusedPlan plan = read_refused_plan(file);
+  return {std::move(plan.found), std::move(plan.reasons)};
+}
+
+// Of a plan that has no strip to show there is its design alone.
+DesignSurface design_to_show(const Program& program, const PreviewOptions& options) {
+  auto design = design_of(program, options);
+  if (!design)
+    throw Error(ErrorKind::kBadSettings,
+                options.input.file + ": nothing is cut, and its design is not beside it: give --design");
+  return std::move(*design);
+}
+
 preview::Scene program_scene(const PreviewOptions& options) {
-  const Program program = read_program(options.input.file);
+  const Shown shown = read_shown(options.input.file);
+  const Program& program = shown.program;
+  if (program.strips.empty()) {
+    preview::Scene scene = preview::scene_of(design_to_show(program, options));
+    preview::mark_refusal(scene, shown.reasons);
+    return scene;
+  }
   const auto design = design_of(program, options);
-  return preview::scene_of(program, design ? &*design : nullptr, options.scene);
+  preview::Scene scene = preview::scene_of(program, design ? &*design : nullptr, options.scene);
+  if (!shown.reasons.empty()) preview::mark_refusal(scene, shown.reasons);
+  return scene;
 }
 
 // The strip a film shows: the one asked for, or the only one.
@@ -178,9 +208,15 @@ bool is_program(const PreviewOptions& options) {
 Viewed viewed(const PreviewOptions& options, preview::View view) {
   Viewed out;
   if (is_program(options)) {
-    const Program program = read_program(options.input.file);
-    const auto design = design_of(program, options);
-    out.model = preview::view_model(program, design ? &*design : nullptr, options.scene);
+    const Shown shown = read_shown(options.input.file);
+    const Program& program = shown.program;
+    if (program.strips.empty()) {
+      out.model = preview::view_model(design_to_show(program, options));
+    } else {
+      const auto design = design_of(program, options);
+      out.model = preview::view_model(program, design ? &*design : nullptr, options.scene);
+    }
+    if (!shown.reasons.empty()) preview::mark_refusal(out.model.scene, shown.reasons);
   } else {
     out.model = preview::view_model(design_alone(options));
   }
@@ -225,7 +261,12 @@ Exit run_preview(PreviewOptions options, const Console& console) {
     if (!options.shot.empty()) shoot(options, scene, size, view);
     if (!options.exported.empty()) export_scene(scene, options);
   }
-  if (!options.movie.empty()) film(read_program(options.input.file), options, size, view, console);
+  if (!options.movie.empty()) {
+    const Program program = read_shown(options.input.file).program;
+    if (program.strips.empty())
+      throw Error(ErrorKind::kBadSettings, "--movie: nothing is cut: no strip to film");
+    film(program, options, size, view, console);
+  }
   return Exit::kOk;
 }
 
@@ -235,7 +276,9 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
   auto options = std::make_shared<PreviewOptions>();
   auto* command = app.add_subcommand("preview", "Show a program or a design, in a window or as a PNG file");
   add_design_options(*command, options->input);
-  command->get_option("design")->description("A program.json, or a design with --units")->type_name("FILE");
+  command->get_option("design")
+      ->description("A program.json, a refused.json, or a design with --units")
+      ->type_name("FILE");
   command->add_option("--design", options->design, "The OBJ a program was made from; else the one beside it")
       ->type_name("FILE");
   command->add_option("--at", options->scene.at_s, "Show the blade and the cut at this time of the strip")

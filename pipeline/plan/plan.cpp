@@ -281,6 +281,7 @@ void judge(const Settings& settings, PlanResult& result) {
     result.refusals.push_back({fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()),
                                "", Limit::kDeviation, v.deviation.max, settings.design.tolerance_mm});
     result.refusals.back().capped = v.capped;
+    result.refusals.back().at = at;
   }
   if (v.uncut_share() > settings.design.max_uncut_share) {
     result.refusals.push_back(

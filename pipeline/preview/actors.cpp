@@ -40,12 +40,17 @@ class Depth {
     }
     // No more than a fiftieth of the scene: surfaces farther apart are told apart by the eye as well.
     units_ = 1e6 * std::min(3 * apart, diagonal / 50) / diagonal;
+    ring_mm_ = diagonal / 35;
   }
   [[nodiscard]] double behind() const { return units_; }
   [[nodiscard]] double before() const { return -units_; }
+  // Before all that there is.
+  [[nodiscard]] static double foremost() { return -1e6; }
+  // Of a ring that is seen in the whole picture and hides little of it.
+  [[nodiscard]] double ring_mm() const { return ring_mm_; }
 
  private:
-  double units_ = 0;
+  double units_ = 0, ring_mm_ = 1;
 };
 
 void set_depth(vtkMapper& mapper, double units) {
@@ -121,9 +126,10 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
   renderer.AddActor(borders);
 }
 
-// Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs.
+// Numbers are interpolated before they become colours, so the step at the tolerance is where it belongs, to a
+// thousandth of the range.
 vtkNew<vtkLookupTable> table_of(const ColorScale& scale) {
-  constexpr int kEntries = 1024;  // one more than a screen has rows of pixels to show
+  constexpr int kEntries = 2048;
   vtkNew<vtkLookupTable> table;
   table->SetNumberOfTableValues(kEntries);
   table->SetTableRange(scale.low, scale.high);
@@ -131,12 +137,6 @@ vtkNew<vtkLookupTable> table_of(const ColorScale& scale) {
     const Rgb color = color_at(scale, scale.low + (i + 0.5) / kEntries * (scale.high - scale.low));
     table->SetTableValue(i, color[0], color[1], color[2]);
   }
-  const double beyond = scale.high - scale.low;
-  const Rgb above = color_at(scale, scale.high + beyond), below = color_at(scale, scale.low - beyond);
-  table->UseAboveRangeColorOn();
-  table->UseBelowRangeColorOn();
-  table->SetAboveRangeColor(above[0], above[1], above[2], 1);
-  table->SetBelowRangeColor(below[0], below[1], below[2], 1);
   return table;
 }
 
@@ -240,6 +240,8 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   actors.ribs = lines(scene.ribs, kRibColor, 0.9, depth.before());
   actors.blades = lines(scene.blades, kBladeColor, 1.4, depth.before());
   if (scene.blade_now) actors.blade_now = lines({*scene.blade_now}, kBladeNowColor, 3, depth.before());
+  if (scene.worst)
+    actors.worst = lines(rings_about(scene.worst->at, depth.ring_mm()), kWorstColor, 2.5, Depth::foremost());
   const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) {
     return places.empty() ? nullptr : &add_clamps(renderer, places, scene.clamp_size_mm, color);
   };

@@ -33,18 +33,12 @@ Rgb diverging(double value, double tolerance, double range) {
   return high ? mix(kHighBeyond, kHighEnd, share) : mix(kLowBeyond, kLowEnd, share);
 }
 
-// No colours of the maps: what is outside is seen to be so.
-constexpr Rgb kAboveAll{0.80, 0.10, 0.62}, kBelowAll{0.00, 0.52, 0.42};
 constexpr Rgb kOverLimit{0.86, 0.12, 0.10};
 
 }  // namespace
 
 Rgb color_at(const ColorScale& scale, double value) {
-  if (scale.tolerance) {
-    if (value > scale.high) return kAboveAll;
-    if (value < scale.low) return kBelowAll;
-    return diverging(value, *scale.tolerance, scale.high);
-  }
+  if (scale.tolerance) return diverging(value, *scale.tolerance, scale.high);
   if (scale.limit && value > *scale.limit) return kOverLimit;
   // Even steps in lightness, dark blue to yellow.
   constexpr std::array<Rgb, 5> kStops{

@@ -22,12 +22,9 @@ double round_up(double x) {
 ColorScale deviation_scale(const std::vector<double>& values, double tolerance_mm) {
   double most = 0;
   for (const double value : values) most = std::max(most, std::abs(value));
-  // Beyond five tolerances all is equally wrong, and a wider scale would hide what is nearly right.
-  const double range = round_up(std::clamp(most, 1.5 * tolerance_mm, 5 * tolerance_mm));
-  ColorScale scale{"deviation, mm", -range, range, tolerance_mm, std::nullopt, range, false, false};
-  scale.any_below = most > range && *std::min_element(values.begin(), values.end()) < -range;
-  scale.any_above = most > range && *std::max_element(values.begin(), values.end()) > range;
-  return scale;
+  // Wide enough for the worst place; what is nearly right keeps its own share of the key (overlay.cpp).
+  const double range = round_up(std::max(most, 1.5 * tolerance_mm));
+  return {"deviation, mm", -range, range, tolerance_mm, std::nullopt, range};
 }
 
 // Ends at multiples of the step between the key's marks.
@@ -38,7 +35,7 @@ ColorScale sequential_scale(const std::string& title, double low, double high) {
   const double from = std::floor(low / step + 1e-9) * step;  // rounding of the quotient
   double to = std::ceil(high / step - 1e-9) * step;
   if (!(to > from)) to = from + step;
-  return {title, from, to, std::nullopt, std::nullopt, step, false, false};
+  return {title, from, to, std::nullopt, std::nullopt, step};
 }
 
 ColorScale scale_over(const std::string& title, const std::vector<double>& values) {

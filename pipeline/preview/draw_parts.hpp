@@ -28,6 +28,7 @@ constexpr Rgb kClampAColor{0.10, 0.55, 0.30};
 constexpr Rgb kClampBColor{0.85, 0.50, 0.05};
 constexpr Rgb kStockColor{0.55, 0.57, 0.60};
 constexpr Rgb kPathColor{0.55, 0.30, 0.65};
+constexpr Rgb kWorstColor{0.80, 0.10, 0.62};  // no colour of a map
 constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 
 // The colour of a value on a scale; values outside take the colour of its end.
@@ -39,6 +40,7 @@ constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 struct SceneActors {
   vtkActor *design = nullptr, *borders = nullptr, *cut = nullptr, *blocks = nullptr, *ribs = nullptr;
   vtkActor *blades = nullptr, *blade_now = nullptr, *clamps_a = nullptr, *clamps_b = nullptr;
+  vtkActor* worst = nullptr;
   double line_depth = 0;  // that puts lines before the surfaces they lie on, for line_actor
 };
 

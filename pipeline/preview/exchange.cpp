@@ -85,6 +85,7 @@ vtkNew<vtkMultiBlockDataSet> blocks_of(const Scene& scene) {
   add_lines("ribs", scene.ribs);
   add_lines("blades", blades);
   add_lines("stock", block_edges(scene.blocks));
+  if (scene.worst) add_lines("worst place", rings_about(scene.worst->at, 2 * scene.clamp_size_mm));
   return blocks;
 }
 

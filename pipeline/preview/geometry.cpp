@@ -5,6 +5,9 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace hotblade::pipeline::preview {
 namespace {
 
@@ -42,6 +45,21 @@ void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines) {
   }
   data.SetPoints(points_of(places));
   data.SetLines(cells);
+}
+
+std::vector<Polyline> rings_about(const Eigen::Vector3d& place, double radius_mm) {
+  constexpr int kCorners = 48;
+  std::vector<Polyline> rings;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Eigen::Vector3d u = Eigen::Vector3d::Unit((axis + 1) % 3),
+                          v = Eigen::Vector3d::Unit((axis + 2) % 3);
+    Polyline& ring = rings.emplace_back();
+    for (int i = 0; i <= kCorners; ++i) {
+      const double turn = 2 * std::numbers::pi * i / kCorners;
+      ring.points.emplace_back(place + radius_mm * (std::cos(turn) * u + std::sin(turn) * v));
+    }
+  }
+  return rings;
 }
 
 std::vector<Polyline> block_edges(const std::vector<Block>& blocks) {

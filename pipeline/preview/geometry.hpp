@@ -16,6 +16,9 @@ void set_mesh(vtkPolyData& data, std::span<const Eigen::Vector3d> vertices,
               std::span<const std::array<int, 3>> triangles);
 void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines);
 
+// Three circles about a place, one across each axis: a ring from wherever it is looked at.
+[[nodiscard]] std::vector<Polyline> rings_about(const Eigen::Vector3d& place, double radius_mm);
+
 // The twelve edges of every block.
 [[nodiscard]] std::vector<Polyline> block_edges(const std::vector<Block>& blocks);
 

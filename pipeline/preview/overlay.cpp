@@ -64,8 +64,25 @@ void draw_strips(Canvas& canvas, const std::vector<std::string>& names, PictureS
 struct Bar {
   double x, width, bottom, height;
   ColorScale scale;
+  // Of the bar's half, what lies within the tolerance, where it would hardly be seen on a wide scale.
+  static constexpr double kInside = 0.3;
+  [[nodiscard]] bool parted() const { return scale.tolerance && *scale.tolerance < kInside * scale.high; }
   [[nodiscard]] double place(double value) const {
-    return bottom + (value - scale.low) / (scale.high - scale.low) * height;
+    if (!parted()) return bottom + (value - scale.low) / (scale.high - scale.low) * height;
+    const double size = std::abs(value), tolerance = *scale.tolerance;
+    const double share = size <= tolerance
+                             ? kInside * size / tolerance
+                             : kInside + (1 - kInside) * (size - tolerance) / (scale.high - tolerance);
+    return bottom + 0.5 * height * (1 + std::copysign(share, value));
+  }
+  // The value at a share of the height, from 0 to 1.
+  [[nodiscard]] double value(double share) const {
+    if (!parted()) return scale.low + share * (scale.high - scale.low);
+    const double half = std::abs(2 * share - 1), tolerance = *scale.tolerance;
+    const double size = half <= kInside
+                            ? half / kInside * tolerance
+                            : tolerance + (half - kInside) / (1 - kInside) * (scale.high - tolerance);
+    return std::copysign(size, 2 * share - 1);
   }
 };
 
@@ -79,26 +96,13 @@ void draw_bar_body(Canvas& canvas, const Bar& bar) {
   constexpr int kSteps = 190;
   const auto& [x, width, bottom, height, scale] = bar;
   for (int step = 0; step < kSteps; ++step) {
-    const double value = scale.low + (step + 0.5) / kSteps * (scale.high - scale.low);
     canvas.rectangle(x, bottom + step * height / kSteps, width, height / kSteps + 0.01,
-                     color_at(scale, value));
+                     color_at(scale, bar.value((step + 0.5) / kSteps)));
   }
   canvas.rectangle(x - 1, bottom - 1, width + 2, 1, kInk);
   canvas.rectangle(x - 1, bottom + height, width + 2, 1, kInk);
   canvas.rectangle(x - 1, bottom, 1, height, kInk);
   canvas.rectangle(x + width, bottom, 1, height, kInk);
-  // Pointed ends: there are values beyond.
-  const double top = bottom + height;
-  if (scale.any_above) {
-    canvas.triangle({{{x, top + 3}, {x + width, top + 3}, {x + width / 2, top + 15}}},
-                    color_at(scale, 2 * scale.high));
-    canvas.text(x - 12, top + 12, "beyond", 13, false, Align::kRight);
-  }
-  if (scale.any_below) {
-    canvas.triangle({{{x, bottom - 3}, {x + width / 2, bottom - 15}, {x + width, bottom - 3}}},
-                    color_at(scale, 2 * scale.low));
-    canvas.text(x - 12, bottom - 12, "beyond", 13, false, Align::kRight);
-  }
 }
 
 void draw_diverging_marks(Canvas& canvas, const Bar& bar, double right) {
@@ -109,6 +113,11 @@ void draw_diverging_marks(Canvas& canvas, const Bar& bar, double right) {
   draw_tick(canvas, bar, 0, "0", false);
   draw_tick(canvas, bar, -tolerance, fmt::format("tolerance -{:g}", tolerance), true);
   draw_tick(canvas, bar, bar.scale.low, fmt::format("{:g}", bar.scale.low), false);
+  if (bar.parted()) {
+    const double middle = 0.5 * (tolerance + bar.scale.high);
+    draw_tick(canvas, bar, middle, fmt::format("+{:.3g}", middle), false);
+    draw_tick(canvas, bar, -middle, fmt::format("-{:.3g}", middle), false);
+  }
   canvas.text(right, bar.bottom - 30, "cut too deep: -", 13, false, Align::kRight);
 }
 
@@ -169,6 +178,7 @@ Overlay overlay_of(const Scene& scene) {
     keys.push_back({kClampAColor, "clamp A", 12, layer});
     keys.push_back({kClampBColor, "clamp B", 12, layer});
   }
+  if (scene.worst) keys.push_back({kWorstColor, scene.worst->words, 3, Layer::kLegend});
   if (!scene.blocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
   return overlay;
 }

@@ -23,6 +23,8 @@ constexpr std::array<std::pair<Color, const char*>, 5> kColors{{{Color::kDeviati
                                                                 {Color::kMargin, "margin"},
                                                                 {Color::kFeed, "feed"}}};
 
+constexpr const char* kSliceable = "can be sliced";
+
 std::vector<int> chosen_strips(const Program& program, const SceneOptions& options) {
   std::vector<int> chosen;
   for (std::size_t i = 0; i < program.strips.size(); ++i) {
@@ -173,6 +175,9 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   scene.clamp_size_mm = std::max(2 * program.blade.width_mm, diagonal / 110);
   if (design) scene.design = design->mesh;
   add_caption(scene, program, strips, design != nullptr);
+  const Verification& verified = program.verification;
+  if (verified.status == VerificationStatus::kRefused && verified.deviation_mm.max > 0)
+    scene.worst = Mark{verified.deviation_mm.at, "largest deviation"};
   if (!options.at_s) {
     const Ghosts ghosts = ghosts_of(scene.cut, part, options.ghost_step_mm);
     scene.blades = ghosts.blades;
@@ -196,9 +201,23 @@ Scene scene_of(const surface::DesignSurface& design) {
       fmt::format("{:.0f} x {:.0f} x {:.0f} mm (read as {})", size.x(), size.y(), size.z(), design.units));
   scene.caption.push_back(fmt::format("{} vertices, {} triangles", health.vertices, health.triangles));
   scene.caption.push_back(fmt::format("{} piece{}", health.components, health.components == 1 ? "" : "s"));
-  scene.caption.push_back(health.blockers.empty() ? "can be sliced"
+  scene.caption.push_back(health.blockers.empty() ? kSliceable
                                                   : "cannot be sliced: " + health.blockers.front());
   return scene;
+}
+
+void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons) {
+  if (scene.cut.triangles.empty()) {
+    scene.verdict = "nothing is cut";
+    scene.verdict_color = VerdictColor::kRed;
+    std::erase(scene.caption, kSliceable);
+  }
+  if (reasons.empty()) return;
+  const std::string more = reasons.size() > 1 ? fmt::format(" (and {} more)", reasons.size() - 1) : "";
+  scene.caption.push_back("refused: " + reasons.front().message + more);
+  const auto placed = std::find_if(reasons.begin(), reasons.end(),
+                                   [](const RefusedReason& reason) { return reason.at.has_value(); });
+  if (placed != reasons.end()) scene.worst = Mark{*placed->at, "what stands in the way"};
 }
 
 }  // namespace hotblade::pipeline::preview

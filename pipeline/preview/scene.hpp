@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/program/program.hpp"
+#include "pipeline/program/refused_plan.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -40,7 +41,12 @@ struct ColorScale {
   std::optional<double> tolerance;  // diverging about 0 with a step at +-tolerance; absent: a sequential map
   std::optional<double> limit;      // of a sequential map: values above it take another colour
   double step = 0.25;               // between the marks of a sequential map
-  bool any_below = false, any_above = false;  // are there values outside?
+};
+
+// A place that is marked whatever lies before it.
+struct Mark {
+  Eigen::Vector3d at{0, 0, 0};
+  std::string words;  // what it is, for the key
 };
 
 struct Scene {
@@ -54,6 +60,7 @@ struct Scene {
   std::vector<Pose> clamps_a, clamps_b;
   double clamp_size_mm = 10;
   std::vector<Block> blocks;
+  std::optional<Mark> worst;                 // of what was refused
   Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
   std::string title;
   std::string verdict;  // of the verification; empty: none
@@ -80,6 +87,10 @@ struct SceneOptions {
 
 // The scene of a design alone.
 [[nodiscard]] Scene scene_of(const surface::DesignSurface& design);
+
+// Says in a scene why it is refused, and marks the place of the first reason that has one; without any, the
+// largest deviation stays marked. A scene without a cut says that nothing is cut.
+void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons);
 
 // The signed distance of each point from the design, mm: positive on the waste side (foam left standing),
 // negative where the cut is too deep. Waste lies above or below along z, or before or behind the face

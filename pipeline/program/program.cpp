@@ -7,6 +7,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -18,11 +19,17 @@ const char* name(StripPhase phase) {
   return kNames.at(static_cast<std::size_t>(phase));
 }
 
+Eigen::Vector3d middle_of(const BladePose& pose) {
+  const double s = pose.foam ? 0.5 * ((*pose.foam)[0] + (*pose.foam)[1]) : 0.5 * pose.blade.length;
+  const elastica::CurvePoint middle = elastica::point_at(pose.blade, s);
+  return pose.frame.point(middle.x, middle.y);
+}
+
 const char* name(VerificationStatus status) {
   return status == VerificationStatus::kPassed ? "passed" : "refused";
 }
 
-Program read_program(const std::filesystem::path& file) {
+std::string file_text(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
     throw Error(ErrorKind::kFile, file.string() + ": is a directory: give its program.json");
@@ -40,7 +47,11 @@ Program read_program(const std::filesystem::path& file) {
     const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";
     throw Error(ErrorKind::kFile, file.string() + ": cannot be read" + reason);
   }
-  return parse_program(text, file.string());
+  return text;
+}
+
+Program read_program(const std::filesystem::path& file) {
+  return parse_program(file_text(file), file.string());
 }
 
 std::vector<robot::Waypoint> waypoints(const Strip& strip) {

@@ -73,6 +73,9 @@ struct BladePose {
   std::optional<int> rib;                     // index of the rib that this pose cuts
 };
 
+// Returns the middle of a pose's blade, in foam of the part there, in the design frame.
+[[nodiscard]] Eigen::Vector3d middle_of(const BladePose& pose);
+
 // One block and the motion that cuts it.
 struct Strip {
   std::string id;
@@ -127,11 +130,13 @@ struct Program {
 [[nodiscard]] std::string to_json(const Program& program);
 
 // Returns the program of a text, every number checked for finiteness, range and size. Throws Error
-// (kBadInput) with `file: where: what (value, limit): hint`.
-[[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name);
+// (kBadInput) with `file: where: what (value, limit): hint`, also for fewer strips than `least_strips`, and
+// kNotCuttable for what a refused plan found.
+[[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name,
+                                    std::size_t least_strips = 1);
 
-// Returns the program of a file. Throws Error: kFile when it cannot be read, kBadInput when it is not a
-// program.
+// Returns the program of a file. Throws Error: kFile when it cannot be read, kNotCuttable when it is what a
+// refused plan found, kBadInput when it is not a program.
 [[nodiscard]] Program read_program(const std::filesystem::path& file);
 
 // Returns the controller's waypoints of a strip: its poses in the cell frame, times rounded to microseconds.

@@ -340,8 +340,15 @@ Verification verification_of(const JsonNode& node) {
   return out;
 }
 
-void expect_format(const JsonNode& root) {
+void expect_format(const JsonNode& root, const std::string& file_name) {
   const JsonNode format = root.field("format");
+  if (format.text() == kRefusedPlanFormat) {
+    const JsonNode reasons = root.field("reasons"), first = reasons.item(0);
+    throw Error(ErrorKind::kNotCuttable,
+                fmt::format("{}: is what a refused plan found, not a program ({}): nothing runs from it; "
+                            "`hotblade preview` shows it",
+                            file_name, first.field("message").text()));
+  }
   if (format.text() != "hotblade-program") {
     format.fail(fmt::format("is not a cut program (\"{}\", hotblade-program)", format.text()));
   }
@@ -379,8 +386,9 @@ class StripTaker {
 };
 
 // All but the strips, with what was taken out of the tree.
-Program program_of(const JsonNode& root, std::vector<Strip> strips) {
-  expect_format(root);
+Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::string& file_name,
+                   std::size_t least_strips) {
+  expect_format(root, file_name);
   root.expect_keys(std::array{"format", "version", "created_by", "design", "settings", "blade", "strips",
                               "verification", "overrides"});
   Program program;
@@ -392,7 +400,7 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips) {
   program.blade.poisson_ratio = program.settings.blade.poisson_ratio;
   program.strips = std::move(strips);
   const JsonNode left = root.field("strips");
-  const std::size_t left_count = left.items(program.strips.empty() ? 1 : 0);
+  const std::size_t left_count = left.items(program.strips.empty() ? least_strips : 0);
   std::set<std::string> ids;
   for (std::size_t i = 0; i < left_count; ++i) {
     program.strips.push_back(strip_of(left.item(i), program.blade, ids));
@@ -469,12 +477,13 @@ std::optional<Program> scanned_program(const std::string& text, const std::strin
     found.push_back(std::move(*strip));
   } while (take(left, ",\n"));
   if (!left.empty()) return std::nullopt;
-  return program_of(root, std::move(found));
+  return program_of(root, std::move(found), file_name, 1);
 }
 
 }  // namespace
 
-Program parse_program(const std::string& text_of_file, const std::string& file_name) {
+Program parse_program(const std::string& text_of_file, const std::string& file_name,
+                      std::size_t least_strips) {
   try {
     if (auto program = scanned_program(text_of_file, file_name)) return std::move(*program);
   } catch (const Error&) {  // told below, with its place in the whole
@@ -484,12 +493,12 @@ Program parse_program(const std::string& text_of_file, const std::string& file_n
     const JsonTaker into{"strips", [&](const JsonNode::Json& item) { return taker.take(item); },
                          [&](const std::string& key, const JsonNode::Json& value) { taker.see(key, value); }};
     const nlohmann::ordered_json json = parse_json(text_of_file, file_name, into);
-    return program_of(JsonNode(json, file_name), taker.strips());
+    return program_of(JsonNode(json, file_name), taker.strips(), file_name, least_strips);
   } catch (const Error&) {
     // Read again as one tree, which knows the place of everything that is wrong, or finds another order of
     // keys.
     const nlohmann::ordered_json json = parse_json(text_of_file, file_name);
-    return program_of(JsonNode(json, file_name), {});
+    return program_of(JsonNode(json, file_name), {}, file_name, least_strips);
   }
 }
 

@@ -2,7 +2,9 @@
 // with ",\n" between them, `after`. Together they are to_json(program).
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "pipeline/program/program.hpp"
 
@@ -17,5 +19,11 @@ struct ProgramFrame {
 
 // Returns the text of one strip.
 [[nodiscard]] std::string to_json(const Strip& strip);
+
+// What a file of a refused plan calls itself (pipeline/program/refused_plan.hpp).
+inline constexpr std::string_view kRefusedPlanFormat = "hotblade-refused-plan";
+
+// Returns the text of a program's file. Throws Error (kFile) when it cannot be read.
+[[nodiscard]] std::string file_text(const std::filesystem::path& file);
 
 }  // namespace hotblade::pipeline

@@ -37,9 +37,12 @@ Json vector_json(const Eigen::Vector3d& v) {
 }
 
 Json refusal_json(const Refusal& r) {
-  return {{"strip", r.strip},   {"rib", r.rib},         {"limit", limit_text(r)}, {"value", r.value},
-          {"capped", r.capped}, {"bound", r.bound},     {"unit", unit(r)},        {"hint", note(r)},
-          {"place", r.place},   {"details", r.details}, {"message", reason(r)}};
+  return {{"strip", r.strip},       {"rib", r.rib},
+          {"limit", limit_text(r)}, {"value", r.value},
+          {"capped", r.capped},     {"bound", r.bound},
+          {"unit", unit(r)},        {"hint", note(r)},
+          {"place", r.place},       {"at", r.at ? vector_json(*r.at) : Json()},
+          {"details", r.details},   {"message", reason(r)}};
 }
 
 // mm of shape change by each clamp coordinate; null where the blade is straight.
@@ -341,6 +344,10 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   if (program) {
     write_ribs(result.program, draft / "ribs");
     emitted.program_sha256 = program->place();
+  }
+  if (!result.refusals.empty()) {
+    write_file_atomically(draft / "refused.json",
+                          to_json(RefusedPlan{refused_reasons(result), result.program}), false);
   }
   write_reports(result, draft, facts, pictures, emitted.program_sha256);
   output.commit();

@@ -1,5 +1,6 @@
-// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf, run.json and ribs/ in one
-// directory, all of one plan (output_set.hpp).
+// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf, run.json, ribs/ and, of a
+// refused plan, refused.json (pipeline/program/refused_plan.hpp) in one directory, all of one plan
+// (output_set.hpp).
 #pragma once
 
 #include <filesystem>

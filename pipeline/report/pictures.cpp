@@ -19,17 +19,19 @@ constexpr std::array<std::pair<View, const char*>, 3> kViews{{{View::kBest, "on 
 
 }  // namespace
 
+std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
+  std::vector<RefusedReason> reasons;
+  for (const Refusal& refusal : result.refusals) reasons.push_back({reason(refusal), refusal.at});
+  return reasons;
+}
+
 ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design) {
   ReportPictures taken;
   const bool planned = !result.program.strips.empty();
   try {
     preview::Scene scene =
         planned ? preview::scene_of(result.program, &design, {}) : preview::scene_of(design);
-    if (!planned) {
-      scene.verdict = "nothing is cut";
-      if (!scene.caption.empty()) scene.caption.pop_back();  // that it can be sliced
-      if (!result.refusals.empty()) scene.caption.push_back("refused: " + reason(result.refusals.front()));
-    }
+    if (!result.refusals.empty()) preview::mark_refusal(scene, refused_reasons(result));
     taken.scene_gltf = preview::gltf_of(scene);
     // The first picture says it; the others are shown small, and their space is for the geometry.
     std::vector<preview::Shot> shots;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/program/refused_plan.hpp"
 #include "pipeline/report/report_html.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -15,6 +16,9 @@ struct ReportPictures {
   std::string note;        // why there are none
   std::string scene_gltf;  // the same scene for viewers; empty: not asked for
 };
+
+// Returns why a plan is refused, in words and with the places.
+[[nodiscard]] std::vector<RefusedReason> refused_reasons(const PlanResult& result);
 
 // The pictures of a plan, drawn without a display. A machine that cannot draw gets none and a note, never an
 // error: the figures do not depend on pictures.

@@ -93,6 +93,7 @@ Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
   const BladePose& pose = strip.poses[report.pose];
   refusal.rib = rib_at(strip, report.pose);
   refusal.when = fmt::format(", in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  refusal.at = middle_of(pose);
   return refusal;
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace hotblade::pipeline {
 
 std::string rib_id(const std::string& strip, std::size_t index) {
@@ -22,7 +24,9 @@ std::string hint(const Refusal& r) {
 
 std::string describe_amount(const Refusal& r) {
   const std::string in_unit = unit(r).empty() ? "" : " " + unit(r);
-  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{})", limit_text(r), r.capped ? ">= " : "", r.value, in_unit,
+  constexpr double kRounding = 1e-9;  // of any limit's unit: a zero that was computed
+  const double value = std::abs(r.value) < kRounding ? 0 : r.value;
+  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{})", limit_text(r), r.capped ? ">= " : "", value, in_unit,
                      r.bound, in_unit);
 }
 

@@ -1,6 +1,8 @@
 // Why a strip cannot be cut as asked: one line a limit, by name and amount.
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,7 +23,8 @@ struct Refusal {
   std::string when{};   // phase and time, as they follow the limit's name: ` in phase cut at 12.00 s`
   // The same for each candidate that was tried, one line each: which limit stopped which blade length.
   std::vector<std::string> details{};
-  bool capped = false;  // the value is where the search ended: it is this much or more
+  bool capped = false;                  // the value is where the search ended: it is this much or more
+  std::optional<Eigen::Vector3d> at{};  // the place in the design frame, where there is one
 };
 
 // Returns the name of rib `index` (from 0) of a strip, S003R012.

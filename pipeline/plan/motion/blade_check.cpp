@@ -175,6 +175,7 @@ class Refuser {
     const BladePose& pose = motion_.poses[i];
     Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, hint};
     refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
+    refusal.at = middle_of(pose);
     motion_.refusals.push_back(std::move(refusal));
   }
 

@@ -95,12 +95,16 @@ bool set_axes(const surface::RibGraph& graph, const surface::Chain& chain, doubl
   return std::abs(left) > kLeast * total && chord.norm() > 0;
 }
 
-std::string place_of(const surface::RibGraph& graph, const surface::Chain& chain) {
+Eigen::Vector3d first_point(const surface::RibGraph& graph, const surface::Chain& chain) {
   const auto& ref = chain.ribs.front();
-  const Eigen::Vector3d p = graph.sections[static_cast<std::size_t>(ref.section)]
-                                .pieces[static_cast<std::size_t>(ref.piece)]
-                                .points.front()
-                                .p;
+  return graph.sections[static_cast<std::size_t>(ref.section)]
+      .pieces[static_cast<std::size_t>(ref.piece)]
+      .points.front()
+      .p;
+}
+
+std::string place_of(const surface::RibGraph& graph, const surface::Chain& chain) {
+  const Eigen::Vector3d p = first_point(graph, chain);
   return fmt::format("chain at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
@@ -119,10 +123,12 @@ void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, cons
         {target.place, "", Limit::kLean, side.lean, kLeastLean,
          "design.keep = \"" + std::string(name(settings.design.keep)) +
              "\" says nothing about an upright surface: set design.keep to back or front"});
+    report.refusals.back().at = first_point(graph, chain);
     return;
   }
   if (!set_axes(graph, chain, side.sign, target)) {
     report.refusals.push_back({target.place, "", Limit::kWasteSide, 0, 0.1});
+    report.refusals.back().at = first_point(graph, chain);
     return;
   }
   std::size_t steep = 0;

@@ -26,11 +26,14 @@ std::optional<EdgeOver> edge_over_stock(Eigen::Vector3d size, const StockSetting
   return std::nullopt;
 }
 
-std::string rib_place(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i) {
+// Says where a rib is that a limit broke at.
+void place_at_rib(const ChainTarget& chain, const std::vector<RibFit>& ribs, std::size_t i,
+                  Refusal& refusal) {
   const std::vector<Eigen::Vector2d>& points = ribs[i].target.empty() ? ribs[i].course : ribs[i].target;
   const Eigen::Vector2d q = points[points.size() / 2];
   const Eigen::Vector3d p = chain.plane(ribs[i].offset_mm).point(q.x(), q.y());
-  return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+  refusal.at = p;
+  refusal.place = fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
 }
 
 // The calmest fit within `allowed` that a blade can be extended from; else the refusal of the closest fit.
@@ -98,13 +101,8 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
   const std::size_t worst = worst_rib(closest);
   if (!(closest[worst].deviation_mm <= allowed)) {
     attempt.rib = worst;
-    attempt.refusal = {"",
-                       "",
-                       Limit::kRibDeviation,
-                       closest[worst].deviation_mm,
-                       allowed,
-                       "",
-                       rib_place(chain, closest, worst)};
+    attempt.refusal = {"", "", Limit::kRibDeviation, closest[worst].deviation_mm, allowed};
+    place_at_rib(chain, closest, worst, attempt.refusal);
     return attempt;
   }
   attempt.fitted = true;
@@ -115,13 +113,13 @@ Attempt try_share(const ChainTarget& chain, const std::vector<RibFit>& closest, 
     // slack that the tolerance gives.
     attempt.hopeless = served.blade.rib_too_sharp && attempt.refusal.value < 0.5 * attempt.refusal.bound;
     attempt.rib = static_cast<std::size_t>(std::max(0, served.blade.rib));
-    attempt.refusal.place = rib_place(chain, served.ribs, attempt.rib);
+    place_at_rib(chain, served.ribs, attempt.rib, attempt.refusal);
     return attempt;
   }
   StripPlan strip = make_strip_plan(chain, served.ribs, *served.blade.choice, settings);
   if (const auto over = edge_over_stock(strip.block.size_mm, settings.stock)) {
-    attempt.refusal = {
-        "", "", Limit::kBlockEdge, over->edge_mm, over->stock_mm, "", rib_place(chain, strip.ribs, 0)};
+    attempt.refusal = {"", "", Limit::kBlockEdge, over->edge_mm, over->stock_mm};
+    place_at_rib(chain, strip.ribs, 0, attempt.refusal);
     return attempt;
   }
   attempt.strip = std::move(strip);
