@@ -10,11 +10,14 @@
 #include <ctime>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/strips/strips.hpp"
+#include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
@@ -364,28 +367,17 @@ void try_others(const surface::DesignSurface& design, const Settings& settings, 
   result = std::move(other);
 }
 
-// Fewer strips cannot cut a design: a strip's ribs are no longer than the longest blade, its sweep no longer
-// than the longest edge of a block, and it leans against its planes by kMaxSlopeRad at most; and what is
-// wider than a block's diagonal does not fit into one.
-std::size_t strips_lower_bound(const surface::DesignSurface& design, const Settings& settings) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& v : design.mesh.vertices()) box.extend(v);
-  double area = 0;
-  for (const auto& t : design.mesh.triangles()) {
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return design.mesh.vertices()[static_cast<std::size_t>(t[i])];
-    };
-    area += 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
-  }
+// Fewer strips cannot cut a design: a strip's ribs are no longer than the longest blade, it leans against its
+// planes by kMaxSlopeRad at most, and no point of its blade sweeps farther than the longest edge of a block,
+// or than half the circle about its diagonal where planes turn. What may be left uncut need not be covered.
+std::size_t strips_lower_bound(double area_mm2, const Settings& settings) {
   const auto& size = settings.stock.max_size_mm;
   const Eigen::Vector3d most(size[0], size[1], size[2]);
-  const double covered = settings.blade.free_lengths_mm.back() * most.maxCoeff() / std::cos(kMaxSlopeRad);
+  const double sweep = settings.slice.fan_axis ? 0.5 * std::numbers::pi * most.norm() : most.maxCoeff();
+  const double covered = settings.blade.free_lengths_mm.back() * sweep / std::cos(kMaxSlopeRad);
   constexpr double kRounding = 1e-9;
-  // What may be left uncut need not be covered.
   const double share = 1 - settings.design.max_uncut_share;
-  const double by_area = std::ceil(share * area / covered - kRounding);
-  const double by_size = box.sizes().maxCoeff() > most.norm() && share > 0.5 ? 2 : 1;
-  return static_cast<std::size_t>(std::max({1.0, by_area, by_size}));
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(share * area_mm2 / covered - kRounding)));
 }
 
 // What came of a try.
@@ -407,9 +399,11 @@ Decision decision_of(const std::string& way, const PlanResult& result) {
 
 Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   Decision d;
-  if (swept.strips.empty()) {
-    d.normal = swept.normal;
-    d.why = swept.refusal ? describe(*swept.refusal) : "no blade serves its fit";
+  if (!swept.refusals.empty()) {
+    d.normal = swept.planes.normal(0);
+    d.fan = swept.planes.turns();
+    d.strips = swept.strips.size() + swept.refusals.size();
+    d.why = describe(swept.refusals.front());
   } else {
     d = decision_of("sweep", result);
   }
@@ -427,45 +421,118 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
   result.refusals.clear();
   result.refinements = 0;
   DirectionScore direction;
-  direction.normal = swept.normal;
+  direction.normal = swept.planes.normal(0);
   direction.estimated = false;
+  if (swept.planes.turns()) direction.fan = surface::FanAxis{swept.planes.centre(), swept.planes.axis()};
   direction.strips = swept.strips.size();
   direction.deviation_mm = swept.deviation_mm;
   result.ranking.insert(result.ranking.begin(), direction);
-  const std::vector<RibFit>& ribs = swept.strips.front().ribs;
-  result.spacing_mm = (ribs.back().offset_mm - ribs.front().offset_mm) / static_cast<double>(ribs.size() - 1);
+  if (!swept.strips.empty()) {
+    const std::vector<RibFit>& ribs = swept.strips.front().ribs;
+    result.spacing_mm =
+        (ribs.back().offset_mm - ribs.front().offset_mm) / static_cast<double>(ribs.size() - 1);
+  }
   StripLayout layout;
   layout.strips = swept.strips;
+  result.refusals = swept.refusals;
   pose_and_verify(layout, design, settings, hooks, watch, result);
   judge(settings, result);
 }
 
-// What is refused with its ribs fitted one by one may pass with each strip as one swept family: the first
-// such plan that passes is taken.
-bool try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+// The strips that refusals speak of, and those that deviate by more than allowed.
+std::vector<bool> failed_strips(const PlanResult& result) {
+  std::vector<bool> failed;
+  for (const StripFacts& strip : result.strips) {
+    const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
+      return r.strip == strip.id || r.strip.starts_with(strip.id + " ");
+    });
+    failed.push_back(refused || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
+  }
+  if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();
+  return failed;
+}
+
+// The refused plan that comes nearest to one that passes: what is shown when none does.
+class Nearest {
+ public:
+  void offer(const SweptPlan& swept, const PlanResult* verified) {
+    const std::vector<bool> failed = verified ? failed_strips(*verified) : std::vector<bool>{};
+    const auto failing = static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
+    // What was verified says more than a part that has no strip.
+    const std::tuple rank{verified == nullptr, swept.refusals.size() + failing, swept.strips.size()};
+    if (rank_ && !(rank < *rank_)) return;
+    rank_ = rank;
+    swept_ = swept;
+    verified_ = verified ? std::optional(*verified) : std::nullopt;
+  }
+
+  void show(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+            Stopwatch& watch, PlanResult& result) {
+    PlanResult shown = verified_ ? std::move(*verified_) : result;
+    if (!verified_ && rank_) plan_swept(swept_, design, settings, hooks, watch, shown);
+    if (!rank_) {
+      shown.refusals = {leaning_refusal(settings)};
+      pose_and_verify({}, design, settings, hooks, watch, shown);
+      judge(settings, shown);
+    }
+    shown.decisions = std::move(result.decisions);
+    shown.times = std::move(result.times);
+    result = std::move(shown);
+  }
+
+ private:
+  // Nothing is tried where `keep` does not tell the waste's side.
+  static Refusal leaning_refusal(const Settings& settings) {
+    return {"design",
+            "",
+            Limit::kLean,
+            0,
+            kLeastLean,
+            "design.keep = \"" + std::string(name(settings.design.keep)) +
+                "\" says nothing about an upright surface: set design.keep to back or front"};
+  }
+
+  std::optional<std::tuple<bool, std::size_t, std::size_t>> rank_;
+  SweptPlan swept_;
+  std::optional<PlanResult> verified_;
+};
+
+// Each strip as one swept family: the first such plan that passes is taken.
+void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                 Stopwatch& watch, PlanResult& result) {
   bool taken = false;
-  // A family has parallel planes and one blade on both sides of a window.
-  if (settings.slice.fan_axis || settings.slice.gaps == Gaps::kApart) return false;
+  Nearest nearest;
   hooks.progress("sweep", 0);
-  const auto accept = [&](const SweptPlan& swept) {
+  const auto judged = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
     check_interrupt(hooks);
     PlanResult other = result;
-    if (!swept.strips.empty()) plan_swept(swept, design, settings, hooks, watch, other);
+    const bool whole = swept.refusals.empty();
+    if (whole) plan_swept(swept, design, settings, hooks, watch, other);
     result.decisions.push_back(decision_of(swept, other));
-    if (swept.strips.empty() || !other.refusals.empty()) return false;
+    if (!whole || !other.refusals.empty()) {
+      nearest.offer(swept, whole ? &other : nullptr);
+      return {false, whole ? failed_strips(other) : std::vector<bool>{}};
+    }
     other.decisions = std::move(result.decisions);
     other.times = std::move(result.times);
     result = std::move(other);
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
-    return taken = true;
+    taken = true;
+    return {true, {}};
   };
-  search_sweeps(design, settings, accept, [&](double) {
+  std::mutex telling;
+  const auto watched = [&](double) {
     check_interrupt(hooks);
+    const std::scoped_lock lock(telling);
     hooks.progress("sweep", 0);
-  });
-  return taken;
+  };
+  try {
+    search_sweeps(design, settings, judged, watched);
+  } catch (const surface::FanError& error) {
+    throw Error(ErrorKind::kNotCuttable, error.what());
+  }
+  if (!taken) nearest.show(design, settings, hooks, watch, result);
 }
 
 // Ribs fitted one by one, in the best directions.
@@ -506,14 +573,19 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.settings = settings;
   Stopwatch watch(result.times);
   PlanProgress progress(hooks.progress);
-  constexpr double kSweepsEnd = 0.45, kDirectionsEnd = 0.55;
+  constexpr double kSweepsEnd = 0.95, kDirectionsEnd = 0.55;
   PlanHooks sweeps = hooks, ribs = hooks;
   sweeps.progress = [&](const std::string& stage, double) { progress.step(stage, kSweepsEnd); };
   ribs.progress = [&](const std::string& stage, double share) {
     stage == "direction" ? progress.step(stage, kDirectionsEnd) : progress.attempt(stage, share);
   };
-  if (!try_sweeps(design, settings, sweeps, watch, result)) try_ribs(design, settings, ribs, watch, result);
-  result.strips_lower_bound = strips_lower_bound(design, settings);
+  // A family has one blade on both sides of a window.
+  if (settings.slice.gaps == Gaps::kApart) {
+    try_ribs(design, settings, ribs, watch, result);
+  } else {
+    try_sweeps(design, settings, sweeps, watch, result);
+  }
+  result.strips_lower_bound = strips_lower_bound(result.verification.area_mm2, settings);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;

@@ -36,6 +36,8 @@ enum class Limit : std::uint8_t {
   kPlannedShape,
   kLean,
   kWasteSide,
+  kSlope,
+  kFacing,
   kStrips,
   kRibDeviation,
   kRibRadius,

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -21,30 +22,54 @@ double angle_at(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// A vertex of the moved surface in the frame's coordinates.
+// A vertex of the moved surface.
 struct MovedVertex {
-  Vector3d at;   // x, y, along the sweep
-  Vector3d own;  // the same of the design's point
-  double along;  // component of the normal along the sweep
+  Vector3d at;           // x, y in its plane, and its plane's offset
+  Vector3d world;        // the same point in space
+  Vector3d own, own_at;  // the design's point, in space and as `at`
+  double along = 0;      // component of the normal along the sweep
+  double turn = 0;       // angle in the plane between the normal and y
 };
 
-MovedVertex moved(const Vector3d& point, const Vector3d& normal, const SweepFrame& frame,
+Vector3d in_planes(const RibAxes& axes, const Vector3d& p) {
+  const double offset = axes.planes.offset(p);
+  const Frame plane = axes.plane(offset);
+  const Vector3d d = p - plane.origin;
+  return {d.dot(plane.x), d.dot(plane.y), offset};
+}
+
+MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
                   const SweepSectionOptions& options) {
-  const auto in_frame = [&](const Vector3d& d) -> Vector3d {
-    return {d.dot(frame.x), d.dot(frame.y), d.dot(frame.sweep)};
-  };
-  const Vector3d own = in_frame(point - frame.centre), n = in_frame(normal);
+  MovedVertex v;
+  v.own = point;
+  v.own_at = in_planes(axes, point);
+  const Frame plane = axes.plane(v.own_at.z());
+  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal(v.own_at.z())));
   const auto band = [&](double across) {
     return 0.5 * (options.kerf_mm + options.width_mm * std::abs(across));
   };
-  Vector3d at = own + band(n.z()) * n;
+  v.along = n.z();
+  v.turn = std::atan2(std::abs(n.x()), n.y());
+  v.world = point + band(n.z()) * normal;
+  v.at = in_planes(axes, v.world);
   if (options.sag) {
-    const SweepSag::Value sag = options.sag->at(at.z(), at.x());
+    const SweepSag::Value sag = options.sag->at(v.at.z(), v.at.x());
     // The width stands along the planes' normal, turned by the twist away from the curve's left.
     const double left = n.y() * std::cos(sag.theta) - n.x() * std::sin(sag.theta);
-    at = own + band(n.z() - sag.twist_rad * left) * n - Vector3d(0, 0, sag.droop_mm);
+    v.world = point + band(n.z() - sag.twist_rad * left) * normal - sag.droop_mm * axes.sweep;
+    v.at = in_planes(axes, v.world);
   }
-  return {at, own, n.z()};
+  return v;
+}
+
+MovedVertex between(const MovedVertex& a, const MovedVertex& b, double t) {
+  return {a.at + t * (b.at - a.at),          a.world + t * (b.world - a.world),
+          a.own + t * (b.own - a.own),       a.own_at + t * (b.own_at - a.own_at),
+          a.along + t * (b.along - a.along), a.turn + t * (b.turn - a.turn)};
+}
+
+double behind(const SweepSeam& seam, const Vector3d& p) {
+  return seam.at_mm - seam.normal.dot(p);
 }
 
 std::vector<double> section_offsets(double first, double last, int count) {
@@ -96,11 +121,26 @@ class Thinned {
   std::vector<SweepSample> border_;
 };
 
+// A point of a section, in its plane and in space.
+struct SectionPoint {
+  SweepSample sample;
+  Vector3d world;
+};
+
 // The point of an edge in the plane at an offset, which lies between its ends.
-SweepSample crossing(const MovedVertex& a, const MovedVertex& b, double offset) {
-  const double t = std::clamp((offset - a.at.z()) / (b.at.z() - a.at.z()), 0.0, 1.0);
+SectionPoint crossing(const RibAxes& axes, const MovedVertex& a, const MovedVertex& b, double offset) {
+  const double t = std::clamp(axes.planes.crossing(a.world, a.at.z(), b.world, b.at.z(), offset), 0.0, 1.0);
   const double along = std::min(1.0, std::abs(a.along + t * (b.along - a.along)));
-  return {(a.at + t * (b.at - a.at)).head<2>(), std::sqrt(1 - along * along)};
+  const Vector3d world = a.world + t * (b.world - a.world);
+  const Frame plane = axes.plane(offset);
+  const Vector3d d = world - plane.origin;
+  return {{{d.dot(plane.x), d.dot(plane.y)}, std::sqrt(1 - along * along), false}, world};
+}
+
+SectionPoint between(const SectionPoint& a, const SectionPoint& b, double t) {
+  return {{a.sample.q + t * (b.sample.q - a.sample.q),
+           a.sample.cosine + t * (b.sample.cosine - a.sample.cosine), false},
+          a.world + t * (b.world - a.world)};
 }
 
 std::vector<std::pair<int, int>> border_edges(const surface::TriangleMesh& mesh) {
@@ -131,37 +171,58 @@ std::vector<int> corners_of(const std::vector<Vector3d>& points,
 
 class Slicer {
  public:
-  Slicer(const WasteSurface& surface, const SweepFrame& frame, const SweepSectionOptions& options)
-      : surface_(surface), options_(options) {
+  Slicer(const WasteSurface& surface, const RibAxes& axes, const SweepSectionOptions& options)
+      : surface_(surface), axes_(axes), options_(options) {
     vertices_.reserve(surface.points.size());
     for (std::size_t i = 0; i < surface.points.size(); ++i)
-      vertices_.push_back(moved(surface.points[i], surface.normals[i], frame, options));
-    data_.frame = frame;
+      vertices_.push_back(moved(surface.points[i], surface.normals[i], axes, options));
+    data_.axes = axes;
   }
 
   SweepData run() {
     if (!measure()) return data_;
-    offsets_ = section_offsets(first_, last_, options_.count);
-    for (const double offset : options_.extra_mm) {
-      if (offset > first_ && offset < last_) offsets_.push_back(offset);
-    }
+    offsets_ = section_offsets(data_.first_mm, data_.last_mm, options_.count);
+    for (const double offset : options_.extra_mm) add(offset);
     add_corners();
     std::sort(offsets_.begin(), offsets_.end());
     offsets_.erase(std::unique(offsets_.begin(), offsets_.end()), offsets_.end());
     thinned_.assign(offsets_.size(), Thinned(options_.sample_mm));
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
-      if (in_window(t)) cut(t);
+      if (in_reach(t)) cut(t);
     }
     for (std::size_t k = 0; k < offsets_.size(); ++k) {
       std::vector<SweepSample> samples = thinned_[k].samples();
       if (!samples.empty()) data_.sections.push_back({offsets_[k], std::move(samples)});
     }
+    add_border();
     return std::move(data_);
   }
 
  private:
-  [[nodiscard]] const MovedVertex& vertex(std::size_t triangle, std::size_t corner) const {
-    return vertices_[static_cast<std::size_t>(surface_.triangles[triangle][corner % 3])];
+  using Triangle = std::array<MovedVertex, 3>;
+
+  // Its corners; a triangle that the planes are cut open at lies whole at their end.
+  [[nodiscard]] Triangle triangle(std::size_t t) const {
+    Triangle corners;
+    for (std::size_t c = 0; c < 3; ++c)
+      corners[c] = vertices_[static_cast<std::size_t>(surface_.triangles[t][c])];
+    const double half_turn = std::numbers::pi * axes_.planes.radius_mm();
+    const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
+    if (half_turn > 0 && high - low > half_turn) {
+      for (MovedVertex& v : corners) {
+        if (v.at.z() < 0) v.at.z() += 2 * half_turn;
+      }
+    }
+    return corners;
+  }
+
+  void add(double offset) {
+    if (offset > data_.first_mm && offset < data_.last_mm) offsets_.push_back(offset);
+  }
+
+  [[nodiscard]] bool inside(const Vector3d& p) const {
+    return std::all_of(options_.seams.begin(), options_.seams.end(),
+                       [&](const SweepSeam& seam) { return behind(seam, p) >= 0; });
   }
 
   // Sections close to each corner, on both sides of it. A border that is all corners is met often enough.
@@ -170,49 +231,118 @@ class Slicer {
     constexpr double kBesideMm = 0.5;
     if (surface_.corners.size() > kMostCorners) return;
     for (const int corner : surface_.corners) {
-      const Vector3d& at = vertices_[static_cast<std::size_t>(corner)].at;
-      if (at.x() < options_.window.low_mm || at.x() > options_.window.high_mm) continue;
-      for (const double offset : {at.z() - kBesideMm, at.z() + kBesideMm}) {
-        if (offset > first_ && offset < last_) offsets_.push_back(offset);
+      const MovedVertex& v = vertices_[static_cast<std::size_t>(corner)];
+      if (!inside(v.world)) continue;
+      for (const double offset : {v.at.z() - kBesideMm, v.at.z() + kBesideMm}) add(offset);
+    }
+  }
+
+  void add_border() {
+    std::vector<int> points;
+    for (const auto& [a, b] : surface_.border) points.insert(points.end(), {a, b});
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    for (const int i : points) {
+      const MovedVertex& v = vertices_[static_cast<std::size_t>(i)];
+      if (inside(v.world)) data_.border.emplace_back(v.at.z(), v.at.head<2>());
+    }
+  }
+
+  // Whether a part of it may lie behind all seams; cut() drops the points before them.
+  [[nodiscard]] bool in_reach(std::size_t t) const {
+    const auto& corners = surface_.triangles[t];
+    return std::all_of(options_.seams.begin(), options_.seams.end(), [&](const SweepSeam& seam) {
+      return std::any_of(corners.begin(), corners.end(), [&](int c) {
+        return behind(seam, vertices_[static_cast<std::size_t>(c)].world) >= 0;
+      });
+    });
+  }
+
+  // What of a triangle lies behind all seams.
+  [[nodiscard]] std::vector<MovedVertex> clipped(std::size_t t) const {
+    const Triangle corners = triangle(t);
+    std::vector<MovedVertex> polygon(corners.begin(), corners.end());
+    for (const SweepSeam& seam : options_.seams) {
+      std::vector<MovedVertex> next;
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const MovedVertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        const double from = behind(seam, a.world), to = behind(seam, b.world);
+        if (from >= 0) next.push_back(a);
+        if ((from >= 0) != (to >= 0)) next.push_back(between(a, b, from / (from - to)));
       }
+      polygon = std::move(next);
     }
+    return polygon;
   }
 
-  // Triangles that reach into the window; cut() drops the points outside.
-  [[nodiscard]] bool in_window(std::size_t triangle) const {
-    double low = vertex(triangle, 0).at.x(), high = low;
-    for (const std::size_t c : {1U, 2U}) {
-      low = std::min(low, vertex(triangle, c).at.x());
-      high = std::max(high, vertex(triangle, c).at.x());
-    }
-    return high >= options_.window.low_mm && low <= options_.window.high_mm;
-  }
-
-  // Extents of what lies in the window; false where nothing does.
+  // Extents of what lies behind the seams; false where nothing does.
   bool measure() {
-    const SweepWindow& w = options_.window;
     constexpr double kInf = std::numeric_limits<double>::infinity();
-    first_ = kInf;
-    last_ = -kInf;
+    data_.first_mm = kInf;
+    data_.last_mm = -kInf;
     data_.low.setConstant(kInf);
     data_.high.setConstant(-kInf);
-    double along = 0;
+    std::vector<bool> inside_of(vertices_.size()), seen(vertices_.size(), false);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) inside_of[i] = inside(vertices_[i].world);
+    std::vector<Vector3d> own;
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
-      if (!in_window(t)) continue;
-      for (const std::size_t c : {0U, 1U, 2U}) {
-        const MovedVertex& v = vertex(t, c);
-        const double offset = std::clamp(v.at.z(), w.first_mm, w.last_mm);
-        first_ = std::min(first_, offset);
-        last_ = std::max(last_, offset);
-        const Vector3d inside(std::clamp(v.own.x(), w.low_mm, w.high_mm), v.own.y(),
-                              std::clamp(v.own.z(), w.first_mm, w.last_mm));
-        data_.low = data_.low.cwiseMin(inside);
-        data_.high = data_.high.cwiseMax(inside);
-        if (v.at.z() >= w.first_mm && v.at.z() <= w.last_mm) along = std::max(along, std::abs(v.along));
+      if (!in_reach(t)) continue;
+      const auto& corners = surface_.triangles[t];
+      const bool whole = !axes_.planes.closed() && std::all_of(corners.begin(), corners.end(), [&](int c) {
+        return inside_of[static_cast<std::size_t>(c)];
+      });
+      if (!whole) {
+        for (const MovedVertex& v : clipped(t)) extend(v, own);
+        continue;
+      }
+      for (const int c : corners) {
+        const auto i = static_cast<std::size_t>(c);
+        if (!seen[i]) extend(vertices_[i], own);
+        seen[i] = true;
       }
     }
-    data_.steepest_rad = std::asin(std::min(1.0, along));
-    return last_ > first_;
+    if (!(data_.last_mm > data_.first_mm)) return false;
+    // A few bad facets of a file turn normals anyhow: what they come to is seen when the cut is verified.
+    const auto most = [](std::vector<double>& values) {
+      constexpr double kShare = 0.98;
+      const auto at =
+          values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
+      std::nth_element(values.begin(), at, values.end());
+      return *at;
+    };
+    data_.steepest_rad = std::asin(std::min(1.0, most(steeps_)));
+    data_.turn_rad = most(turns_);
+    measure_size(own);
+    find_seams();
+    return true;
+  }
+
+  void extend(const MovedVertex& v, std::vector<Vector3d>& own) {
+    data_.first_mm = std::min(data_.first_mm, v.at.z());
+    data_.last_mm = std::max(data_.last_mm, v.at.z());
+    data_.low = data_.low.cwiseMin(v.own_at.head<2>());
+    data_.high = data_.high.cwiseMax(v.own_at.head<2>());
+    steeps_.push_back(std::abs(v.along));
+    turns_.push_back(v.turn);
+    own.push_back(v.own);
+  }
+
+  void measure_size(const std::vector<Vector3d>& own) {
+    const double middle = 0.5 * (data_.first_mm + data_.last_mm);
+    const Frame plane = axes_.plane(middle);
+    const Vector3d sweep = axes_.planes.normal(middle);
+    Eigen::AlignedBox3d box;
+    for (const Vector3d& p : own) box.extend(Vector3d(p.dot(plane.x), p.dot(plane.y), p.dot(sweep)));
+    data_.size_mm = box.sizes();
+  }
+
+  // Seams that lie along the planes end the sweep.
+  void find_seams() {
+    constexpr double kAlong = 0.99;
+    for (const SweepSeam& seam : options_.seams) {
+      data_.seam_first |= seam.normal.dot(axes_.planes.normal(data_.first_mm)) < -kAlong;
+      data_.seam_last |= seam.normal.dot(axes_.planes.normal(data_.last_mm)) > kAlong;
+    }
   }
 
   [[nodiscard]] bool on_border(int a, int b) const {
@@ -220,54 +350,61 @@ class Slicer {
                               std::pair<int, int>(std::minmax(a, b)));
   }
 
-  void cut(std::size_t triangle) {
-    const std::array<double, 3> z{vertex(triangle, 0).at.z(), vertex(triangle, 1).at.z(),
-                                  vertex(triangle, 2).at.z()};
-    const auto [low, high] = std::minmax({z[0], z[1], z[2]});
+  void cut(std::size_t t) {
+    const Triangle corners = triangle(t);
+    const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
     const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low);
     for (auto at = from; at != offsets_.end() && *at < high; ++at)
-      cut(triangle, *at, thinned_[static_cast<std::size_t>(at - offsets_.begin())]);
+      cut(corners, surface_.triangles[t], *at, thinned_[static_cast<std::size_t>(at - offsets_.begin())]);
   }
 
-  void cut(std::size_t triangle, double offset, Thinned& section) const {
-    std::array<SweepSample, 2> ends;
+  void cut(const Triangle& corners, const std::array<int, 3>& indices, double offset,
+           Thinned& section) const {
+    std::array<SectionPoint, 2> ends;
     std::size_t found = 0;
     for (std::size_t c = 0; c < 3 && found < 2; ++c) {
-      const MovedVertex &a = vertex(triangle, c), &b = vertex(triangle, c + 1);
+      const MovedVertex &a = corners[c], &b = corners[(c + 1) % 3];
       if ((a.at.z() <= offset) == (b.at.z() <= offset)) continue;
-      const auto& corners = surface_.triangles[triangle];
       // From the lower to the higher end, so that both faces of an edge find the same point.
-      ends[found] = a.at.z() < b.at.z() ? crossing(a, b, offset) : crossing(b, a, offset);
-      if (on_border(corners[c], corners[(c + 1) % 3]) && inside(ends[found])) section.add_border(ends[found]);
+      ends[found] = a.at.z() < b.at.z() ? crossing(axes_, a, b, offset) : crossing(axes_, b, a, offset);
+      if (on_border(indices[c], indices[(c + 1) % 3]) && inside(ends[found].world))
+        section.add_border(ends[found].sample);
       ++found;
     }
-    if (found < 2) return;
-    for (const double edge : {options_.window.low_mm, options_.window.high_mm}) {
-      const double from = ends[0].q.x() - edge, to = ends[1].q.x() - edge;
-      if (from * to < 0) section.add_border(between(ends[0], ends[1], from / (from - to)));
+    if (found == 2) add_between(ends[0], ends[1], section);
+  }
+
+  // What of a piece of a section lies behind the seams, and where it meets them.
+  void add_between(const SectionPoint& a, const SectionPoint& b, Thinned& section) const {
+    double first = 0, last = 1;
+    for (const SweepSeam& seam : options_.seams) {
+      const double from = behind(seam, a.world), to = behind(seam, b.world);
+      if (from < 0 && to < 0) return;
+      if (from < 0) first = std::max(first, from / (from - to));
+      if (to < 0) last = std::min(last, from / (from - to));
     }
-    const double length = (ends[1].q - ends[0].q).norm();
+    if (first > last) return;
+    for (const double end : {first, last}) {
+      if (end == 0 || end == 1) continue;
+      SweepSample sample = between(a, b, end).sample;
+      sample.at_seam = true;
+      section.add_border(sample);
+    }
+    const double length = (b.sample.q - a.sample.q).norm();
     const int pieces = std::max(1, static_cast<int>(std::ceil(2 * length / options_.sample_mm)));
     for (int i = 0; i <= pieces; ++i) {
-      const SweepSample sample = between(ends[0], ends[1], static_cast<double>(i) / pieces);
-      if (inside(sample)) section.add(sample);
+      const double t = static_cast<double>(i) / pieces;
+      if (t >= first && t <= last) section.add(between(a, b, t).sample);
     }
-  }
-
-  static SweepSample between(const SweepSample& a, const SweepSample& b, double t) {
-    return {a.q + t * (b.q - a.q), a.cosine + t * (b.cosine - a.cosine)};
-  }
-
-  [[nodiscard]] bool inside(const SweepSample& sample) const {
-    return sample.q.x() >= options_.window.low_mm && sample.q.x() <= options_.window.high_mm;
   }
 
   const WasteSurface& surface_;
+  const RibAxes& axes_;
   SweepSectionOptions options_;
   std::vector<MovedVertex> vertices_;
   std::vector<double> offsets_;
   std::vector<Thinned> thinned_;
-  double first_ = 0, last_ = 0;
+  std::vector<double> steeps_, turns_;  // sines of slopes and MovedVertex::turn of all that is measured
   SweepData data_;
 };
 
@@ -295,30 +432,68 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   return surface;
 }
 
-SweepFrame sweep_frame(const WasteSurface& surface, const Vector3d& planes_normal, const Vector3d& centre) {
-  Vector3d mean = Vector3d::Zero();
+WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& seams, double reach_mm) {
+  WasteSurface part;
+  std::vector<int> index(surface.points.size(), -1);
+  const auto taken = [&](int v) {
+    int& i = index[static_cast<std::size_t>(v)];
+    if (i >= 0) return i;
+    i = static_cast<int>(part.points.size());
+    part.points.push_back(surface.points[static_cast<std::size_t>(v)]);
+    part.normals.push_back(surface.normals[static_cast<std::size_t>(v)]);
+    return i;
+  };
+  for (const auto& t : surface.triangles) {
+    const bool near = std::all_of(seams.begin(), seams.end(), [&](const SweepSeam& seam) {
+      return std::any_of(t.begin(), t.end(), [&](int v) {
+        return behind(seam, surface.points[static_cast<std::size_t>(v)]) >= -reach_mm;
+      });
+    });
+    if (near) part.triangles.push_back({taken(t[0]), taken(t[1]), taken(t[2])});
+  }
+  const auto at = [&](int v) { return index[static_cast<std::size_t>(v)]; };
+  for (const auto& [a, b] : surface.border) {
+    if (at(a) >= 0 && at(b) >= 0) part.border.push_back(std::minmax(at(a), at(b)));
+  }
+  std::sort(part.border.begin(), part.border.end());
+  for (const int corner : surface.corners) {
+    if (at(corner) >= 0) part.corners.push_back(at(corner));
+  }
+  std::sort(part.corners.begin(), part.corners.end());
+  return part;
+}
+
+RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& planes) {
+  RibAxes axes;
+  axes.planes = planes;
+  axes.sweep = planes.normal(0);
+  const Vector3d u = axes.sweep.unitOrthogonal(), v = axes.sweep.cross(u);
+  const Vector3d first = planes.turns() ? planes.axis().cross(axes.sweep).normalized() : u,
+                 second = planes.turns() ? axes.sweep.cross(first) : v;
+  Eigen::Vector2d mean(0, 0);
+  double whole = 0;
   for (const auto& t : surface.triangles) {
     const auto at = [](const std::vector<Vector3d>& all, int i) -> const Vector3d& {
       return all[static_cast<std::size_t>(i)];
     };
     const Vector3d& p = at(surface.points, t[0]);
     const double area = (at(surface.points, t[1]) - p).cross(at(surface.points, t[2]) - p).norm();
-    mean += area * (at(surface.normals, t[0]) + at(surface.normals, t[1]) + at(surface.normals, t[2]));
+    const Vector3d n =
+        area * (at(surface.normals, t[0]) + at(surface.normals, t[1]) + at(surface.normals, t[2]));
+    const double offset = planes.turns() ? planes.offset(p) : 0;
+    mean += Eigen::Vector2d(n.dot(planes.turned(first, offset)), n.dot(planes.turned(second, offset)));
+    whole += n.norm();
   }
-  SweepFrame frame;
-  frame.centre = centre;
-  frame.sweep = planes_normal.normalized();
-  Vector3d y = mean - mean.dot(frame.sweep) * frame.sweep;
   constexpr double kNoSide = 1e-9;
-  if (!(y.norm() > kNoSide * mean.norm())) y = frame.sweep.unitOrthogonal();
-  frame.y = y.normalized();
-  frame.x = frame.y.cross(frame.sweep);
-  return frame;
+  axes.y = first;
+  if (mean.norm() > kNoSide * whole) axes.y = (mean.x() * first + mean.y() * second).normalized();
+  axes.x = axes.y.cross(axes.sweep);
+  return axes;
 }
 
-SweepData sweep_sections(const WasteSurface& surface, const SweepFrame& frame,
+SweepData sweep_sections(const WasteSurface& surface, const RibAxes& axes,
                          const SweepSectionOptions& options) {
-  return Slicer(surface, frame, options).run();
+  return Slicer(surface, axes, options).run();
 }
 
 }  // namespace hotblade::pipeline

@@ -1,5 +1,5 @@
 // What one swept family of elastica shall follow: the design's waste side, moved to the blade's middle line
-// and cut by parallel planes.
+// and cut by the planes of the sweep, parallel ones or a fan.
 //
 // A point P with unit normal n towards the waste is formed by a blade whose middle line passes
 //   T = P + (kerf + width |n . N|) / 2 n,
@@ -11,10 +11,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <limits>
 #include <utility>
 #include <vector>
 
+#include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/plan/sweep/sweep_sag.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -32,19 +32,26 @@ struct WasteSurface {
 // faces' front, -1 where it lies behind them. Vertices of no face keep a zero normal and are never met.
 [[nodiscard]] WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side);
 
-// Axes of a sweep: x cross y = sweep, y towards the waste; origin for offsets and in-plane coordinates.
-struct SweepFrame {
-  Eigen::Vector3d centre{0, 0, 0}, x{1, 0, 0}, y{0, 1, 0}, sweep{0, 0, 1};
+// A plane that parts of a design meet at: a part lies behind it.
+struct SweepSeam {
+  Eigen::Vector3d normal{1, 0, 0};  // unit
+  double at_mm = 0;                 // of points p with normal . p = at_mm; behind it, less
 };
 
-// y is the mean normal of the waste's side, made square to the planes' normal. Where the mean vanishes, as on
-// a closed surface, y is any direction square to it: such a surface is no graph over one blade.
-[[nodiscard]] SweepFrame sweep_frame(const WasteSurface& surface, const Eigen::Vector3d& planes_normal,
-                                     const Eigen::Vector3d& centre);
+// The triangles that come nearer than `reach_mm` to what lies behind all seams, with their vertices, border
+// and corners as they were.
+[[nodiscard]] WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& seams,
+                                   double reach_mm);
+
+// Axes of a sweep over these planes: x cross y = sweep, which is the planes' normal; y is the waste's side,
+// the mean normal made square to the planes'. Where that vanishes, as on a closed surface, y is any direction
+// square to it: such a surface is no graph over one blade.
+[[nodiscard]] RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& planes);
 
 struct SweepSample {
-  Eigen::Vector2d q{0, 0};  // on the frame's axes, mm
-  double cosine = 1;  // of the slope against the plane: a distance in the plane times this is one in space
+  Eigen::Vector2d q{0, 0};  // in the plane, mm
+  double cosine = 1;     // of the slope against the plane: a distance in the plane times this is one in space
+  bool at_seam = false;  // the design goes on there
 };
 
 struct SweepSection {
@@ -52,34 +59,34 @@ struct SweepSection {
   std::vector<SweepSample> samples;  // ascending in x; at least one
 };
 
-// The part of a design that one strip forms, in the frame's coordinates.
-struct SweepWindow {
-  double first_mm = -std::numeric_limits<double>::infinity(), last_mm = -first_mm;  // along the sweep
-  double low_mm = first_mm, high_mm = last_mm;                                      // along x
-};
-
 struct SweepSectionOptions {
   double kerf_mm = 1, width_mm = 8;  // of the melted band
   int count = 24;                    // evenly spread sections
   double sample_mm = 20;  // samples of a section are about this far apart; points of the border and of the
-                          // window's edges are all taken
-  SweepWindow window = {};
+                          // seams are all taken
+  std::vector<SweepSeam> seams = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
   const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
 };
 
 struct SweepData {
-  SweepFrame frame;
-  std::vector<SweepSection> sections;  // ascending
-  double steepest_rad = 0;             // of the design against the planes
-  Eigen::Vector3d low{0, 0, 0},
-      high{0, 0, 0};  // corners of the design's part, not moved: x, y, along the sweep
+  RibAxes axes;
+  std::vector<SweepSection> sections;                      // ascending
+  std::vector<std::pair<double, Eigen::Vector2d>> border;  // the border's points: offset, q
+  // Of 98 of a hundred vertices: the design's slope against the planes, and the angle in them between its
+  // normals and y.
+  double steepest_rad = 0, turn_rad = 0;
+  Eigen::Vector2d low{0, 0}, high{0, 0};       // corners of the design in the planes, not moved
+  double first_mm = 0, last_mm = 0;            // of the moved surface, along the sweep
+  bool seam_first = false, seam_last = false;  // ends of the sweep at seams
+  Eigen::Vector3d size_mm{0, 0,
+                          0};  // of the design in the axes of the middle plane, the third along the sweep
 };
 
 // Sections at both ends, close to them and to the corners, and evenly between; no section where there is no
-// design. The result
-// does not depend on the order of triangles but for ties. Empty sections where nothing lies in the window.
-[[nodiscard]] SweepData sweep_sections(const WasteSurface& surface, const SweepFrame& frame,
+// design. The result does not depend on the order of triangles but for ties. Empty sections where nothing
+// lies behind the seams.
+[[nodiscard]] SweepData sweep_sections(const WasteSurface& surface, const RibAxes& axes,
                                        const SweepSectionOptions& options);
 
 }  // namespace hotblade::pipeline

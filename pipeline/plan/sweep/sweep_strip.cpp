@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
@@ -23,20 +24,41 @@ struct Foot {
   double s_mm = 0;
   Vector2d q{0, 0};
   double away_mm = 0;
+  bool at_seam = false;
 };
 
-// The feet of a section's samples on the family's curve there, ascending.
+// The feet of a section's samples on the family's curve there, ascending. They are sought from the middle
+// outwards, each from the last one's: where a section turns up steeply, x says little of a place on it.
 std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family, double reach_mm) {
   const SweepState state = family.at(section.offset_mm);
   const SweepCurve curve(state.bend, reach_mm);
   const double c = std::cos(state.theta), n = std::sin(state.theta);
-  std::vector<Foot> feet;
+  std::vector<Vector2d> own;  // in the curve's axes
   for (const SweepSample& sample : section.samples) {
     const Vector2d d = sample.q - Vector2d(family.x_mm, state.y);
-    const Vector2d q(c * d.x() + n * d.y(), -n * d.x() + c * d.y());
-    const double s = curve.nearest(q, q.x());
-    feet.push_back({s, sample.q, (q - curve.at(s).position).norm()});
+    own.emplace_back(c * d.x() + n * d.y(), -n * d.x() + c * d.y());
   }
+  const auto middle =
+      std::partition_point(section.samples.begin(), section.samples.end(),
+                           [&](const SweepSample& sample) { return sample.q.x() < family.x_mm; });
+  const auto from = middle - section.samples.begin(), count = std::ssize(own);
+  std::vector<Foot> feet;
+  const auto seek = [&](std::ptrdiff_t i, std::ptrdiff_t beside) {
+    const auto at = static_cast<std::size_t>(i);
+    const Vector2d& q = own[at];
+    double guess = q.x();
+    if (!feet.empty() && beside >= 0 && beside < count && beside != i) {
+      const double way = (q - own[static_cast<std::size_t>(beside)]).norm();
+      guess = feet.back().s_mm + (i > beside ? way : -way);
+    }
+    const double s = curve.nearest(q, guess);
+    feet.push_back(
+        {s, section.samples[at].q, (q - curve.at(s).position).norm(), section.samples[at].at_seam});
+  };
+  for (std::ptrdiff_t i = from; i < count; ++i) seek(i, i > from ? i - 1 : i);
+  const std::vector<Foot> upper = std::exchange(feet, {});
+  for (std::ptrdiff_t i = from - 1; i >= 0; --i) seek(i, i + 1 < from ? i + 1 : i);
+  feet.insert(feet.end(), upper.begin(), upper.end());
   std::sort(feet.begin(), feet.end(), [](const Foot& a, const Foot& b) { return a.s_mm < b.s_mm; });
   return feet;
 }
@@ -56,17 +78,23 @@ std::vector<Vector2d> even_points(const std::vector<Foot>& feet) {
 
 class StripMaker {
  public:
-  StripMaker(const WasteSurface& surface, const SweepWindow& window, const SweepFrame& frame,
+  StripMaker(const WasteSurface& surface, const RibAxes& axes, const std::vector<SweepSeam>& seams,
              const SweepFitReport& fit, const SweepSag* sag, const Settings& settings)
-      : surface_(surface), window_(window), frame_(frame), fit_(fit), sag_(sag), settings_(settings) {}
+      : surface_(surface), axes_(axes), seams_(seams), fit_(fit), sag_(sag), settings_(settings) {}
 
-  SweptStrip run(const RibAxes& axes) {
+  SweptStrip run() {
+    SweptStrip made;
+    const double left = settings_.design.tolerance_mm - fit_.max_mm;
+    if (!(left > 0)) {
+      made.refusal = {"", "", Limit::kDeviation, fit_.max_mm, settings_.design.tolerance_mm};
+      return made;
+    }
     gather();
     std::vector<RibFit> ribs = make_ribs();
     enclose(ribs);
-    SweptStrip made;
     // What the fit leaves of the tolerance may be used up by what of the sag is not known.
-    const double sag = std::max(0.0, settings_.design.tolerance_mm - fit_.max_mm) / robot::kSagUnknownShare;
+    const double sag = axes_.planes.turns() ? left : left / robot::kSagUnknownShare;
+    const RibAxes& axes = axes_;
     const BladeReport blade =
         choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag);
     if (!blade.choice) {
@@ -101,9 +129,9 @@ class StripMaker {
   void gather() {
     constexpr int kSections = 64;
     constexpr double kSampleMm = 10;
-    SweepSectionOptions options = section_options(settings_, window_, kSections, kSampleMm, sag_);
+    SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_);
     for (int i = 0; i < fit_.family.count(); ++i) options.extra_mm.push_back(rib_offset(i));
-    const SweepData data = sweep_sections(surface_, frame_, options);
+    const SweepData data = sweep_sections(surface_, axes_, options);
     double reach = 0;
     for (const SweepSection& section : data.sections) {
       feet_.push_back(feet_of(section, fit_.family, settings_.blade.free_lengths_mm.back()));
@@ -112,6 +140,12 @@ class StripMaker {
       double least = 1;
       for (const SweepSample& sample : section.samples) least = std::min(least, sample.cosine);
       slopes_.push_back(std::acos(least));
+    }
+    for (const auto& [offset, q] : data.border) {
+      const SweepSection point{offset, {{q, 1}}};
+      border_.emplace_back(offset,
+                           feet_of(point, fit_.family, settings_.blade.free_lengths_mm.back()).front().s_mm);
+      reach = std::max(reach, std::abs(border_.back().second));
     }
     length_mm_ = 2 * (reach + 2 * kBeyondMm);
   }
@@ -171,16 +205,24 @@ class StripMaker {
     constexpr double kLeastStepMm = 15;
     const double extent = offsets_.back() - offsets_.front();
     const int places = std::clamp(static_cast<int>(extent / kLeastStepMm), 1, kPlaces);
-    const double low_beyond = std::isfinite(window_.low_mm) ? 0 : kBeyondMm,
-                 high_beyond = std::isfinite(window_.high_mm) ? 0 : kBeyondMm;
     std::vector<FormedPart> parts;
     for (int i = 0; i <= places; ++i) {
       const double offset = offsets_.front() + extent * i / places;
       double low = length_mm_, high = -length_mm_;
+      const std::size_t here = nearest(offset);
       for (std::size_t k = 0; k < feet_.size(); ++k) {
         if (std::abs(offsets_[k] - offset) > extent / places) continue;
-        low = std::min(low, feet_[k].front().s_mm - low_beyond);
-        high = std::max(high, feet_[k].back().s_mm + high_beyond);
+        for (const Foot& foot : {feet_[k].front(), feet_[k].back()}) {
+          // At a seam the design goes on, and the next strip forms it: no more than was looked at here.
+          if (foot.at_seam && k != here) continue;
+          low = std::min(low, foot.s_mm - (foot.at_seam ? 0 : kBeyondMm));
+          high = std::max(high, foot.s_mm + (foot.at_seam ? 0 : kBeyondMm));
+        }
+      }
+      for (const auto& [at, s] : border_) {
+        if (std::abs(at - offset) > extent / places) continue;
+        low = std::min(low, s - kBeyondMm);
+        high = std::max(high, s + kBeyondMm);
       }
       if (high > low) parts.push_back({offset, part_of(low, high)});
     }
@@ -188,35 +230,31 @@ class StripMaker {
   }
 
   const WasteSurface& surface_;
-  SweepWindow window_;
-  SweepFrame frame_;
+  const RibAxes& axes_;
+  const std::vector<SweepSeam>& seams_;
   const SweepFitReport& fit_;
   const SweepSag* sag_;
   const Settings& settings_;
   std::vector<double> offsets_, slopes_;  // of the sections
   std::vector<std::vector<Foot>> feet_;
-  double length_mm_ = 0;  // of all ribs
+  std::vector<std::pair<double, double>> border_;  // its points' offsets and feet
+  double length_mm_ = 0;                           // of all ribs
 };
 
 }  // namespace
 
-SweepSectionOptions section_options(const Settings& settings, const SweepWindow& window, int count,
+SweepSectionOptions section_options(const Settings& settings, const std::vector<SweepSeam>& seams, int count,
                                     double sample_mm, const SweepSag* sag) {
-  const SweepWindow wider{window.first_mm - kSeamOverlapMm, window.last_mm + kSeamOverlapMm,
-                          window.low_mm - kSeamOverlapMm, window.high_mm + kSeamOverlapMm};
-  return {settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, wider, {}, sag};
+  SweepSectionOptions options{
+      settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, seams, {}, sag};
+  for (SweepSeam& seam : options.seams) seam.at_mm += kSeamOverlapMm;
+  return options;
 }
 
-SweptStrip make_swept_strip(const WasteSurface& surface, const surface::PlaneFamily& planes,
-                            const SweepWindow& window, const SweepFitReport& fit, const SweepSag* sag,
-                            const Settings& settings) {
-  const SweepFrame frame = sweep_frame(surface, planes.normal(0), planes.centre());
-  RibAxes axes;
-  axes.planes = planes;
-  axes.sweep = frame.sweep;
-  axes.x = frame.x;
-  axes.y = frame.y;
-  return StripMaker(surface, window, frame, fit, sag, settings).run(axes);
+SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
+                            const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
+                            const SweepSag* sag, const Settings& settings) {
+  return StripMaker(surface, axes, seams, fit, sag, settings).run();
 }
 
 }  // namespace hotblade::pipeline

@@ -18,18 +18,19 @@ struct SweptStrip {
 
 // As many ribs as the family has coefficients, evenly spaced: their interpolating spline is the family itself
 // (SweepBasis). All are equally long, about the family's middles, and reach past what they form; the first
-// and the last lie beyond the design's ends, so that no end pose forms what is behind its plane. `planes` are
-// parallel ones square to the data's sweep through its centre; `sag` is what the data was moved by. The blade
-// is the shortest of the list that the family serves (plan/motion/blade.hpp).
-[[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const surface::PlaneFamily& planes,
-                                          const SweepWindow& window, const SweepFitReport& fit,
+// and the last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` is
+// what the data was moved by. The blade is the shortest of the list that the family serves
+// (plan/motion/blade.hpp).
+[[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
+                                          const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
                                           const SweepSag* sag, const Settings& settings);
 
 // Parts of a split design overlap by twice this, so that neither cuts what it has not seen.
 inline constexpr double kSeamOverlapMm = 8;
 
-// The sections that fits and strips are made from; a window's seams are passed by kSeamOverlapMm.
-[[nodiscard]] SweepSectionOptions section_options(const Settings& settings, const SweepWindow& window,
-                                                  int count, double sample_mm, const SweepSag* sag);
+// The sections that fits and strips are made from; seams are passed by kSeamOverlapMm.
+[[nodiscard]] SweepSectionOptions section_options(const Settings& settings,
+                                                  const std::vector<SweepSeam>& seams, int count,
+                                                  double sample_mm, const SweepSag* sag);
 
 }  // namespace hotblade::pipeline

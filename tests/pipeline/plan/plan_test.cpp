@@ -46,10 +46,10 @@ TEST_P(PlanSample, IsCutWithinItsTolerance) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, PlanSample,
-    ::testing::Values(Sample{"barrel_vault", 1, 0.5}, Sample{"s_wall", 2, 0.5}, Sample{"hypar", 1, 0.3},
-                      Sample{"bump", 3, 0.5}, Sample{"saddle", 1, 0.5}, Sample{"vase", 6, 0.35},
+    ::testing::Values(Sample{"barrel_vault", 1, 0.5}, Sample{"s_wall", 2, 0.65}, Sample{"hypar", 1, 0.3},
+                      Sample{"bump", 4, 0.5}, Sample{"saddle", 1, 0.5}, Sample{"vase", 4, 0.85},
                       Sample{"window", 1, 0.6}, Sample{"branch", 1, 0.4}, Sample{"ragged", 1, 0.3},
-                      Sample{"wave_wall", 6, 0.6}, Sample{"corner", 6, 0.5}, Sample{"petal", 1, 0.2}),
+                      Sample{"wave_wall", 6, 0.9}, Sample{"corner", 3, 0.9}, Sample{"petal", 1, 0.2}),
     [](const ::testing::TestParamInfo<Sample>& sample) { return std::string(sample.param.name); });
 
 TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
@@ -180,10 +180,12 @@ TEST(Plan, TakesALeadThatKeepsTheClampsClearWhenTheBladeWithdraws) {
 
 TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {
   Settings settings = along_x();
+  settings.design.tolerance_mm = 2;
   settings.motion.lead_mm = 20;
   const PlanResult result = plan(half_tube(), settings, {});
-  const bool said = std::any_of(result.refusals.begin(), result.refusals.end(), [](const Refusal& r) {
-    return describe(r).find("raise motion.lead_mm to stock.clearance_mm") != std::string::npos;
+  // One strip does not get out; two, less bent, do.
+  const bool said = std::any_of(result.decisions.begin(), result.decisions.end(), [](const Decision& d) {
+    return d.why.find("raise motion.lead_mm to stock.clearance_mm") != std::string::npos;
   });
   EXPECT_TRUE(said);
 }

@@ -1,0 +1,70 @@
+#include "pipeline/plan/sweep/sweep_directions.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/plan/direction/body_axes.hpp"
+#include "pipeline/plan/ribs/target.hpp"
+
+namespace hotblade::pipeline {
+
+using Eigen::Vector3d;
+
+double waste_side(const surface::TriangleMesh& mesh, Keep keep) {
+  if (keep == Keep::kBack) return 1;
+  if (keep == Keep::kFront) return -1;
+  double up = 0, area = 0;
+  for (const auto& t : mesh.triangles()) {
+    const auto at = [&](std::size_t i) -> const Vector3d& {
+      return mesh.vertices()[static_cast<std::size_t>(t[i])];
+    };
+    const Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0));
+    up += normal.z();
+    area += normal.norm();
+  }
+  if (!(std::abs(up) >= kLeastLean * area)) return 0;
+  return (keep == Keep::kBelow) == (up > 0) ? 1 : -1;
+}
+
+double too_steep_share(const WasteSurface& surface, const surface::PlaneFamily& planes) {
+  double steep = 0, all = 0;
+  for (const auto& t : surface.triangles) {
+    const auto at = [&](std::size_t i) -> const Vector3d& {
+      return surface.points[static_cast<std::size_t>(t[i])];
+    };
+    const Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0));
+    const double area = normal.norm(), offset = planes.turns() ? planes.offset(at(0)) : 0;
+    all += area;
+    if (std::abs(normal.dot(planes.normal(offset))) > std::sin(kMaxSlopeRad) * area) steep += area;
+  }
+  return all > 0 ? steep / all : 1;
+}
+
+std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh,
+                                               const SliceSettings& settings) {
+  if (settings.direction) {
+    const auto& d = *settings.direction;
+    return {surface::parallel_about(mesh, Vector3d(d[0], d[1], d[2]).normalized())};
+  }
+  if (settings.fan_axis) {
+    const auto& a = *settings.fan_axis;
+    return {surface::fan_about(mesh, {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}})};
+  }
+  const BodyAxes body = body_axes(mesh);
+  std::vector<Vector3d> all = along_borders(mesh, body);
+  if (const auto n = least_steep(mesh)) all.push_back(*n);
+  for (const Vector3d& n : hemisphere(body)) all.push_back(n);
+  std::vector<Vector3d> apart;
+  constexpr double kSame = 0.9986;  // within 3 degrees
+  for (const Vector3d& n : all) {
+    const bool known = std::any_of(apart.begin(), apart.end(),
+                                   [&](const Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
+    if (!known) apart.push_back(with_sense(mesh, body, n));
+  }
+  std::vector<surface::PlaneFamily> planes;
+  for (const Vector3d& n : apart) planes.push_back(surface::parallel_about(mesh, n));
+  return planes;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,28 @@
+// The planes that swept plans are tried with, and the side of the design that is waste.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/sweep/sweep_sections.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "surface/slice/plane_family.hpp"
+
+namespace hotblade::pipeline {
+
+// Of the area's mean normal towards z: a design that leans less is upright.
+inline constexpr double kLeastLean = 0.1;
+
+// +1 where the waste lies on the faces' front, -1 behind them; 0 where the design is upright and `keep` says
+// nothing about it.
+[[nodiscard]] double waste_side(const surface::TriangleMesh& mesh, Keep keep);
+
+// Share of the area that is too steep for these planes (kMaxSlopeRad).
+[[nodiscard]] double too_steep_share(const WasteSurface& surface, const surface::PlaneFamily& planes);
+
+// The planes that the settings ask for, or else parallel ones along the design's borders, the least steep
+// ones, and all over a hemisphere, no two within 3 degrees, in the design's own axes. Throws
+// surface::FanError where the fan's axis does not go with the design.
+[[nodiscard]] std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh,
+                                                             const SliceSettings& settings);
+
+}  // namespace hotblade::pipeline

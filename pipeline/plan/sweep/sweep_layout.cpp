@@ -1,0 +1,414 @@
+#include "pipeline/plan/sweep/sweep_layout.hpp"
+
+#include "pipeline/plan/sweep/sweep_directions.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Box = Eigen::AlignedBox<double, 2>;
+
+// A part's points move by half a band and its sag to where they are formed, and the part goes on past its
+// seams by kSeamOverlapMm.
+constexpr double kReachMm = 60;
+// A family's deviation grows with about the cube of its width.
+constexpr double kNarrowing = 0.3;
+// Share of the area that may be too steep for planes: the 98 of a hundred vertices that sections are judged
+// by.
+constexpr double kLittle = 0.02;
+
+SweepSeam seam_across_sweep(const RibAxes& axes, double offset, double side) {
+  const Vector3d normal = side * axes.planes.normal(offset);
+  return {normal, normal.dot(axes.plane(offset).origin)};
+}
+
+// Square to the ribs of the plane at `offset`.
+SweepSeam seam_across_ribs(const RibAxes& axes, double offset, double x, double side) {
+  const Frame plane = axes.plane(offset);
+  const Vector3d normal = side * plane.x;
+  return {normal, normal.dot(plane.point(x, 0))};
+}
+
+std::vector<double> shares_of(const std::vector<double>& shares, std::size_t parts) {
+  return shares.empty() ? std::vector<double>(parts, 1 / static_cast<double>(parts)) : shares;
+}
+
+// Ends of the parts inside an extent: one fewer than parts.
+std::vector<double> cuts(double from, double to, const std::vector<double>& shares) {
+  std::vector<double> at;
+  double passed = 0;
+  for (std::size_t i = 0; i + 1 < shares.size(); ++i)
+    at.push_back(from + (passed += shares[i]) * (to - from));
+  return at;
+}
+
+// By how much a part is too large for any block or blade; at most 1: it is not.
+double excess_of(const PartFit& fit) {
+  const bool too_large =
+      fit.refusal && (fit.refusal->limit == Limit::kRibLength || fit.refusal->limit == Limit::kBlockEdge);
+  return too_large ? fit.refusal->value / fit.refusal->bound : 1;
+}
+
+}  // namespace
+
+void Layout::add(FittedPart part) {
+  badness_mm = std::max(badness_mm, part.fit.badness_mm);
+  parts.push_back(std::move(part.part));
+  fits.push_back(std::move(part.fit));
+}
+
+bool layout_before(const Layout& a, const Layout& b) {
+  return std::pair(a.badness_mm, a.named) < std::pair(b.badness_mm, b.named);
+}
+
+SweepLayouts::SweepLayouts(WasteSurface surface, std::vector<surface::PlaneFamily> planes,
+                           const Settings& settings, const PartFitter& fitter)
+    : surface_(std::make_shared<WasteSurface>(std::move(surface))),
+      all_planes_(std::move(planes)),
+      settings_(settings),
+      fitter_(fitter) {
+  std::copy_if(all_planes_.begin(), all_planes_.end(), std::back_inserter(planes_),
+               [&](const surface::PlaneFamily& p) { return too_steep_share(*surface_, p) <= kLittle; });
+  if (planes_.empty()) planes_ = all_planes_;
+}
+
+RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
+  return sweep_axes(*surface_, planes);
+}
+
+Box SweepLayouts::extent_of(const RibAxes& axes) const {
+  Box box;
+  for (const Vector3d& p : surface_->points) {
+    const double offset = axes.planes.offset(p);
+    const Frame plane = axes.plane(offset);
+    box.extend(Vector2d(offset, (p - plane.origin).dot(plane.x)));
+  }
+  return box;
+}
+
+SweepGrid SweepLayouts::least_grid(const Box& extent) const {
+  const double edge = fitter_.longest_edge_mm(), rib = std::min(edge, fitter_.longest_rib_mm());
+  const auto needed = [](double size, double most) {
+    constexpr double kRounding = 1e-9;
+    return most > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(size / most - kRounding))) : 1;
+  };
+  return {needed(extent.sizes().x(), edge), needed(extent.sizes().y(), rib), {}, {}};
+}
+
+std::size_t SweepLayouts::fewest_parts() const {
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const surface::PlaneFamily& p : planes_)
+    fewest = std::min(fewest, least_grid(extent_of(axes(p))).count());
+  return fewest;
+}
+
+SweepPart SweepLayouts::part_behind(const RibAxes& axes, std::vector<SweepSeam> seams) const {
+  SweepPart part{axes, std::move(seams), surface_, 0};
+  if (!part.seams.empty())
+    part.surface = std::make_shared<WasteSurface>(part_of(*surface_, part.seams, kReachMm));
+  return part;
+}
+
+std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes,
+                                              const SweepGrid& grid) const {
+  const RibAxes whole = axes(planes);
+  const Box box = extent_of(whole);
+  const SweepGrid least = least_grid(box);
+  const std::vector<double> along = cuts(box.min().x(), box.max().x(),
+                                         shares_of(grid.sweep_shares, grid.along_sweep)),
+                            across = cuts(box.min().y(), box.max().y(),
+                                          shares_of(grid.rib_shares, grid.along_ribs));
+  std::vector<SweepPart> parts;
+  for (std::size_t s = 0; s < grid.along_sweep; ++s) {
+    for (std::size_t r = 0; r < grid.along_ribs; ++r) {
+      std::vector<SweepSeam> seams;
+      if (s > 0) seams.push_back(seam_across_sweep(whole, along[s - 1], -1));
+      if (s < along.size()) seams.push_back(seam_across_sweep(whole, along[s], 1));
+      if (r > 0) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r - 1], -1));
+      if (r < across.size()) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r], 1));
+      parts.push_back(part_behind(whole, std::move(seams)));
+      parts.back().rib_splits =
+          static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, least.along_ribs));
+    }
+  }
+  return parts;
+}
+
+Layout SweepLayouts::fitted(const surface::PlaneFamily& planes, std::size_t named, const SweepGrid& grid,
+                            const SweepEffort& effort, const Layout* start) const {
+  Layout layout{planes, named, grid};
+  layout.parts = parts_of(planes, grid);
+  fit_parts(layout, effort, start);
+  return layout;
+}
+
+void SweepLayouts::fit_parts(Layout& layout, const SweepEffort& effort, const Layout* start) const {
+  layout.fits.resize(layout.parts.size());
+  tbb::parallel_for(std::size_t{0}, layout.parts.size(), [&](std::size_t i) {
+    layout.fits[i] = fitter_.fit(layout.parts[i], effort, start ? &start->fits[i] : nullptr);
+  });
+  for (const PartFit& fit : layout.fits) layout.badness_mm = std::max(layout.badness_mm, fit.badness_mm);
+}
+
+Layout SweepLayouts::in_rows() const {
+  const auto fewest = std::min_element(planes_.begin(), planes_.end(), [&](const auto& a, const auto& b) {
+    return least_grid(extent_of(axes(a))).count() < least_grid(extent_of(axes(b))).count();
+  });
+  Layout layout{*fewest, 0, {}};
+  const RibAxes whole = axes(*fewest);
+  const Box box = extent_of(whole);
+  const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
+  const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
+  const double extent = box.sizes().x();
+  std::vector<double> shares = shares_of({}, static_cast<std::size_t>(std::ceil(extent / deepest)));
+  // A row too steep for its depth is made narrower and the others deeper, as far as they may be; where that
+  // does not do, there are more rows.
+  constexpr int kRounds = 8;
+  std::vector<std::vector<FittedPart>> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kRounds && least > 1; ++round) {
+    std::vector<std::vector<FittedPart>> rows = rows_of(whole, box, shares, most);
+    double worst = 1, sum = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      double over = 1;
+      for (const FittedPart& part : rows[i]) over = std::max(over, excess_of(part.fit));
+      worst = std::max(worst, over);
+      constexpr double kReserve = 1.02;
+      sum += shares[i] = over > 1 ? shares[i] / (kReserve * over) : deepest / extent;
+    }
+    if (worst < least) best = std::move(rows);
+    least = std::min(least, worst);
+    if (sum < 1) {
+      shares = shares_of(
+          {}, std::max(shares.size() + 1,
+                       static_cast<std::size_t>(std::ceil(static_cast<double>(shares.size()) / sum))));
+    } else {
+      for (double& share : shares) share /= sum;
+    }
+  }
+  for (std::vector<FittedPart>& row : best) {
+    for (FittedPart& part : row) layout.add(std::move(part));
+  }
+  return layout;
+}
+
+std::vector<std::vector<FittedPart>> SweepLayouts::rows_of(const RibAxes& axes, const Box& box,
+                                                           const std::vector<double>& shares,
+                                                           double most_mm) const {
+  const std::vector<double> along = cuts(box.min().x(), box.max().x(), shares);
+  std::vector<std::vector<FittedPart>> rows(shares.size());
+  tbb::parallel_for(std::size_t{0}, rows.size(), [&](std::size_t row) {
+    std::vector<SweepSeam> ends;
+    if (row > 0) ends.push_back(seam_across_sweep(axes, along[row - 1], -1));
+    if (row < along.size()) ends.push_back(seam_across_sweep(axes, along[row], 1));
+    rows[row] = row_of(part_behind(axes, ends), most_mm);
+  });
+  return rows;
+}
+
+// Slopes make blocks larger than what runs through them: a row whose parts do not fit is cut once more.
+std::vector<FittedPart> SweepLayouts::row_of(const SweepPart& row, double most_mm) const {
+  constexpr std::size_t kMore = 4;
+  std::vector<FittedPart> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t more = 0; more <= kMore; ++more) {
+    std::vector<FittedPart> parts;
+    double worst = 1;
+    for (const auto& [from, to] : pieces_of(row, most_mm, more)) {
+      std::vector<SweepSeam> seams = row.seams;
+      if (std::isfinite(from)) seams.push_back(seam_across_ribs(row.axes, 0, from, -1));
+      if (std::isfinite(to)) seams.push_back(seam_across_ribs(row.axes, 0, to, 1));
+      SweepPart part = part_behind(row.axes, std::move(seams));
+      part.axes = sweep_axes(*part.surface, row.axes.planes);
+      PartFit fit = fitter_.fit(part, cheap_effort());
+      worst = std::max(worst, excess_of(fit));
+      parts.push_back({std::move(part), std::move(fit)});
+    }
+    constexpr double kHelps = 0.98;
+    if (worst > 1 && !(worst < kHelps * least)) break;
+    least = worst;
+    best = std::move(parts);
+    if (worst <= 1) break;
+  }
+  return best;
+}
+
+std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& row, double most_mm,
+                                                               std::size_t more) const {
+  constexpr int kSections = 8;
+  constexpr double kSampleMm = 40;
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  const SweepData data = sweep_sections(*row.surface, row.axes,
+                                        section_options(settings_, row.seams, kSections, kSampleMm, nullptr));
+  if (data.sections.empty()) return {};
+  // Of all sections, how far they run between places of x at most.
+  const double low = data.low.x(), width = data.high.x() - low;
+  const auto count = static_cast<std::size_t>(std::ceil(width / kSampleMm)) + 1;
+  std::vector<double> run(count, 0);
+  for (const SweepSection& section : data.sections) {
+    std::vector<double> own(count, 0);
+    for (std::size_t i = 1; i < section.samples.size(); ++i) {
+      const Vector2d &p = section.samples[i - 1].q, &q = section.samples[i].q;
+      // Spread over the places that it runs through.
+      const double bin = width / static_cast<double>(count), from = (p.x() - low) / bin,
+                   to = (q.x() - low) / bin;
+      const auto place = [&](double at) {
+        return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
+      };
+      for (std::size_t k = place(from); k <= place(to); ++k) {
+        const double inside =
+            std::min(to, static_cast<double>(k + 1)) - std::max(from, static_cast<double>(k));
+        own[k] += to > from ? (q - p).norm() * std::clamp(inside / (to - from), 0.0, 1.0) : 0;
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) run[i] = std::max(run[i], own[i]);
+  }
+  const double whole = std::accumulate(run.begin(), run.end(), 0.0);
+  const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / most_mm))) + more;
+  std::vector<std::pair<double, double>> parts;
+  double from = -kInfinite, passed = 0;
+  for (std::size_t i = 0; i < count && parts.size() + 1 < pieces; ++i) {
+    const double wanted = whole * static_cast<double>(parts.size() + 1) / static_cast<double>(pieces);
+    if (passed + run[i] >= wanted && run[i] > 0) {
+      const double share = (static_cast<double>(i) + (wanted - passed) / run[i]) / static_cast<double>(count);
+      parts.emplace_back(from, low + share * width);
+      from = parts.back().second;
+    }
+    passed += run[i];
+  }
+  parts.emplace_back(from, kInfinite);
+  return parts;
+}
+
+// Parts that are hard to follow made narrower and the others wider, as long as that helps the worst.
+Layout SweepLayouts::balanced(Layout best) const {
+  constexpr int kRounds = 5;
+  if (best.parts.size() == 1 || best.badness_mm >= kHopeless_mm) return best;
+  for (int round = 0; round < kRounds; ++round) {
+    SweepGrid grid = best.grid;
+    std::vector<double> along(grid.along_sweep, 0), across(grid.along_ribs, 0);
+    for (std::size_t i = 0; i < best.fits.size(); ++i) {
+      const double bad = std::max(best.fits[i].badness_mm, 1e-3 * best.badness_mm);
+      double& s = along[i / grid.along_ribs];
+      double& r = across[i % grid.along_ribs];
+      s = std::max(s, bad);
+      r = std::max(r, bad);
+    }
+    const auto narrowed = [&](const std::vector<double>& before, const std::vector<double>& bad) {
+      std::vector<double> shares = shares_of(before, bad.size());
+      double sum = 0;
+      for (std::size_t i = 0; i < bad.size(); ++i) sum += shares[i] *= std::pow(bad[i], -kNarrowing);
+      for (double& share : shares) share /= sum;
+      return shares;
+    };
+    grid.sweep_shares = narrowed(grid.sweep_shares, along);
+    grid.rib_shares = narrowed(grid.rib_shares, across);
+    Layout other = fitted(best.planes, best.named, grid, cheap_effort());
+    if (!(other.badness_mm < best.badness_mm)) return best;
+    best = std::move(other);
+  }
+  return best;
+}
+
+std::vector<Layout> SweepLayouts::ranked(std::size_t parts) const {
+  // Splits beyond those that the length asks for are the user's to allow.
+  const auto may = [&](const SweepGrid& least, const SweepGrid& grid) {
+    return grid.along_sweep >= least.along_sweep && grid.along_ribs >= least.along_ribs &&
+           grid.along_ribs <= least.along_ribs + static_cast<std::size_t>(settings_.fit.max_splits);
+  };
+  struct Asked {
+    std::size_t planes, named;
+    SweepGrid grid;
+  };
+  std::vector<Asked> asked;
+  std::size_t named = 0;
+  for (std::size_t n = 0; n < planes_.size(); ++n) {
+    const SweepGrid least = least_grid(extent_of(axes(planes_[n])));
+    for (std::size_t s = 1; s <= parts; ++s) {
+      if (parts % s != 0) continue;
+      const SweepGrid grid{s, parts / s, {}, {}};
+      if (may(least, grid)) asked.push_back({n, named, grid});
+      ++named;
+    }
+  }
+  std::vector<Layout> all(asked.size());
+  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
+    all[i] = fitted(planes_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort());
+  });
+  std::sort(all.begin(), all.end(), layout_before);
+  constexpr std::size_t kBalanced = 6;
+  tbb::parallel_for(std::size_t{0}, std::min(kBalanced, all.size()),
+                    [&](std::size_t i) { all[i] = balanced(all[i]); });
+  std::sort(all.begin(), all.end(), layout_before);
+  return all;
+}
+
+FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
+  for (const surface::PlaneFamily& planes : all_planes_) {
+    if (too_steep_share(*best.part.surface, planes) > kLittle) continue;
+    SweepPart part = best.part;
+    part.axes = sweep_axes(*part.surface, planes);
+    PartFit fit = fitter_.fit(part, cheap_effort());
+    if (fit.badness_mm < best.fit.badness_mm) best = {std::move(part), std::move(fit)};
+  }
+  return best;
+}
+
+std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFit& fit,
+                                             const std::optional<Refusal>& why) const {
+  constexpr double kLeastMm = 50;        // of a part that is split
+  constexpr double kSharedTurn_rad = 1;  // that parts share their parent's axes up to
+  const Box& box = fit.extent;
+  if (box.isEmpty()) return {};
+  const bool too_large = why && (why->limit == Limit::kRibLength || why->limit == Limit::kBlockEdge);
+  const auto split = [&](bool across_ribs, double share) {
+    std::vector<FittedPart> two;
+    for (const double side : {1.0, -1.0}) {
+      const Vector2d at = box.min() + share * box.sizes();
+      std::vector<SweepSeam> seams = part.seams;
+      seams.push_back(across_ribs ? seam_across_ribs(part.axes, box.center().x(), at.y(), side)
+                                  : seam_across_sweep(part.axes, at.x(), side));
+      SweepPart half = part_behind(part.axes, std::move(seams));
+      half.rib_splits = part.rib_splits + (across_ribs && !too_large ? 1 : 0);
+      if (fit.turn_rad > kSharedTurn_rad) half.axes = sweep_axes(*half.surface, part.axes.planes);
+      PartFit fitted = fitter_.fit(half, cheap_effort());
+      two.push_back({std::move(half), std::move(fitted)});
+      const std::optional<Refusal>& refusal = two.back().fit.refusal;
+      if (refusal && (refusal->limit == Limit::kSlope || refusal->limit == Limit::kFacing))
+        two.back() = in_best_planes(std::move(two.back()));
+    }
+    return two;
+  };
+  const auto badness = [](const std::vector<FittedPart>& two) {
+    return std::max(two[0].fit.badness_mm, two[1].fit.badness_mm);
+  };
+  std::vector<FittedPart> best;
+  for (const bool across_ribs : {false, true}) {
+    const double size = box.sizes()[across_ribs ? 1 : 0];
+    if (size < kLeastMm || (across_ribs && !too_large && part.rib_splits >= settings_.fit.max_splits))
+      continue;
+    std::vector<FittedPart> two = split(across_ribs, 0.5);
+    if (badness(two) < kHopeless_mm) {
+      const double first = std::pow(two[0].fit.badness_mm, -kNarrowing),
+                   second = std::pow(two[1].fit.badness_mm, -kNarrowing);
+      std::vector<FittedPart> other = split(across_ribs, first / (first + second));
+      if (badness(other) < badness(two)) two = std::move(other);
+    }
+    if (best.empty() || badness(two) < badness(best)) best = std::move(two);
+  }
+  return best;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,98 @@
+// Ways to part a design into strips of one family of planes each, with a fit of every part.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "pipeline/plan/sweep/sweep_part.hpp"
+
+namespace hotblade::pipeline {
+
+// Rows and columns of parts.
+struct SweepGrid {
+  std::size_t along_sweep = 1, along_ribs = 1;
+  // Widths of the parts along the sweep and along the ribs, sum 1; empty: even ones.
+  std::vector<double> sweep_shares = {}, rib_shares = {};
+  [[nodiscard]] std::size_t count() const { return along_sweep * along_ribs; }
+};
+
+struct FittedPart {
+  SweepPart part;
+  PartFit fit;
+};
+
+// Above what a fit that holds can come to.
+inline constexpr double kHopeless_mm = 1e6;
+
+struct Layout {
+  surface::PlaneFamily planes;
+  std::size_t named = 0;  // place among the layouts: decides between equals
+  SweepGrid grid;
+  std::vector<SweepPart> parts = {};
+  std::vector<PartFit> fits = {};
+  double badness_mm = 0;  // of the worst part
+
+  void add(FittedPart part);
+};
+
+[[nodiscard]] bool layout_before(const Layout& a, const Layout& b);
+
+class SweepLayouts {
+ public:
+  // Of the planes, those that little of the design is too steep for, or all where there are none.
+  SweepLayouts(WasteSurface surface, std::vector<surface::PlaneFamily> planes, const Settings& settings,
+               const PartFitter& fitter);
+
+  // Axes of the whole design.
+  [[nodiscard]] RibAxes axes(const surface::PlaneFamily& planes) const;
+
+  // The fewest parts that blocks and blades allow, in any of these planes.
+  [[nodiscard]] std::size_t fewest_parts() const;
+
+  // All planes and the ways to split them into so many even parts, or balanced ones for the best of them, by
+  // cheap fits, the best first.
+  [[nodiscard]] std::vector<Layout> ranked(std::size_t parts) const;
+
+  // A design of many parts, in the planes that take the fewest: rows of one depth, each cut into parts of one
+  // arc length, with axes of their own.
+  [[nodiscard]] Layout in_rows() const;
+
+  // All parts of a grid fitted, from those of `start` where there are any.
+  [[nodiscard]] Layout fitted(const surface::PlaneFamily& planes, std::size_t named, const SweepGrid& grid,
+                              const SweepEffort& effort, const Layout* start = nullptr) const;
+
+  // A part as two, along the sweep or along the ribs, as they are followed best, each in other planes where
+  // it is too steep for the part's or turns away in them; none where it is too small to be split, or where
+  // that is not allowed. `why` it cannot stay as it is.
+  [[nodiscard]] std::vector<FittedPart> halves(const SweepPart& part, const PartFit& fit,
+                                               const std::optional<Refusal>& why) const;
+
+ private:
+  // The design's extents along the sweep and along the ribs.
+  [[nodiscard]] Eigen::AlignedBox<double, 2> extent_of(const RibAxes& axes) const;
+  [[nodiscard]] SweepGrid least_grid(const Eigen::AlignedBox<double, 2>& extent) const;
+  [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
+                                                const SweepGrid& grid) const;
+  [[nodiscard]] std::vector<std::vector<FittedPart>> rows_of(const RibAxes& axes,
+                                                             const Eigen::AlignedBox<double, 2>& box,
+                                                             const std::vector<double>& shares,
+                                                             double most_mm) const;
+  [[nodiscard]] std::vector<FittedPart> row_of(const SweepPart& row, double most_mm) const;
+  // Ends of a row's pieces along x, each run of a section in them at most so long, and `more` pieces than
+  // that asks for.
+  [[nodiscard]] std::vector<std::pair<double, double>> pieces_of(const SweepPart& row, double most_mm,
+                                                                 std::size_t more) const;
+  [[nodiscard]] FittedPart in_best_planes(FittedPart part) const;
+  [[nodiscard]] SweepPart part_behind(const RibAxes& axes, std::vector<SweepSeam> seams) const;
+  [[nodiscard]] Layout balanced(Layout best) const;
+  void fit_parts(Layout& layout, const SweepEffort& effort, const Layout* start) const;
+
+  std::shared_ptr<const WasteSurface> surface_;
+  std::vector<surface::PlaneFamily> all_planes_, planes_;
+  const Settings& settings_;
+  const PartFitter& fitter_;
+};
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,229 @@
+#include "pipeline/plan/sweep/sweep_part.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "robot/blade/blade_section.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+// Of a family beyond the design, both ends together.
+constexpr double kOverMm = 8;
+// Of the design against the middle of its normals, in a plane: beyond, no blade forms it as one graph.
+constexpr double kMostTurnRad = 1.55;
+
+double rib_length(const SweepFitReport& fit) {
+  return 2 * std::max(-fit.arc_low_mm, fit.arc_high_mm);
+}
+
+Vector3d sorted(Vector3d size) {
+  std::sort(size.begin(), size.end());
+  return size;
+}
+
+Vector3d stock_for(const SweepData& data, const StockSettings& stock) {
+  return sorted(data.size_mm + Vector3d(2 * stock.border_mm, stock.base_mm + stock.border_mm,
+                                        2 * stock.border_mm + kOverMm));
+}
+
+}  // namespace
+
+SweepEffort cheap_effort() {
+  return {5, 10, 45, {2, 8}, 15};
+}
+
+SweepEffort close_effort() {
+  return {7, 16, 35, {2, 8}, 15};
+}
+
+SweepEffort final_effort(int coefficients, double calm) {
+  return {coefficients, coefficients > 10 ? 48 : 40, 20, {2, 4, 8, 16}, 20, calm};
+}
+
+double PartFitter::clear_mm() const {
+  constexpr double kReserve = 1.05, kMoreMm = 1;
+  return settings_.stock.border_mm + kReserve * settings_.stock.clearance_mm + kMoreMm;
+}
+
+double PartFitter::longest_edge_mm() const {
+  const auto& stock = settings_.stock.max_size_mm;
+  return *std::max_element(stock.begin(), stock.end()) - 2 * settings_.stock.border_mm;
+}
+
+double PartFitter::longest_rib_mm() const {
+  return settings_.blade.free_lengths_mm.back() - 2 * clear_mm();
+}
+
+// The shortest blade that reaches over ribs of this length; 0: none does.
+double PartFitter::blade_for(double rib_mm) const {
+  for (const double length : settings_.blade.free_lengths_mm) {
+    if (length >= rib_mm + 2 * clear_mm()) return length;
+  }
+  return 0;
+}
+
+// What no fit can mend.
+std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
+  constexpr double kDegrees = 57.29577951308232;
+  if (data.sections.empty()) return Refusal{"", "", Limit::kStrips, 0, 1};
+  if (data.turn_rad > kMostTurnRad)
+    return Refusal{"", "", Limit::kFacing, kDegrees * data.turn_rad, kDegrees * kMostTurnRad};
+  if (data.steepest_rad > kMaxSlopeRad)
+    return Refusal{"", "", Limit::kSlope, kDegrees * data.steepest_rad, kDegrees * kMaxSlopeRad};
+  const auto& most = settings_.stock.max_size_mm;
+  const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
+  for (Eigen::Index i = 2; i >= 0; --i) {
+    if (size[i] > held[i]) return Refusal{"", "", Limit::kBlockEdge, size[i], held[i]};
+  }
+  return std::nullopt;
+}
+
+// By how much a part is too much for one strip.
+double PartFitter::hopelessness(const SweepData& data) const {
+  constexpr double kAboveAll = 1e6, kPerRad = 1e3;
+  if (data.sections.empty()) return 2 * kAboveAll;
+  const auto& most = settings_.stock.max_size_mm;
+  const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
+  return kAboveAll + kPerRad * std::max(0.0, data.turn_rad - kMostTurnRad) +
+         kPerRad * std::max(0.0, data.steepest_rad - kMaxSlopeRad) + (size - held).cwiseMax(0).sum() +
+         std::max(0.0, data.high.x() - data.low.x() - longest_rib_mm());
+}
+
+SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort& effort) const {
+  SweepFitOptions options;
+  options.coefficients = effort.coefficients;
+  options.exponents = effort.exponents;
+  options.most_iterations = effort.most_iterations;
+  options.calm = effort.calm;
+  options.over_first_mm = data.seam_first ? 0 : 0.5 * kOverMm;
+  options.over_last_mm = data.seam_last ? 0 : 0.5 * kOverMm;
+  constexpr double kRadiusReserve = 1.06;
+  options.smallest_radius_mm = kRadiusReserve / max_curvature_per_mm(settings_.blade);
+  const Vector2d around(clear_mm(), clear_mm());
+  options.block = SweepFitOptions::Box{
+      data.low - around - Vector2d(0, settings_.stock.base_mm - settings_.stock.border_mm),
+      data.high + around};
+  return options;
+}
+
+PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start) const {
+  watch_(share_);
+  // Fans are not level, and not planned against their weight.
+  const bool weighed = start && start->sag && start->sag->stable() && !part.axes.planes.turns();
+  PartFit fit;
+  fit.formed_by = weighed ? start->sag : nullptr;
+  const SweepData data = sweep_sections(
+      *part.surface, part.axes,
+      section_options(settings_, part.seams, effort.sections, effort.sample_mm, fit.formed_by.get()));
+  if (!data.sections.empty()) {
+    fit.extent = {Vector2d(data.first_mm, data.low.x()), Vector2d(data.last_mm, data.high.x())};
+    fit.height_mm = 0.5 * (data.low.y() + data.high.y());
+    fit.turn_rad = data.turn_rad;
+  }
+  fit.refusal = refusal_of(data);
+  fit.badness_mm = hopelessness(data);
+  if (!fit.holds()) return fit;
+  SweepFitOptions options = options_for(data, effort);
+  // The rib's length is not known before it is fitted: its width first, then what the fit says.
+  const SweepFamily* from = start && start->sag ? &start->family : nullptr;
+  double rib = from ? rib_length(*start) : data.high.x() - data.low.x();
+  constexpr int kLooks = 4;
+  constexpr double kDeep_mm = 1;  // a clamp in the block's clearance that the fit could not get out
+  for (int look = 0; look < kLooks; ++look) {
+    const double blade = blade_for(rib);
+    if (blade == 0) {
+      fit.refusal = Refusal{"", "", Limit::kRibLength, rib, longest_rib_mm()};
+      return fit;
+    }
+    if (look > 0 && blade <= options.blade_length_mm) break;
+    options.blade_length_mm = blade;
+    static_cast<SweepFitReport&>(fit) = fit_sweep(data, options, from);
+    from = &fit.family;
+    rib = rib_length(fit);
+    // Ends that leave the block steeply are longer.
+    if (fit.clamp_depth_mm > kDeep_mm && blade < settings_.blade.free_lengths_mm.back())
+      rib = std::max(rib, blade - 2 * clear_mm() + 1);
+  }
+  weigh(fit, {options.blade_length_mm, 0.5 * options.blade_length_mm}, data);
+  fit.badness_mm = badness(fit, part.axes.planes.turns());
+  return fit;
+}
+
+// Sag and margin of a strip whose planes lie level.
+void PartFitter::weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const {
+  fit.sag = std::make_shared<SweepSag>(fit.family, blade, settings_.blade);
+  fit.margin = fit.sag->smallest_margin();
+  fit.sag_mm = fit.sag->moved_mm(fit.arc_low_mm, fit.arc_high_mm, data.steepest_rad);
+}
+
+double PartFitter::badness(const PartFit& fit, bool turns) const {
+  constexpr double kPerMm = 0.1, kUnstable = 2;  // the latter in tolerances: a split may well cure it
+  const bool stable = std::isfinite(fit.sag_mm) && fit.margin >= settings_.blade.min_margin;
+  const double unknown = turns ? 1 : robot::kSagUnknownShare;
+  const double sag = stable ? unknown * fit.sag_mm : kUnstable * settings_.design.tolerance_mm;
+  const double sharp = 1 - fit.smallest_radius_mm * max_curvature_per_mm(settings_.blade);
+  return fit.max_mm + sag + kPerMm * fit.clamp_depth_mm + 100 * std::max(0.0, sharp);
+}
+
+// A strip whose blade is not the one that its sections were moved for is fitted once more.
+SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const {
+  constexpr int kLooks = 3;
+  constexpr double kSameBladeMm = 5;
+  SweptStrip made;
+  for (int look = 0; look < kLooks; ++look) {
+    made = make_swept_strip(*part.surface, part.axes, part.seams, fit, fit.formed_by.get(), settings_);
+    if (!made.strip || part.axes.planes.turns()) return made;
+    const SweepBlade was = fit.formed_by ? fit.formed_by->blade() : SweepBlade{};
+    if (std::abs(was.length_mm - made.blade.length_mm) <= kSameBladeMm &&
+        std::abs(was.before_mm - made.blade.before_mm) <= kSameBladeMm)
+      return made;
+    PartFit start = fit;
+    start.sag = std::make_shared<SweepSag>(fit.family, made.blade, settings_.blade);
+    PartFit again = this->fit(part, effort, &start);
+    if (!again.holds()) return made;
+    fit = std::move(again);
+  }
+  return made;
+}
+
+PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double calmer_than) const {
+  // Of what one rib may deviate: edges, corners and what lies between samples have the rest.
+  constexpr double kWanted = 0.5;
+  constexpr double kHelps = 0.8;  // of the deviation before
+  const double wanted = kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
+  PartPlan best{start, std::nullopt, start.refusal, 0};
+  if (!start.holds()) return best;
+  best.fit.max_mm = kInfinite;
+  for (const double calm : kCalms) {
+    if (calm <= calmer_than) continue;
+    PartFit now = start;
+    for (const int coefficients : {5, 7, 10, 14}) {
+      const SweepEffort effort = final_effort(coefficients, calm);
+      now = fit(part, effort, &now);
+      if (!now.holds()) {
+        if (!best.strip) best.refusal = now.refusal;
+        break;
+      }
+      PartFit fitted = now;
+      SweptStrip made = strip_of(part, effort, fitted);
+      const double before = best.fit.max_mm;
+      if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
+        best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
+      } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
+        best = {std::move(fitted), std::nullopt, made.refusal, calm};
+      }
+      if (best.strip && best.fit.max_mm <= wanted) return best;
+    }
+    if (best.strip) return best;
+  }
+  return best;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,101 @@
+// One part of a design on the way to its strip: what lies behind some seams, and the family that follows it.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pipeline/plan/sweep/sweep_strip.hpp"
+
+namespace hotblade::pipeline {
+
+// Told how far the search is, 0 to 1, before every fit of a part, from all threads; what it throws ends the
+// search at once.
+using WatchSweeps = std::function<void(double share)>;
+
+struct SweepPart {
+  RibAxes axes;
+  std::vector<SweepSeam> seams;
+  std::shared_ptr<const WasteSurface> surface;  // the design's, or the triangles near the part
+  int rib_splits = 0;  // seams that ribs end at, beyond those that their length asks for
+};
+
+// What a fit costs and how close it is.
+struct SweepEffort {
+  int coefficients, sections;
+  double sample_mm;
+  std::vector<double> exponents;
+  int most_iterations;
+  double calm = 1;
+};
+
+[[nodiscard]] SweepEffort cheap_effort();
+[[nodiscard]] SweepEffort close_effort();
+[[nodiscard]] SweepEffort final_effort(int coefficients, double calm);
+
+// A fit, what weight moves the cut where the design is steepest, and how stable its blade is.
+struct PartFit : SweepFitReport {
+  double sag_mm = 0, margin = 0;
+  std::shared_ptr<const SweepSag> formed_by;  // what the fitted sections were moved by; none: weightless
+  std::shared_ptr<const SweepSag> sag;        // of the fit itself; none where there is no fit
+  std::optional<Refusal> refusal;             // why there is none
+  // The deviation, with what of the sag is not known and what the blade's limits are missed by; where there
+  // is no fit, by how much the part is too large or too curved for one, above anything a fit may have.
+  double badness_mm = 0;
+  Eigen::AlignedBox<double, 2> extent;  // of the part along the sweep and along the ribs
+  double height_mm = 0;                 // of its middle, along y
+  double turn_rad = 0;                  // SweepData
+
+  [[nodiscard]] bool holds() const { return !refusal.has_value(); }
+};
+
+// A part's strip, or why it has none.
+struct PartPlan {
+  PartFit fit;
+  std::optional<StripPlan> strip;
+  std::optional<Refusal> refusal;
+  double calm = 0;  // of the strip's fit (SweepFitOptions)
+};
+
+// Pulls towards few and smooth tensions that parts are planned with, one after the other.
+inline constexpr std::array<double, 2> kCalms{1, 6};
+
+// Fits the parts of a design.
+class PartFitter {
+ public:
+  PartFitter(const Settings& settings, const WatchSweeps& watch) : settings_(settings), watch_(watch) {}
+
+  void set_share(double share) { share_ = share; }
+
+  // The family near a part, from `start` or from flat blades.
+  [[nodiscard]] PartFit fit(const SweepPart& part, const SweepEffort& effort,
+                            const PartFit* start = nullptr) const;
+
+  // Closer and closer fits with more and more ribs, as long as these help; calmer ones, and none but those
+  // that are calmer than `calmer_than`, where the blade does not serve.
+  [[nodiscard]] PartPlan plan(const SweepPart& part, const PartFit& start, double calmer_than = 0) const;
+
+  // Foam between a rib's end and its clamp, and a little more.
+  [[nodiscard]] double clear_mm() const;
+  // Longest edge of what a block holds, and longest rib that a blade reaches over.
+  [[nodiscard]] double longest_edge_mm() const;
+  [[nodiscard]] double longest_rib_mm() const;
+
+ private:
+  [[nodiscard]] double blade_for(double rib_mm) const;
+  [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
+  [[nodiscard]] double hopelessness(const SweepData& data) const;
+  [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
+  void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
+  [[nodiscard]] double badness(const PartFit& fit, bool turns) const;
+  [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const;
+
+  const Settings& settings_;
+  const WatchSweeps& watch_;
+  double share_ = 0;  // of the search that is done
+};
+
+}  // namespace hotblade::pipeline
