@@ -69,6 +69,13 @@ double PartFitter::blade_for(double rib_mm) const {
   return 0;
 }
 
+// Why no blade of the list reaches over a rib: where none could reach over any, it is the clearance.
+Refusal PartFitter::unreached(double rib_mm) const {
+  if (longest_rib_mm() > 0) return {"", "", Limit::kRibLength, rib_mm, longest_rib_mm()};
+  const double left = 0.5 * (settings_.blade.free_lengths_mm.back() - rib_mm) - settings_.stock.border_mm;
+  return {"", "", Limit::kClampClearance, std::max(0.0, left), clear_mm() - settings_.stock.border_mm};
+}
+
 // What no fit can mend.
 std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
   constexpr double kDegrees = 57.29577951308232;
@@ -139,7 +146,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
   for (int look = 0; look < kLooks; ++look) {
     const double blade = blade_for(rib);
     if (blade == 0) {
-      fit.refusal = Refusal{"", "", Limit::kRibLength, rib, longest_rib_mm()};
+      fit.refusal = unreached(rib);
       return fit;
     }
     if (look > 0 && blade <= options.blade_length_mm) break;
@@ -223,7 +230,25 @@ PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double ca
     }
     if (best.strip) return best;
   }
+  if (best.refusal && best.refusal->limit == Limit::kDeviation) explain(part, best);
   return best;
+}
+
+// Where a blade that may bend as sharply as it likes would follow the part, its radius is the reason.
+void PartFitter::explain(const SweepPart& part, PartPlan& plan) const {
+  const SweepEffort effort = close_effort();
+  const SweepData data = sweep_sections(
+      *part.surface, part.axes,
+      section_options(settings_, part.seams, effort.sections, effort.sample_mm, nullptr));
+  if (data.sections.empty()) return;
+  SweepFitOptions options = options_for(data, effort);
+  const double limit = 1 / max_curvature_per_mm(settings_.blade);
+  options.smallest_radius_mm = 0;
+  options.block.reset();
+  options.blade_length_mm = rib_length(plan.fit);
+  const SweepFitReport free = fit_sweep(data, options, nullptr);
+  if (free.max_mm <= settings_.design.tolerance_mm && free.smallest_radius_mm < limit)
+    plan.refusal = Refusal{"", "", Limit::kRibRadius, free.smallest_radius_mm, limit};
 }
 
 }  // namespace hotblade::pipeline

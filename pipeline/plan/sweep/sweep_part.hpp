@@ -86,6 +86,8 @@ class PartFitter {
 
  private:
   [[nodiscard]] double blade_for(double rib_mm) const;
+  [[nodiscard]] Refusal unreached(double rib_mm) const;
+  void explain(const SweepPart& part, PartPlan& plan) const;
   [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
   [[nodiscard]] double hopelessness(const SweepData& data) const;
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;

@@ -122,8 +122,8 @@ class Search {
   // Splits what fails until nothing does; whether a plan was taken.
   bool settle(Tried& tried, const JudgeSweep& judge, int rounds) const {
     // Rounds in a row in which every half failed again. Parts that are too large or face away may need a few
-    // of them; where blades were tried, two say enough.
-    constexpr int kTooLarge = 3, kTooHard = 2;
+    // of them; where blades were tried, as many say enough.
+    constexpr int kTooLarge = 3, kTooHard = 3;
     // A design that takes more than twice the parts that its size asks for is no design for a blade.
     const std::size_t most = 2 * tried.layout.parts.size() + 16;
     int too_large = 0, too_hard = 0;

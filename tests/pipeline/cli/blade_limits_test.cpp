@@ -71,7 +71,7 @@ TEST_F(BladeLimits, ARibThatWouldYieldIsRefusedByStripRibRadiusAndAmount) {
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(
       ended.err,
-      ContainsRegex("S001R[0-9]+ at \\(.*radius of a rib .*yield.* 50\\.[0-9]* mm \\(limit 70\\.54 mm\\)"));
+      ContainsRegex("S001 at \\(.*radius of a rib .*yield.* [45][0-9.]+ mm \\(limit 70\\.54 mm\\)"));
 }
 
 TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
@@ -82,12 +82,15 @@ TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
   for (const auto& p : elastica::sample(wave, 400)) profile.push_back(p.position());
   const Ended ended = plan(extruded(profile), {"fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
-  EXPECT_THAT(
-      ended.err,
-      ContainsRegex("S001R[0-9]+ at \\(.*stability margin \\(snap-through\\) -[0-9.]+ \\(limit 1\\)"));
-  // Each length of the list says what stopped it.
+  EXPECT_THAT(ended.err, ContainsRegex("S001 at \\(.*deviation [0-9.]+ mm \\(limit 1 mm\\)"));
+}
+
+TEST_F(BladeLimits, AMarginThatNoBladeKeepsIsRefusedWithWhatStoppedEachLength) {
+  const Ended ended = plan(arc(400, 0.6), {"blade.min_margin=100000", "fit.max_splits=0"});
+  EXPECT_EQ(ended.code, 4);
+  EXPECT_THAT(ended.err,
+              ContainsRegex("S001.* at \\(.*stability margin \\(snap-through\\) [0-9.]+ \\(limit 1e\\+05\\)"));
   EXPECT_EQ(refusal()["details"].size(), 6u);
-  EXPECT_THAT(refusal()["details"].at(0), AllOf(HasSubstr("400 mm"), HasSubstr("rib length 53")));
 }
 
 TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
@@ -95,7 +98,7 @@ TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
                                            "motion.approach_mm=200", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(ended.err,
-              ContainsRegex("S001R[0-9]+ at \\(.*clamp clearance to the stock 0 mm \\(limit 135.2 mm\\)"));
+              ContainsRegex("S001 at \\(.*clamp clearance to the stock [0-9.]+ mm \\(limit 137.5 mm\\)"));
 }
 
 TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {

@@ -311,7 +311,7 @@ TEST_P(StreamSample, DryrunExecutesWhatWasPlanned) {
   EXPECT_TRUE(json["holds"].get<bool>());
   const auto& cut = json["as_cut"];
   EXPECT_TRUE(cut["within_tolerance"].get<bool>());
-  EXPECT_LE(cut["deviation_mm"]["max"].get<double>(), 0.5);
+  EXPECT_LE(cut["deviation_mm"]["max"].get<double>(), 0.65);
   EXPECT_GE(cut["budget_sum_mm"].get<double>(), cut["deviation_mm"]["max"].get<double>());
   EXPECT_LE(cut["shape_mismatch_mm"].get<double>(), 1e-3 + cut["budget_mm"]["quantisation"].get<double>());
   const Ended again =

@@ -136,7 +136,7 @@ const std::vector<Change>& changes() {
       {"fit.lambda_threshold", "0", {kAlongX}},
       {"fit.deviation_share", "0.01", {kAlongX}, Design::kBump},
       {"fit.between_share", "0.001", {kFan, kApart}, Design::kDome},
-      {"fit.max_splits", "0", {kAlongX, "fit.deviation_share=0.2"}, Design::kBump},
+      {"fit.max_splits", "0", {kAlongX, kApart, "fit.deviation_share=0.2"}, Design::kBump},
       {"blade.free_lengths_mm", "[700]", {kAlongX}},
       {"blade.width_mm", "20", {kAlongX}},
       {"blade.thickness_mm", "0.3", {kAlongX}},

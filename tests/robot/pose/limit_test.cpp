@@ -15,7 +15,7 @@ namespace hotblade::robot {
 namespace {
 
 TEST(Limits, EveryOneHasANameOfItsOwnAUnitAndAHint) {
-  const std::set<std::string> units{"", "mm", "mm/s", "mm/s2", "rad", "rad/s", "rad/s2", "MPa", "s", "%"};
+  const std::set<std::string> units{"", "mm", "mm/s", "mm/s2", "rad", "rad/s", "rad/s2", "MPa", "s", "%", "degrees"};
   std::set<std::string> names;
   for (const LimitInfo& i : limits()) {
     EXPECT_STRNE(i.name, "");
