@@ -5,9 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <mutex>
 #include <numbers>
 #include <optional>
@@ -16,6 +14,7 @@
 
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
+#include "pipeline/plan/stopwatch.hpp"
 #include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
@@ -36,29 +35,6 @@ constexpr int kMaxRefinements = 3;
 
 // Of an attempt, what is done when its ribs are fitted, when its strips are posed, and when it is verified.
 constexpr double kFitShare = 0.1, kPoseShare = 0.3, kVerifyShare = 0.9;
-
-class Stopwatch {
- public:
-  explicit Stopwatch(std::vector<StageTime>& times) : times_(times) {}
-  void lap(const std::string& stage) {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count(), used = processor_s();
-    const auto known =
-        std::find_if(times_.begin(), times_.end(), [&](const StageTime& t) { return t.stage == stage; });
-    StageTime& time = known != times_.end() ? *known : times_.emplace_back(StageTime{stage});
-    time.seconds += seconds;
-    time.processor_s += used - used_;
-    last_ = now;
-    used_ = used;
-  }
-
- private:
-  static double processor_s() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-  std::vector<StageTime>& times_;
-  double used_ = processor_s();
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   const StripPlan& plan = posed.strip;
