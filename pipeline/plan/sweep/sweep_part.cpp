@@ -1,5 +1,7 @@
 #include "pipeline/plan/sweep/sweep_part.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -158,6 +160,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     if (fit.clamp_depth_mm > kDeep_mm && blade < settings_.blade.free_lengths_mm.back())
       rib = std::max(rib, blade - 2 * clear_mm() + 1);
   }
+  fit.blade_length_mm = options.blade_length_mm;
   weigh(fit, {options.blade_length_mm, 0.5 * options.blade_length_mm}, data);
   fit.badness_mm = badness(fit, part.axes.planes.turns());
   return fit;
@@ -201,10 +204,8 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
 }
 
 PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double calmer_than) const {
-  // Of what one rib may deviate: edges, corners and what lies between samples have the rest.
-  constexpr double kWanted = 0.5;
   constexpr double kHelps = 0.8;  // of the deviation before
-  const double wanted = kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
+  const double wanted = wanted_mm();
   PartPlan best{start, std::nullopt, start.refusal, 0};
   if (!start.holds()) return best;
   best.fit.max_mm = kInfinite;
@@ -234,12 +235,62 @@ PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double ca
   return best;
 }
 
+// Of what one rib may deviate: edges, corners and what lies between samples have the rest.
+double PartFitter::wanted_mm() const {
+  constexpr double kWanted = 0.5;
+  return kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
+}
+
+std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
+                                       std::vector<PartPlan> plans) const {
+  std::vector<JointPart> joined(parts.size());
+  std::vector<SeamSide> sides;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const SweepFamily& family = plans[i].fit.family;
+    sides.push_back({&parts[i].axes, &parts[i].seams, parts[i].surface.get(), plans[i].fit.formed_by.get(),
+                     family.first_mm, family.last_mm});
+  }
+  const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr));
+  if (seams.empty()) return plans;
+  watch_(share_);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    const PartFit& fit = plans[i].fit;
+    const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm);
+    SweepData data = sweep_sections(
+        *parts[i].surface, parts[i].axes,
+        section_options(settings_, parts[i].seams, effort.sections, effort.sample_mm, fit.formed_by.get()));
+    SweepFitOptions options = options_for(data, effort);
+    options.blade_length_mm = fit.blade_length_mm;
+    joined[i] = {std::move(data), std::move(options), fit.family, wanted_mm()};
+  });
+  const std::vector<SweepFitReport> fits = fit_together(joined, seams);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    PartPlan& plan = plans[i];
+    static_cast<SweepFitReport&>(plan.fit) = fits[i];
+    weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joined[i].data);
+    plan.fit.badness_mm = badness(plan.fit, parts[i].axes.planes.turns());
+    SweptStrip made = make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit,
+                                       plan.fit.formed_by.get(), settings_);
+    plan.strip = std::move(made.strip);
+    if (!plan.strip) plan.refusal = made.refusal;
+  });
+  for (const PartSeam& seam : seams) {
+    std::optional<StripPlan>& strip = plans[seam.second].strip;
+    if (!strip) continue;
+    const SeamFacts facts = seam_facts(seam, plans[seam.first].fit.family, plans[seam.second].fit.family,
+                                       settings_.blade.free_lengths_mm.back());
+    strip->seam_before.gap_mm = std::max(strip->seam_before.gap_mm, facts.gap_mm);
+    strip->seam_before.kink_deg = std::max(strip->seam_before.kink_deg, facts.kink_deg);
+  }
+  return plans;
+}
+
 // Where a blade that may bend as sharply as it likes would follow the part, its radius is the reason.
 void PartFitter::explain(const SweepPart& part, PartPlan& plan) const {
   const SweepEffort effort = close_effort();
-  const SweepData data = sweep_sections(
-      *part.surface, part.axes,
-      section_options(settings_, part.seams, effort.sections, effort.sample_mm, nullptr));
+  const SweepData data =
+      sweep_sections(*part.surface, part.axes,
+                     section_options(settings_, part.seams, effort.sections, effort.sample_mm, nullptr));
   if (data.sections.empty()) return;
   SweepFitOptions options = options_for(data, effort);
   const double limit = 1 / max_curvature_per_mm(settings_.blade);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/plan/sweep/sweep_joint.hpp"
 #include "pipeline/plan/sweep/sweep_strip.hpp"
 
 namespace hotblade::pipeline {
@@ -38,6 +39,7 @@ struct SweepEffort {
 
 // A fit, what weight moves the cut where the design is steepest, and how stable its blade is.
 struct PartFit : SweepFitReport {
+  double blade_length_mm = 0;  // that it was fitted with
   double sag_mm = 0, margin = 0;
   std::shared_ptr<const SweepSag> formed_by;  // what the fitted sections were moved by; none: weightless
   std::shared_ptr<const SweepSag> sag;        // of the fit itself; none where there is no fit
@@ -78,6 +80,11 @@ class PartFitter {
   // that are calmer than `calmer_than`, where the blade does not serve.
   [[nodiscard]] PartPlan plan(const SweepPart& part, const PartFit& start, double calmer_than = 0) const;
 
+  // Strips that meet at seams fitted together, from the plans of their own; all parts have a strip. A strip
+  // whose blade is lost so has none any more.
+  [[nodiscard]] std::vector<PartPlan> join(const std::vector<SweepPart>& parts,
+                                           std::vector<PartPlan> plans) const;
+
   // Foam between a rib's end and its clamp, and a little more.
   [[nodiscard]] double clear_mm() const;
   // Longest edge of what a block holds, and longest rib that a blade reaches over.
@@ -85,6 +92,7 @@ class PartFitter {
   [[nodiscard]] double longest_rib_mm() const;
 
  private:
+  [[nodiscard]] double wanted_mm() const;
   [[nodiscard]] double blade_for(double rib_mm) const;
   [[nodiscard]] Refusal unreached(double rib_mm) const;
   void explain(const SweepPart& part, PartPlan& plan) const;

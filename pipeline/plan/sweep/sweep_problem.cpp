@@ -6,60 +6,6 @@
 
 namespace hotblade::pipeline {
 
-namespace {
-
-using Eigen::Vector2d;
-
-// Second differences of the coefficients, in mm of effect, against the samples' mean square: they decide what
-// the samples leave open. More coefficients are closer together and are held more firmly.
-constexpr double kSmooth = 5e-4;
-constexpr std::array<double, 5> kSmoothOf{0.3, 0.6, 1, 1, 1};
-// Tensions are pulled to zero, where the blade is an arc: a short or weakly curved section says nothing of
-// them.
-constexpr std::array<double, 5> kCalmOf{0, 0, 0, 2e-4, 7e-5};
-// A radius of a tenth less than allowed counts as half a mm at each node of a blade; a clamp 10 mm too near
-// as 1 mm, an end turned 0.1 rad too far as 1 mm.
-constexpr double kRadiusWeight = 5, kClampWeight = 0.1, kTurnWeight = 10;
-
-double smoothness(int coefficients) {
-  return kSmooth * std::pow((coefficients - 3) / 3.0, 1.5);
-}
-
-// How deep a point lies in a box, and which way is out; nothing outside.
-struct Depth {
-  double mm = 0;
-  Vector2d inwards{0, 0};
-};
-
-Depth depth_in(const SweepFitOptions::Box& box, const Vector2d& q) {
-  Depth depth{std::numeric_limits<double>::infinity(), {0, 0}};
-  for (const int axis : {0, 1}) {
-    const double above = q[axis] - box.low[axis], below = box.high[axis] - q[axis];
-    if (above < depth.mm) depth = {above, Vector2d::Unit(axis)};
-    if (below < depth.mm) depth = {below, -Vector2d::Unit(axis)};
-  }
-  return depth.mm > 0 ? depth : Depth{};
-}
-
-// A point of a section's curve on the frame's axes, and how it moves with y, theta, kappa and the tensions.
-struct PlacedPoint {
-  Vector2d position;
-  Eigen::Matrix<double, 2, 5> by_state;
-};
-
-PlacedPoint placed(const SweepPoint& p, const SweepState& state, double x_mm) {
-  Eigen::Matrix2d turn;
-  turn << std::cos(state.theta), -std::sin(state.theta), std::sin(state.theta), std::cos(state.theta);
-  const Vector2d from_middle = turn * p.position;
-  PlacedPoint placed{Vector2d(x_mm, state.y) + from_middle, {}};
-  placed.by_state.col(0) = Vector2d::UnitY();
-  placed.by_state.col(1) = Vector2d(-from_middle.y(), from_middle.x());
-  placed.by_state.rightCols<3>() = turn * p.by_bend;
-  return placed;
-}
-
-}  // namespace
-
 struct SweepProblem::Normal {
   double value = 0;
   Vector5 gradient = Vector5::Zero();
@@ -71,21 +17,19 @@ struct SweepProblem::Normal {
     gradient += first * by;
     matrix.noalias() += (second * by) * by.transpose();
   }
-  void add_square(double number, const Vector5& by) { add(number * number, 2 * number, 2, by); }
+  void add(const LimitTerm& term) {
+    if (term.over > 0) add(term.over * term.over, 2 * term.over, 2, term.by);
+  }
 };
 
 SweepProblem::SweepProblem(const SweepData& data, const SweepFitOptions& options, const SweepFamily& family)
     : data_(data), options_(options), family_(family), basis_(options.coefficients) {
-  double half = 1;
   for (const SweepSection& section : data.sections) {
     const double share = (section.offset_mm - family.first_mm) / (family.last_mm - family.first_mm);
     at_.push_back(basis_.at(share));
     samples_ += static_cast<double>(section.samples.size());
-    half = std::max(
-        {half, family.x_mm - section.samples.front().q.x(), section.samples.back().q.x() - family.x_mm});
   }
-  const double cube = half * half * half;
-  scale_ << 1, 1 / half, 2 / (half * half), 12 / cube, 6 / cube;
+  scale_ = unknown_units(data, family.x_mm);
 }
 
 void SweepProblem::set_exponent(double exponent, double scale_mm) {
@@ -158,25 +102,14 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
 
 void SweepProblem::add_samples(std::size_t section, std::size_t first, const SweepState& state,
                                const SweepCurve& curve, SweepEvaluation& all, Normal& normal) const {
-  const Vector2d middle(family_.x_mm, state.y);
-  Eigen::Matrix2d back;
-  back << std::cos(state.theta), std::sin(state.theta), -std::sin(state.theta), std::cos(state.theta);
   const std::vector<SweepSample>& samples = data_.sections[section].samples;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Vector2d q = back * (samples[i].q - middle);  // in the curve's axes
-    double& foot = all.feet[first + i];
-    foot = curve.nearest(q, foot);
-    const SweepPoint p = curve.at(foot);
-    const Vector2d n = p.normal();
-    const double away = samples[i].cosine * (q - p.position).dot(n);
-    Vector5 by;
-    by << back.row(0).y() * n.x() + back.row(1).y() * n.y(), n.y() * p.position.x() - n.x() * p.position.y(),
-        (n.transpose() * p.by_bend).transpose();
-    by *= -samples[i].cosine;
-    const double size = std::abs(away), ratio = size / exponent_scale_mm_;
+    const SampleTerm term = sample_term(samples[i], state, curve, family_.x_mm, all.feet[first + i]);
+    const double away = term.away_mm, size = std::abs(away), ratio = size / exponent_scale_mm_;
     const double scaled = exponent_ == 2 ? 1 : std::pow(ratio, exponent_ - 2);
     normal.add(scaled * away * away / samples_, exponent_ * scaled * away / samples_,
-               exponent_ * (exponent_ - 1) * scaled / samples_, by);
+               exponent_ * (exponent_ - 1) * scaled / samples_, term.by);
+    all.feet[first + i] = term.foot_mm;
     all.away_mm[first + i] = away;
     if (!(size <= all.max_mm)) all.max_mm = size;
   }
@@ -184,26 +117,10 @@ void SweepProblem::add_samples(std::size_t section, std::size_t first, const Swe
 
 void SweepProblem::add_limits(const SweepState& state, const SweepCurve& curve, Normal& normal) const {
   Normal limits;
-  for (const SweepPoint& p : curve.nodes()) {
-    const double over = options_.smallest_radius_mm * std::abs(p.kappa) - 1;
-    if (over <= 0) continue;
-    Vector5 by = Vector5::Zero();
-    by.tail<3>() =
-        std::copysign(kRadiusWeight * options_.smallest_radius_mm, p.kappa) * p.kappa_by_bend.transpose();
-    limits.add_square(kRadiusWeight * over, by);
-  }
+  for (const SweepPoint& node : curve.nodes()) limits.add(radius_term(node, options_));
   for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
-    const double turn = state.theta + end->theta, over = std::abs(turn) - options_.largest_turn_rad;
-    if (over > 0) {
-      Vector5 by;
-      by << 0, 1, end->theta_by_bend.transpose();
-      limits.add_square(kTurnWeight * over, std::copysign(kTurnWeight, turn) * by);
-    }
-    if (!options_.block) continue;
-    const PlacedPoint clamp = placed(*end, state, family_.x_mm);
-    const Depth depth = depth_in(*options_.block, clamp.position);
-    if (depth.mm > 0)
-      limits.add_square(kClampWeight * depth.mm, kClampWeight * clamp.by_state.transpose() * depth.inwards);
+    limits.add(turn_term(*end, state, options_));
+    limits.add(clamp_term(*end, state, family_.x_mm, options_));
   }
   const double share = 1 / static_cast<double>(data_.sections.size());
   normal.value += share * limits.value;
@@ -212,9 +129,8 @@ void SweepProblem::add_limits(const SweepState& state, const SweepCurve& curve, 
 }
 
 void SweepProblem::add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluation& all) const {
-  const double smooth = smoothness(basis_.count());
   for (int k = 0; k < 5; ++k) {
-    const double weight = std::pow(smooth * kSmoothOf[static_cast<std::size_t>(k)], 2);
+    const double weight = std::pow(smooth_weight(k, basis_.count()), 2);
     for (int i = 0; i + 2 < basis_.count(); ++i) {
       const std::array<double, 3> part = basis_.second_difference(i);
       double bend = 0;
@@ -228,7 +144,7 @@ void SweepProblem::add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluati
               2 * weight * by * part[static_cast<std::size_t>(c)];
       }
     }
-    const double calm = std::pow(options_.calm * kCalmOf[static_cast<std::size_t>(k)], 2);
+    const double calm = std::pow(calm_weight(k, options_.calm), 2);
     for (int i = 0; i < basis_.count(); ++i) {
       const int u = 5 * i + k;
       all.value += calm * unknowns[u] * unknowns[u];
@@ -255,9 +171,8 @@ void SweepProblem::measure(const SweepEvaluation& evaluation, SweepFitReport& re
     for (const SweepPoint& p : curve.nodes()) sharpest = std::max(sharpest, std::abs(p.kappa));
     for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
       report.largest_turn_rad = std::max(report.largest_turn_rad, std::abs(state.theta + end->theta));
-      if (options_.block)
-        report.clamp_depth_mm = std::max(
-            report.clamp_depth_mm, depth_in(*options_.block, placed(*end, state, family_.x_mm).position).mm);
+      report.clamp_depth_mm =
+          std::max(report.clamp_depth_mm, clamp_depth_mm(*end, state, family_.x_mm, options_));
     }
   }
   report.rms_mm = std::sqrt(squares / samples_);

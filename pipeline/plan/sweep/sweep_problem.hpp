@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pipeline/plan/sweep/sweep_fit.hpp"
+#include "pipeline/plan/sweep/sweep_terms.hpp"
 
 namespace hotblade::pipeline {
 
@@ -38,7 +38,7 @@ class SweepProblem {
   void measure(const SweepEvaluation& evaluation, SweepFitReport& report) const;
 
  private:
-  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  using Vector5 = ByState;
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
   struct Normal;  // value, gradient and matrix in a section's own five unknowns
 

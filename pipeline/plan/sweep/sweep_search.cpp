@@ -44,7 +44,7 @@ class Search {
       return;
     }
     if (fewest > kMostEven) {
-      Tried tried{layouts_.in_rows(), {}, {}, {}};
+      Tried tried{layouts_.in_rows(), {}, {}, {}, {}};
       if (!look_at(tried, judge)) (void)settle(tried, judge, kMostRounds);
       return;
     }
@@ -57,9 +57,9 @@ class Search {
         return;
       const std::vector<Layout> ranked = layouts_.ranked(parts);
       const std::vector<Layout> near = refined(ranked);
-      if (hopeless.layout.parts.empty() && !ranked.empty()) hopeless = {ranked.front(), {}, {}, {}};
+      if (hopeless.layout.parts.empty() && !ranked.empty()) hopeless = {ranked.front(), {}, {}, {}, {}};
       for (const Layout& layout : near) {
-        Tried tried{layout, {}, {}, {}};
+        Tried tried{layout, {}, {}, {}, {}};
         if (look_at(tried, judge)) return;
         if (better(tried, nearest)) nearest = std::move(tried);
       }
@@ -73,7 +73,8 @@ class Search {
   // A layout with the plans of its parts, and what of it failed.
   struct Tried {
     Layout layout;
-    std::vector<PartPlan> plans;
+    std::vector<PartPlan> plans;   // each of its own
+    std::vector<PartPlan> joined;  // fitted together at their seams
     std::vector<bool> failed;
     std::vector<bool> halves;  // parts that came of the last split
     // Whether all of these fail again.
@@ -109,13 +110,17 @@ class Search {
       PartPlan& plan = tried.plans[i];
       if (!plan.strip) plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
     });
+    tried.joined = tried.plans;
+    const bool whole = std::all_of(tried.plans.begin(), tried.plans.end(),
+                                   [](const PartPlan& plan) { return plan.strip.has_value(); });
+    if (whole) tried.joined = fitter_.join(tried.layout.parts, std::move(tried.joined));
     const SweptPlan plan = plan_of(tried);
     const SweepVerdict verdict = judge(plan);
     if (verdict.taken) return true;
     tried.failed.assign(count, false);
     for (std::size_t i = 0; i < count; ++i)
       tried.failed[i] =
-          !plan.refusals.empty() ? !tried.plans[i].strip : verdict.failed.empty() || verdict.failed[i];
+          !plan.refusals.empty() ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
     return false;
   }
 
@@ -225,8 +230,8 @@ class Search {
   [[nodiscard]] static SweptPlan plan_of(const Tried& tried) {
     SweptPlan plan;
     plan.planes = tried.layout.planes;
-    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
-      const PartPlan& part = tried.plans[i];
+    for (std::size_t i = 0; i < tried.joined.size(); ++i) {
+      const PartPlan& part = tried.joined[i];
       const std::string id = fmt::format("S{:03}", i + 1);
       if (std::isfinite(part.fit.max_mm)) plan.deviation_mm = std::max(plan.deviation_mm, part.fit.max_mm);
       plan.sag_mm = std::max(plan.sag_mm, part.fit.sag_mm);

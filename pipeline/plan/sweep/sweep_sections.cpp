@@ -127,14 +127,19 @@ struct SectionPoint {
   Vector3d world;
 };
 
+// Of a slope by its sine.
+double cosine_of(double along) {
+  const double sine = std::min(1.0, std::abs(along));
+  return std::sqrt(1 - sine * sine);
+}
+
 // The point of an edge in the plane at an offset, which lies between its ends.
 SectionPoint crossing(const RibAxes& axes, const MovedVertex& a, const MovedVertex& b, double offset) {
   const double t = std::clamp(axes.planes.crossing(a.world, a.at.z(), b.world, b.at.z(), offset), 0.0, 1.0);
-  const double along = std::min(1.0, std::abs(a.along + t * (b.along - a.along)));
   const Vector3d world = a.world + t * (b.world - a.world);
   const Frame plane = axes.plane(offset);
   const Vector3d d = world - plane.origin;
-  return {{{d.dot(plane.x), d.dot(plane.y)}, std::sqrt(1 - along * along), false}, world};
+  return {{{d.dot(plane.x), d.dot(plane.y)}, cosine_of(a.along + t * (b.along - a.along)), false}, world};
 }
 
 SectionPoint between(const SectionPoint& a, const SectionPoint& b, double t) {
@@ -409,6 +414,12 @@ class Slicer {
 };
 
 }  // namespace
+
+FormedPoint formed_point(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
+                         const SweepSectionOptions& options) {
+  const MovedVertex v = moved(point, normal, axes, options);
+  return {v.at.z(), {v.at.head<2>(), cosine_of(v.along), false}};
+}
 
 WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   const auto vertices = mesh.vertices();

@@ -83,6 +83,15 @@ struct SweepData {
                           0};  // of the design in the axes of the middle plane, the third along the sweep
 };
 
+// Where the blade's middle line passes when it forms a point of the design with this unit normal: in the
+// plane at `offset_mm`.
+struct FormedPoint {
+  double offset_mm = 0;
+  SweepSample sample;
+};
+[[nodiscard]] FormedPoint formed_point(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
+                                       const RibAxes& axes, const SweepSectionOptions& options);
+
 // Sections at both ends, close to them and to the corners, and evenly between; no section where there is no
 // design. The result does not depend on the order of triangles but for ties. Empty sections where nothing
 // lies behind the seams.

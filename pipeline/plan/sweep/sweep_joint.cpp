@@ -1,0 +1,320 @@
+#include "pipeline/plan/sweep/sweep_joint.hpp"
+
+#include "pipeline/plan/sweep/sweep_problem.hpp"
+#include "pipeline/plan/sweep/sweep_terms.hpp"
+
+#include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr int kState = 5;
+constexpr std::size_t kSpan = 4;  // coefficients that count at a place
+// The power that distances count by: high enough that the largest are held, low enough for steps of a few
+// iterations.
+constexpr double kExponent = 8;
+// A gap counts as three times as large a deviation of a whole strip: at a tenth of this weight gaps of the
+// samples are twice as large, at ten times it deviations grow by a tenth and blades come near to a snap.
+constexpr double kSeamWeight = 10;
+
+// The unknowns of one part: a block of five for each coefficient.
+struct Unknowns {
+  const JointPart* part = nullptr;
+  SweepBasis basis;
+  ByState units;
+  double scale_mm = 1, samples = 0;
+  std::vector<double> values;
+
+  explicit Unknowns(const JointPart& p)
+      : part(&p), basis(p.start.count()), units(unknown_units(p.data, p.start.x_mm)) {
+    for (const SweepSection& section : p.data.sections)
+      samples += static_cast<double>(section.samples.size());
+    for (int i = 0; i < p.start.count(); ++i) {
+      const ByState v = p.start.coefficients.col(i).cwiseQuotient(units);
+      values.insert(values.end(), v.begin(), v.end());
+    }
+  }
+  [[nodiscard]] double* block(int i) { return values.data() + static_cast<std::ptrdiff_t>(kState) * i; }
+  [[nodiscard]] BasisValues at(double offset_mm) const {
+    const SweepFamily& f = part->start;
+    return basis.at((offset_mm - f.first_mm) / (f.last_mm - f.first_mm));
+  }
+  [[nodiscard]] SweepState state(const BasisValues& at) const {
+    ByState v = ByState::Zero();
+    for (std::size_t k = 0; k < kSpan; ++k)
+      v += at.value[k] *
+           Eigen::Map<const ByState>(values.data() + static_cast<std::ptrdiff_t>(kState) *
+                                                         (at.first + static_cast<std::ptrdiff_t>(k)));
+    v = v.cwiseProduct(units);
+    return {v[0], v[1], {v[2], v[3], v[4]}};
+  }
+  [[nodiscard]] double half_blade() const { return 0.5 * part->options.blade_length_mm; }
+  [[nodiscard]] SweepFamily family() const {
+    SweepFamily family = part->start;
+    for (int i = 0; i < basis.count(); ++i)
+      family.coefficients.col(i) =
+          Eigen::Map<const ByState>(values.data() + static_cast<std::ptrdiff_t>(kState) * i)
+              .cwiseProduct(units);
+    return family;
+  }
+};
+
+// One section of a part: its residuals, and their derivatives by the unknowns at its place.
+struct SectionTerms {
+  Unknowns* unknowns = nullptr;
+  const SweepSection* section = nullptr;
+  BasisValues at;
+  std::vector<double> feet, residuals;
+  std::vector<ByState> by;
+
+  void evaluate() {
+    const SweepState state = unknowns->state(at);
+    const SweepCurve curve(state.bend, unknowns->half_blade());
+    const SweepFitOptions& options = unknowns->part->options;
+    const double x = unknowns->part->start.x_mm;
+    residuals.clear();
+    by.clear();
+    const double samples = std::sqrt(unknowns->samples);
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      const SampleTerm term = sample_term(section->samples[i], state, curve, x, feet[i]);
+      feet[i] = term.foot_mm;
+      const double grown = std::pow(std::abs(term.away_mm) / unknowns->scale_mm, 0.5 * kExponent - 1);
+      add(grown * term.away_mm / samples, 0.5 * kExponent * grown / samples, term.by);
+    }
+    const double share = 1 / std::sqrt(static_cast<double>(unknowns->part->data.sections.size()));
+    const auto limit = [&](const LimitTerm& term) { add(share * term.over, share, term.by); };
+    for (const SweepPoint& node : curve.nodes()) limit(radius_term(node, options));
+    for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
+      limit(turn_term(*end, state, options));
+      limit(clamp_term(*end, state, x, options));
+    }
+  }
+
+ private:
+  void add(double residual, double factor, const ByState& by_state) {
+    residuals.push_back(residual);
+    by.push_back(factor * by_state.cwiseProduct(unknowns->units));
+  }
+};
+
+// One probe of a seam.
+struct ProbeTerms {
+  struct Side {
+    Unknowns* unknowns = nullptr;
+    const FormedPoint* point = nullptr;
+    BasisValues at;
+    double foot_mm = 0;
+    ByState by = ByState::Zero();
+  };
+  std::array<Side, 2> sides;
+  double weight = 1, residual = 0;
+
+  void evaluate() {
+    residual = 0;
+    double sign = weight;
+    for (Side& side : sides) {
+      const SweepState state = side.unknowns->state(side.at);
+      const SweepCurve curve(state.bend, side.unknowns->half_blade());
+      const SampleTerm term =
+          sample_term(side.point->sample, state, curve, side.unknowns->part->start.x_mm, side.foot_mm);
+      side.foot_mm = term.foot_mm;
+      residual += sign * term.away_mm;
+      side.by = sign * term.by.cwiseProduct(side.unknowns->units);
+      sign = -sign;
+    }
+  }
+};
+
+// All terms that need a curve, evaluated side by side before the solver asks for them one by one.
+class Terms : public ceres::EvaluationCallback {
+ public:
+  std::vector<std::unique_ptr<SectionTerms>> sections;
+  std::vector<std::unique_ptr<ProbeTerms>> probes;
+
+  void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
+    if (!new_evaluation_point) return;
+    tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) { sections[i]->evaluate(); });
+    tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) { probes[i]->evaluate(); });
+  }
+};
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, kState, Eigen::RowMajor>;
+
+class SectionCost : public ceres::CostFunction {
+ public:
+  explicit SectionCost(const SectionTerms& terms) : terms_(terms) {
+    set_num_residuals(static_cast<int>(terms.residuals.size()));
+    mutable_parameter_block_sizes()->assign(kSpan, kState);
+  }
+  bool Evaluate(double const* const* /*unknowns*/, double* residuals, double** jacobians) const override {
+    std::copy(terms_.residuals.begin(), terms_.residuals.end(), residuals);
+    if (!jacobians) return true;
+    for (std::size_t k = 0; k < kSpan; ++k) {
+      if (!jacobians[k]) continue;
+      Eigen::Map<RowMajor> jacobian(jacobians[k], num_residuals(), kState);
+      for (int r = 0; r < num_residuals(); ++r)
+        jacobian.row(r) = terms_.at.value[k] * terms_.by[static_cast<std::size_t>(r)].transpose();
+    }
+    return true;
+  }
+
+ private:
+  const SectionTerms& terms_;
+};
+
+class ProbeCost : public ceres::CostFunction {
+ public:
+  explicit ProbeCost(const ProbeTerms& terms) : terms_(terms) {
+    set_num_residuals(1);
+    mutable_parameter_block_sizes()->assign(2 * kSpan, kState);
+  }
+  bool Evaluate(double const* const* /*unknowns*/, double* residuals, double** jacobians) const override {
+    residuals[0] = terms_.residual;
+    if (!jacobians) return true;
+    for (std::size_t k = 0; k < 2 * kSpan; ++k) {
+      if (!jacobians[k]) continue;
+      const ProbeTerms::Side& side = terms_.sides[k / kSpan];
+      Eigen::Map<ByState> jacobian(jacobians[k]);
+      jacobian = side.at.value[k % kSpan] * side.by;
+    }
+    return true;
+  }
+
+ private:
+  const ProbeTerms& terms_;
+};
+
+// The sum of some blocks with weights, number by number, times a weight each.
+class LinearCost : public ceres::CostFunction {
+ public:
+  LinearCost(std::vector<double> parts, ByState weights)
+      : parts_(std::move(parts)), weights_(std::move(weights)) {
+    set_num_residuals(kState);
+    mutable_parameter_block_sizes()->assign(parts_.size(), kState);
+  }
+  bool Evaluate(double const* const* unknowns, double* residuals, double** jacobians) const override {
+    Eigen::Map<ByState> sum(residuals);
+    sum.setZero();
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      sum += parts_[k] * weights_.cwiseProduct(Eigen::Map<const ByState>(unknowns[k]));
+      if (!jacobians || !jacobians[k]) continue;
+      Eigen::Map<Eigen::Matrix<double, kState, kState, Eigen::RowMajor>> jacobian(jacobians[k]);
+      jacobian = (parts_[k] * weights_).asDiagonal();
+    }
+    return true;
+  }
+
+ private:
+  std::vector<double> parts_;
+  ByState weights_;
+};
+
+void add_smoothness(ceres::Problem& problem, Unknowns& unknowns) {
+  ByState smooth, calm;
+  for (int k = 0; k < kState; ++k) {
+    smooth[k] = smooth_weight(k, unknowns.basis.count());
+    calm[k] = calm_weight(k, unknowns.part->options.calm);
+  }
+  for (int i = 0; i < unknowns.basis.count(); ++i) {
+    problem.AddResidualBlock(new LinearCost({1.0}, calm), nullptr, unknowns.block(i));
+    if (i + 2 >= unknowns.basis.count()) continue;
+    const std::array<double, 3> bend = unknowns.basis.second_difference(i);
+    problem.AddResidualBlock(new LinearCost({bend[0], bend[1], bend[2]}, smooth), nullptr, unknowns.block(i),
+                             unknowns.block(i + 1), unknowns.block(i + 2));
+  }
+}
+
+std::vector<double*> blocks_at(Unknowns& unknowns, const BasisValues& at) {
+  std::vector<double*> blocks;
+  for (std::size_t k = 0; k < kSpan; ++k) blocks.push_back(unknowns.block(at.first + static_cast<int>(k)));
+  return blocks;
+}
+
+SweepFitReport report_of(const Unknowns& unknowns, const ceres::Solver::Summary& summary) {
+  const JointPart& part = *unknowns.part;
+  SweepFitReport report;
+  report.family = unknowns.family();
+  const SweepProblem problem(part.data, part.options, report.family);
+  problem.measure(problem.evaluate(problem.pack(report.family), problem.first_feet()), report);
+  report.iterations = static_cast<int>(summary.iterations.size());
+  report.converged = summary.IsSolutionUsable();
+  return report;
+}
+
+}  // namespace
+
+std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
+                                         const std::vector<PartSeam>& seams) {
+  std::vector<Unknowns> unknowns;
+  Terms terms;
+  for (const JointPart& part : parts) {
+    if (part.data.sections.empty()) throw std::logic_error("a sweep needs a section");
+    unknowns.emplace_back(part);
+  }
+  for (Unknowns& u : unknowns) {
+    const SweepProblem problem(u.part->data, u.part->options, u.part->start);
+    const SweepEvaluation own = problem.evaluate(problem.pack(u.part->start), problem.first_feet());
+    u.scale_mm = std::max(own.max_mm, u.part->wanted_mm);
+    auto foot = own.feet.begin();
+    for (const SweepSection& section : u.part->data.sections) {
+      auto made = std::make_unique<SectionTerms>();
+      made->unknowns = &u;
+      made->section = &section;
+      made->at = u.at(section.offset_mm);
+      made->feet.assign(foot, foot + std::ssize(section.samples));
+      foot += std::ssize(section.samples);
+      terms.sections.push_back(std::move(made));
+    }
+  }
+  for (const PartSeam& seam : seams) {
+    const double weight =
+        std::sqrt(kSeamWeight / static_cast<double>(SeamPlace::kProbes * seam.places.size()));
+    for (const SeamPlace& place : seam.places) {
+      for (std::size_t i = 0; i < SeamPlace::kProbes; ++i) {
+        auto probe = std::make_unique<ProbeTerms>();
+        probe->weight = weight;
+        for (std::size_t side = 0; side < 2; ++side) {
+          Unknowns& u = unknowns[side == 0 ? seam.first : seam.second];
+          const FormedPoint& point = place.on[side][i];
+          probe->sides[side] = {&u, &point, u.at(point.offset_mm), point.sample.q.x() - u.part->start.x_mm};
+        }
+        terms.probes.push_back(std::move(probe));
+      }
+    }
+  }
+  // The costs take their sizes from a first evaluation.
+  terms.PrepareForEvaluation(true, true);
+  ceres::Problem::Options owned;
+  owned.evaluation_callback = &terms;
+  ceres::Problem problem(owned);
+  for (const auto& section : terms.sections)
+    problem.AddResidualBlock(new SectionCost(*section), nullptr, blocks_at(*section->unknowns, section->at));
+  for (const auto& probe : terms.probes) {
+    std::vector<double*> blocks = blocks_at(*probe->sides[0].unknowns, probe->sides[0].at);
+    const std::vector<double*> others = blocks_at(*probe->sides[1].unknowns, probe->sides[1].at);
+    blocks.insert(blocks.end(), others.begin(), others.end());
+    problem.AddResidualBlock(new ProbeCost(*probe), nullptr, blocks);
+  }
+  for (Unknowns& u : unknowns) add_smoothness(problem, u);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.num_threads = 1;  // sums of several threads would differ with their number
+  solver.max_num_iterations = 15;
+  solver.function_tolerance = 1e-4;
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  std::vector<SweepFitReport> reports(unknowns.size());
+  tbb::parallel_for(std::size_t{0}, unknowns.size(),
+                    [&](std::size_t i) { reports[i] = report_of(unknowns[i], summary); });
+  return reports;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,30 @@
+// Strips that meet at seams, fitted together: each a swept family near its own samples, and at every seam
+// both near each other.
+//
+// The terms are those of the single fit (sweep_terms.hpp), with the samples' distances to the power
+// `exponent` so that the largest are held; a seam adds the square of what stands between both surfaces, on it
+// and on either side, so that they meet without step and kink. One sparse least-squares problem for all
+// strips (Ceres).
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/sweep/sweep_fit.hpp"
+#include "pipeline/plan/sweep/sweep_seams.hpp"
+
+namespace hotblade::pipeline {
+
+struct JointPart {
+  SweepData data;
+  SweepFitOptions options;
+  SweepFamily start;       // its own fit
+  double wanted_mm = 0.1;  // distances below this are as good as none
+};
+
+// Returns the fits of all parts, in their order. The same input gives the same bytes, whatever the number of
+// threads. Parts that no seam names are fitted as they are. Throws std::logic_error where a part has no
+// sections.
+[[nodiscard]] std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
+                                                       const std::vector<PartSeam>& seams);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,120 @@
+#include "pipeline/plan/sweep/sweep_terms.hpp"
+
+#include <array>
+#include <limits>
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector2d;
+
+// Second differences of the coefficients, in mm of effect, against the samples' mean square: they decide what
+// the samples leave open. More coefficients are closer together and are held more firmly.
+constexpr double kSmooth = 5e-4;
+constexpr std::array<double, 5> kSmoothOf{0.3, 0.6, 1, 1, 1};
+// Tensions are pulled to zero, where the blade is an arc: a short or weakly curved section says nothing of
+// them.
+constexpr std::array<double, 5> kCalmOf{0, 0, 0, 2e-4, 7e-5};
+// A radius of a tenth less than allowed counts as half a mm at each node of a blade; a clamp 10 mm too near
+// as 1 mm, an end turned 0.1 rad too far as 1 mm.
+constexpr double kRadiusWeight = 5, kClampWeight = 0.1, kTurnWeight = 10;
+
+// How deep a point lies in a box, and which way is out; nothing outside.
+struct Depth {
+  double mm = 0;
+  Vector2d inwards{0, 0};
+};
+
+Depth depth_in(const SweepFitOptions::Box& box, const Vector2d& q) {
+  Depth depth{std::numeric_limits<double>::infinity(), {0, 0}};
+  for (const int axis : {0, 1}) {
+    const double above = q[axis] - box.low[axis], below = box.high[axis] - q[axis];
+    if (above < depth.mm) depth = {above, Vector2d::Unit(axis)};
+    if (below < depth.mm) depth = {below, -Vector2d::Unit(axis)};
+  }
+  return depth.mm > 0 ? depth : Depth{};
+}
+
+Eigen::Matrix2d turned(double theta) {
+  Eigen::Matrix2d turn;
+  turn << std::cos(theta), -std::sin(theta), std::sin(theta), std::cos(theta);
+  return turn;
+}
+
+}  // namespace
+
+ByState unknown_units(const SweepData& data, double x_mm) {
+  double half = 1;
+  for (const SweepSection& section : data.sections)
+    half = std::max({half, x_mm - section.samples.front().q.x(), section.samples.back().q.x() - x_mm});
+  const double cube = half * half * half;
+  ByState units;
+  units << 1, 1 / half, 2 / (half * half), 12 / cube, 6 / cube;
+  return units;
+}
+
+SampleTerm sample_term(const SweepSample& sample, const SweepState& state, const SweepCurve& curve,
+                       double x_mm, double foot_mm) {
+  const Eigen::Matrix2d back = turned(-state.theta);
+  const Vector2d q = back * (sample.q - Vector2d(x_mm, state.y));  // in the curve's axes
+  SampleTerm term;
+  term.foot_mm = curve.nearest(q, foot_mm);
+  const SweepPoint p = curve.at(term.foot_mm);
+  const Vector2d n = p.normal();
+  term.away_mm = sample.cosine * (q - p.position).dot(n);
+  term.by << back.row(0).y() * n.x() + back.row(1).y() * n.y(),
+      n.y() * p.position.x() - n.x() * p.position.y(), (n.transpose() * p.by_bend).transpose();
+  term.by *= -sample.cosine;
+  return term;
+}
+
+LimitTerm radius_term(const SweepPoint& node, const SweepFitOptions& options) {
+  const double over = options.smallest_radius_mm * std::abs(node.kappa) - 1;
+  LimitTerm term;
+  if (over <= 0) return term;
+  term.over = kRadiusWeight * over;
+  term.by.tail<3>() =
+      std::copysign(kRadiusWeight * options.smallest_radius_mm, node.kappa) * node.kappa_by_bend.transpose();
+  return term;
+}
+
+LimitTerm turn_term(const SweepPoint& end, const SweepState& state, const SweepFitOptions& options) {
+  const double turn = state.theta + end.theta, over = std::abs(turn) - options.largest_turn_rad;
+  LimitTerm term;
+  if (over <= 0) return term;
+  term.over = kTurnWeight * over;
+  term.by << 0, 1, end.theta_by_bend.transpose();
+  term.by *= std::copysign(kTurnWeight, turn);
+  return term;
+}
+
+LimitTerm clamp_term(const SweepPoint& end, const SweepState& state, double x_mm,
+                     const SweepFitOptions& options) {
+  LimitTerm term;
+  if (!options.block) return term;
+  const Eigen::Matrix2d turn = turned(state.theta);
+  const Vector2d from_middle = turn * end.position;
+  const Depth depth = depth_in(*options.block, Vector2d(x_mm, state.y) + from_middle);
+  if (!(depth.mm > 0)) return term;
+  term.over = kClampWeight * depth.mm;
+  term.by << depth.inwards.y(), depth.inwards.dot(Vector2d(-from_middle.y(), from_middle.x())),
+      (depth.inwards.transpose() * turn * end.by_bend).transpose();
+  term.by *= kClampWeight;
+  return term;
+}
+
+double clamp_depth_mm(const SweepPoint& end, const SweepState& state, double x_mm,
+                      const SweepFitOptions& options) {
+  return clamp_term(end, state, x_mm, options).over / kClampWeight;
+}
+
+double smooth_weight(int function, int coefficients) {
+  return kSmooth * std::pow((coefficients - 3) / 3.0, 1.5) * kSmoothOf[static_cast<std::size_t>(function)];
+}
+
+double calm_weight(int function, double calm) {
+  return calm * kCalmOf[static_cast<std::size_t>(function)];
+}
+
+}  // namespace hotblade::pipeline
