@@ -49,7 +49,6 @@ constexpr const char* kTolerance =
     "the deviation that was measured, rounded up; with another tolerance other ribs are chosen";
 constexpr const char* kThickness =
     "the smallest radius goes with the thickness of the blade; a thinner blade is held less firmly";
-constexpr const char* kFeed = "clamp speeds go with the feed";
 
 // The bound of every deviation is a share of the tolerance, so the ratio holds for all of them.
 const auto kRules = std::to_array<Rule>({
@@ -67,8 +66,6 @@ const auto kRules = std::to_array<Rule>({
      kThickness},
     {Limit::kSlowestFeed, "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
      "the slowest point of the blade; slower foam melts wider, which is not modelled"},
-    {Limit::kSpeed, "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
-    {Limit::kAngularSpeed, "motion", "feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, by_inverse_ratio, kFeed},
     {Limit::kDuration, "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio,
      "the time of the cut"},
     {Limit::kClampHeight, "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,

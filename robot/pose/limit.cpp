@@ -7,7 +7,6 @@ namespace hotblade::robot {
 namespace {
 
 constexpr const char* kPlanAgain = "plan the program again for this machine";
-constexpr const char* kSlower = "lower motion.feed_mm_s";
 
 constexpr auto kLimits = std::to_array<LimitInfo>({
     {Limit::kNone, "no limit", "", "nothing is broken", 0, "no limit"},
@@ -24,11 +23,14 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
      "start pose is no flat circular arc of the blade"},
     {Limit::kEnvelope, "distance outside the envelope", "mm", "choose a shorter blade or a larger machine", 7,
      "position outside the envelope"},
-    {Limit::kSpeed, "clamp speed", "mm/s", kSlower, 8, "speed"},
-    {Limit::kAcceleration, "clamp acceleration", "mm/s2", kSlower, 9, "acceleration"},
-    {Limit::kAngularSpeed, "clamp angular speed", "rad/s", kSlower, 10, "angular speed"},
-    {Limit::kAngularAcceleration, "clamp angular acceleration", "rad/s2", kSlower, 11,
-     "angular acceleration"},
+    {Limit::kSpeed, "clamp speed", "mm/s", "plan again with what this machine can: motion.travel_mm_s", 8,
+     "speed"},
+    {Limit::kAcceleration, "clamp acceleration", "mm/s2",
+     "plan again with what this machine can: motion.accel_mm_s2", 9, "acceleration"},
+    {Limit::kAngularSpeed, "clamp angular speed", "rad/s",
+     "plan again with what this machine can: motion.angular_rad_s", 10, "angular speed"},
+    {Limit::kAngularAcceleration, "clamp angular acceleration", "rad/s2",
+     "plan again with what this machine can: motion.angular_accel_rad_s2", 11, "angular acceleration"},
     {Limit::kChord, "chord of the blade", "mm", kPlanAgain, 12, "chord too long for the blade"},
     {Limit::kBlade, "blade data of the job", "", "check the program's blade", 13,
      "blade data or number of waypoints out of range"},

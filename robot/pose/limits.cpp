@@ -25,15 +25,6 @@ double angular_slack(double speed, double dt) {
   return kAngleStep_rad / dt + speed * kTimeStep_s / dt;
 }
 
-// Rotation from q0 to q1 by the shorter arc, as axis times angle in the axes both are given in.
-Eigen::Vector3d rotation(const Eigen::Quaterniond& q0, const Eigen::Quaterniond& q1) {
-  Eigen::Quaterniond d = q1 * q0.conjugate();
-  if (d.w() < 0) d.coeffs() = -d.coeffs();
-  const double s = d.vec().norm();
-  const double angle = 2 * std::atan2(s, d.w());
-  return s > 0 ? Eigen::Vector3d(d.vec() * (angle / s)) : Eigen::Vector3d::Zero();
-}
-
 }  // namespace
 
 Limit LimitChecker::next(const Waypoint& w) {
@@ -48,8 +39,7 @@ Limit LimitChecker::next(const Waypoint& w) {
   // Both times are rounded, so a step of exactly the minimum may come out 1 us short.
   if (w.t_us - last_.t_us + 1 < limits_.min_dt_us) return Limit::kMinDt;
   const double dt = (w.t_us - last_.t_us) * kTimeStep_s;
-  const Velocity va{(w.a.p - last_.a.p) / dt, rotation(last_.a.q, w.a.q) / dt};
-  const Velocity vb{(w.b.p - last_.b.p) / dt, rotation(last_.b.q, w.b.q) / dt};
+  const ClampRates va = rates_between(last_.a, w.a, dt), vb = rates_between(last_.b, w.b, dt);
   const double dt0 = last_dt_ > 0 ? last_dt_ : dt;
   for (const Limit code : {check_speed(va, dt), check_speed(vb, dt), check_change(va_, va, dt0, dt),
                            check_change(vb_, vb, dt0, dt)}) {
@@ -104,7 +94,7 @@ Limit LimitChecker::check_first(const Waypoint& w) const {
   return flat ? Limit::kNone : Limit::kStartPose;
 }
 
-Limit LimitChecker::check_speed(const Velocity& v, double dt) const {
+Limit LimitChecker::check_speed(const ClampRates& v, double dt) const {
   const double linear = v.linear.norm(), angular = v.angular.norm();
   if (linear > limits_.speed_mm_s * (1 + kRelative) + linear_slack(linear, dt)) return Limit::kSpeed;
   if (angular > limits_.angular_rad_s * (1 + kRelative) + angular_slack(angular, dt))
@@ -112,16 +102,15 @@ Limit LimitChecker::check_speed(const Velocity& v, double dt) const {
   return Limit::kNone;
 }
 
-Limit LimitChecker::check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const {
+Limit LimitChecker::check_change(const ClampRates& from, const ClampRates& to, double dt0, double dt1) const {
   const double mean_dt = (dt0 + dt1) / 2;
-  const double linear = (to.linear - from.linear).norm() / mean_dt;
+  const ClampAccelerations change = accelerations_between(from, to, dt0, dt1);
   const double linear_error =
       (linear_slack(from.linear.norm(), dt0) + linear_slack(to.linear.norm(), dt1)) / mean_dt;
-  if (linear > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return Limit::kAcceleration;
-  const double angular = (to.angular - from.angular).norm() / mean_dt;
+  if (change.linear_mm_s2 > limits_.accel_mm_s2 * (1 + kRelative) + linear_error) return Limit::kAcceleration;
   const double angular_error =
       (angular_slack(from.angular.norm(), dt0) + angular_slack(to.angular.norm(), dt1)) / mean_dt;
-  if (angular > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error)
+  if (change.angular_rad_s2 > limits_.angular_accel_rad_s2 * (1 + kRelative) + angular_error)
     return Limit::kAngularAcceleration;
   return Limit::kNone;
 }

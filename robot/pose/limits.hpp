@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "robot/pose/limit.hpp"
+#include "robot/pose/rates.hpp"
 #include "robot/pose/waypoint.hpp"
 
 namespace hotblade::robot {
@@ -44,20 +45,17 @@ class LimitChecker {
   [[nodiscard]] Limit finish() const;
 
  private:
-  struct Velocity {
-    Eigen::Vector3d linear{0, 0, 0};   // mm/s
-    Eigen::Vector3d angular{0, 0, 0};  // rad/s, cell axes
-  };
   [[nodiscard]] Limit check_first(const Waypoint& waypoint) const;
   [[nodiscard]] Limit check_place(const Waypoint& waypoint) const;
-  [[nodiscard]] Limit check_speed(const Velocity& v, double dt) const;
-  [[nodiscard]] Limit check_change(const Velocity& from, const Velocity& to, double dt0, double dt1) const;
+  [[nodiscard]] Limit check_speed(const ClampRates& v, double dt) const;
+  [[nodiscard]] Limit check_change(const ClampRates& from, const ClampRates& to, double dt0,
+                                   double dt1) const;
 
   MotionLimits limits_;
   double blade_length_mm_ = 0;
   bool started_ = false;
   Waypoint last_;
-  Velocity va_, vb_;
+  ClampRates va_, vb_;
   double last_dt_ = 0;  // s; 0 before the first step
 };
 

@@ -15,6 +15,7 @@
 #include "pipeline/plan/motion/blade_path.hpp"
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_margins.hpp"
+#include "pipeline/plan/motion/refuser.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 #include "pipeline/verify/hanging.hpp"
@@ -165,35 +166,6 @@ void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
         i - first, moved));
   }
 }
-
-// Adds refusals that name the strip, the nearest rib while cutting, the phase and the time.
-class Refuser {
- public:
-  Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
-
-  void operator()(std::size_t i, Limit limit, double value, double bound, const char* hint = "") {
-    const BladePose& pose = motion_.poses[i];
-    Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, hint};
-    refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
-    refusal.at = middle_of(pose);
-    motion_.refusals.push_back(std::move(refusal));
-  }
-
-  [[nodiscard]] StripPhase phase(std::size_t i) const { return motion_.poses[i].phase; }
-
- private:
-  [[nodiscard]] std::string rib_name(const BladePose& pose) const {
-    const double offset = strip_.offset(pose.frame);
-    const auto nearest =
-        std::min_element(strip_.ribs.begin(), strip_.ribs.end(), [&](const RibFit& p, const RibFit& q) {
-          return std::abs(p.offset_mm - offset) < std::abs(q.offset_mm - offset);
-        });
-    return rib_id(strip_.id, static_cast<std::size_t>(nearest - strip_.ribs.begin()));
-  }
-
-  const StripPlan& strip_;
-  BladeMotion& motion_;
-};
 
 // Where `before` puts a pose first.
 template <typename Before>

@@ -11,6 +11,7 @@
 #include "elastica/blade/stability.hpp"
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/travel.hpp"
+#include "pipeline/plan/ribs/fade.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "robot/pose/flat_arc.hpp"
@@ -166,19 +167,27 @@ struct WayOut {
 
 // Feed and blade settle over this way.
 constexpr double kLeastLeadMm = 20;
+// From there on the shape no longer changes, however long the way out is.
+static_assert(kLeastLeadMm >= kFadeMm);
+
+// The shortest way on behind the block.
+double least_lead_mm(const MotionSettings& motion) {
+  return motion.lead_mm > 0 ? motion.lead_mm : kLeastLeadMm;
+}
 
 WayOut way_out(const StripPlan& strip, Forming& last, double behind_mm, const Settings& settings) {
   // As the block lies on one side of the blade's plane, a lead of the clearance keeps the clamps clear
   // wherever they pass below it. A little more is for rounding.
   constexpr double kReserve = 1.01;
-  const double given = settings.motion.lead_mm, clear = settings.stock.clearance_mm;
+  const double given = settings.motion.lead_mm, clear = settings.stock.clearance_mm,
+               least = least_lead_mm(settings.motion);
   const auto with_lead = [&](double lead) -> WayOut {
     const double end = strip.ribs.back().offset_mm + behind_mm + lead;
     last.worked.offset_mm = end;
     return {end, way_out_mm(strip, last, end, settings.stock)};
   };
-  const WayOut out = with_lead(given > 0 ? given : kLeastLeadMm);
-  if (given > 0 || clear <= kLeastLeadMm) return out;
+  const WayOut out = with_lead(least);
+  if (given > 0 || clear <= least) return out;
   constexpr int kLooks = 64;
   for (int i = 0; i <= kLooks; ++i) {
     const BladeShape shape = shape_of(withdrawn(last, out.aside_mm, static_cast<double>(i) / kLooks));
@@ -241,8 +250,10 @@ BladePath make_path(const StripPlan& strip, const Settings& settings) {
   const double above = marks.first_rib_mm - before - settings.motion.approach_mm;
   const double min_margin = settings.blade.min_margin;
   const auto rib_at = [&](double offset_mm) { return shape_of(place_at(strip, *spline, offset_mm)); };
-  const Forming first = form(in_air(rib_at(marks.first_rib_mm), above), min_margin);
-  Forming last = form(in_air(rib_at(marks.last_rib_mm), marks.last_rib_mm), min_margin);
+  // Shapes as the cut begins and ends with: past the end ribs they change a little more.
+  const Forming first = form(in_air(rib_at(marks.start_mm), above), min_margin);
+  const double least_end = marks.last_rib_mm + behind + least_lead_mm(settings.motion);
+  Forming last = form(in_air(rib_at(least_end), least_end), min_margin);
   const WayOut out = way_out(strip, last, behind, settings);
   marks.end_mm = out.end_mm;
   path.stretches.push_back({StripPhase::kForm, false, 200, [first](double u) { return first.place(u); }});

@@ -13,127 +13,15 @@
 #include "pipeline/plan/motion/blade_path.hpp"
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_plane.hpp"
-#include "pipeline/plan/motion/time_law.hpp"
-#include "pipeline/program/clamps.hpp"
+#include "pipeline/plan/motion/refuser.hpp"
+#include "pipeline/plan/motion/slow_feed.hpp"
+#include "pipeline/plan/motion/timed_stretch.hpp"
 #include "robot/blade/common_plane.hpp"
+#include "robot/pose/rates.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
-
-// Blade points between the foam's ends whose speed the feed limits.
-constexpr std::size_t kFeedPoints = 17;
-
-// Shapes of the blade in their planes, between their clamps.
-struct ClampedShapes {
-  std::vector<BladeShape> shapes;
-  std::vector<Frame> frames;
-  std::vector<ClampPoses> pairs;
-};
-
-ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
-  ClampedShapes all{std::move(shapes), {}, {}};
-  all.frames.resize(all.shapes.size());
-  all.pairs.resize(all.shapes.size());
-  in_blocks(all.shapes.size(), [&](std::size_t from, std::size_t to) {
-    std::vector<elastica::Elastica> blades;
-    for (std::size_t i = from; i < to; ++i) {
-      all.frames[i] = strip.swept_plane(all.shapes[i].offset_mm);
-      blades.push_back(all.shapes[i].blade);
-    }
-    const auto pairs = clamps(blades, std::span(all.frames).subspan(from, to - from));
-    std::copy(pairs.begin(), pairs.end(), all.pairs.begin() + static_cast<std::ptrdiff_t>(from));
-  });
-  return all;
-}
-
-// kFeedPoints of each blade's part in foam, in space; nothing of blades without one.
-using FeedPoints = std::vector<std::vector<Eigen::Vector3d>>;
-
-FeedPoints feed_points(std::span<const elastica::Elastica> blades, std::span<const elastica::Part> foam,
-                       std::span<const Frame> frames) {
-  FeedPoints all(blades.size());
-  in_blocks(blades.size(), [&](std::size_t from, std::size_t to) {
-    const elastica::PartPoints points =
-        elastica::sample_parts(blades.subspan(from, to - from), foam.subspan(from, to - from), kFeedPoints);
-    for (std::size_t i = from; i < to; ++i) {
-      if (!(foam[i].last > foam[i].first)) continue;
-      for (std::size_t k = 0; k < kFeedPoints; ++k) {
-        const Eigen::Vector2d q = points.at(i - from, k);
-        all[i].push_back(frames[i].point(q.x(), q.y()));
-      }
-    }
-  });
-  return all;
-}
-
-std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& strip) {
-  std::vector<double> parameters;
-  for (int i = 0; i <= stretch.samples; ++i) parameters.push_back(static_cast<double>(i) / stretch.samples);
-  const ClampedShapes all = clamped(shapes_at(stretch, parameters), strip);
-  std::vector<elastica::Elastica> blades;
-  std::vector<elastica::Part> foam;
-  for (const BladeShape& shape : all.shapes) {
-    blades.push_back(shape.blade);
-    foam.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
-  }
-  FeedPoints in_foam = feed_points(blades, foam, all.frames);
-  std::vector<PathSample> samples;
-  for (std::size_t i = 0; i < all.pairs.size(); ++i)
-    samples.push_back({all.pairs[i].a, all.pairs[i].b, std::move(in_foam[i])});
-  return samples;
-}
-
-Eigen::Vector3d turn_rate(const Pose& p, const Pose& q, double dt) {
-  Eigen::Quaterniond d = q.q * p.q.conjugate();
-  if (d.w() < 0) d.coeffs() = -d.coeffs();
-  return 2 / dt * d.vec();  // the angle between waypoints is far below a degree: sine and angle agree to 1e-6
-}
-
-// Largest share of an acceleration limit that the waypoints of a law use, by second differences at its even
-// step.
-double acceleration_use(const std::vector<ClampPoses>& pairs, const TimeLaw& law,
-                        const MotionSettings& limits) {
-  double use = 0;
-  for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
-    for (std::size_t i = 1; i <= pairs.size(); ++i) {
-      // Behind the last waypoint the clamps stand still.
-      const Pose& p = pairs[i - 1].*clamp;
-      const Pose& q = pairs[std::min(i, pairs.size() - 1)].*clamp;
-      const Eigen::Vector3d v1 = (q.p - p.p) / law.step_s, w1 = turn_rate(p, q, law.step_s);
-      use = std::max({use, (v1 - v).norm() / law.step_s / limits.accel_mm_s2,
-                      (w1 - w).norm() / law.step_s / limits.angular_accel_rad_s2});
-      v = v1;
-      w = w1;
-    }
-  }
-  return use;
-}
-
-// A stretch at the waypoints of its time law.
-struct TimedStretch {
-  TimeLaw law;
-  ClampedShapes at;
-};
-
-// The fastest law whose waypoints, too, keep to the acceleration limits: where a path bends faster than its
-// samples show, the limits given to the law are lowered and it is made again.
-TimedStretch timed(const Stretch& stretch, const StripPlan& strip, const Settings& settings) {
-  const std::vector<PathSample> samples = path_samples(stretch, strip);
-  MotionSettings limits = settings.motion;
-  constexpr int kTries = 12;
-  constexpr double kUse = 0.95;
-  for (int i = 0;; ++i) {
-    TimeLaw law = fastest_time_law(samples, limits);
-    ClampedShapes at = clamped(shapes_at(stretch, law.sigma), strip);
-    const bool moves = law.duration_s > 0;
-    const double use = moves ? acceleration_use(at.pairs, law, settings.motion) : 0;
-    if (use <= kUse || i == kTries) return {std::move(law), std::move(at)};
-    limits.accel_mm_s2 *= kUse / use;
-    limits.angular_accel_rad_s2 *= kUse / use;
-  }
-}
 
 // The phase of a place in the cutting stretch.
 StripPhase cut_phase(double offset_mm, const SweepMarks& marks) {
@@ -215,13 +103,22 @@ struct Measured {
   double lowest = 1e300, highest = 0;
 };
 
-// Limits measured again from the finished waypoints, in the cell frame, by differences in time.
+// Limits measured again from the finished waypoints, in the cell frame, by the controller's differences in
+// time.
 Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
                  const MachineSettings& machine) {
   Measured m;
   for (const auto clamp : {&BladePose::a, &BladePose::b}) {
-    Eigen::Vector3d v = Eigen::Vector3d::Zero(), w = Eigen::Vector3d::Zero();
-    double dt = 1;
+    robot::ClampRates rates;
+    double dt = 0;  // of the step before; the strip starts from rest
+    const auto change_to = [&](const robot::ClampRates& then, double dt1) {
+      const robot::ClampAccelerations change =
+          robot::accelerations_between(rates, then, dt > 0 ? dt : dt1, dt1);
+      m.accel = std::max(m.accel, change.linear_mm_s2);
+      m.turn_accel = std::max(m.turn_accel, change.angular_rad_s2);
+      rates = then;
+      dt = dt1;
+    };
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const Eigen::Vector3d cell = transformed(strip.design_to_cell, poses[i].*clamp).p;
       m.aside = std::max({m.aside, std::abs(cell.x()) - machine.envelope_mm[0] / 2,
@@ -229,19 +126,14 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
       m.highest = std::max(m.highest, cell.z());
       m.lowest = std::min(m.lowest, cell.z());
       if (i == 0) continue;
-      dt = poses[i].t - poses[i - 1].t;
-      m.shortest_step = std::min(m.shortest_step, dt);
-      const Eigen::Vector3d v1 = ((poses[i].*clamp).p - (poses[i - 1].*clamp).p) / dt;
-      const Eigen::Vector3d w1 = turn_rate(poses[i - 1].*clamp, poses[i].*clamp, dt);
-      m.speed = std::max(m.speed, v1.norm());
-      m.turn = std::max(m.turn, w1.norm());
-      m.accel = std::max(m.accel, (v1 - v).norm() / dt);
-      m.turn_accel = std::max(m.turn_accel, (w1 - w).norm() / dt);
-      v = v1;
-      w = w1;
+      const double dt1 = poses[i].t - poses[i - 1].t;
+      m.shortest_step = std::min(m.shortest_step, dt1);
+      const robot::ClampRates then = robot::rates_between(poses[i - 1].*clamp, poses[i].*clamp, dt1);
+      m.speed = std::max(m.speed, then.linear.norm());
+      m.turn = std::max(m.turn, then.angular.norm());
+      change_to(then, dt1);
     }
-    m.accel = std::max(m.accel, v.norm() / dt);  // and to rest
-    m.turn_accel = std::max(m.turn_accel, w.norm() / dt);
+    if (dt > 0) change_to({}, dt);
   }
   return m;
 }
@@ -267,43 +159,12 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   constexpr double kLongest_s = 4294.0;
   at_most(Limit::kDuration, motion.poses.back().t, kLongest_s);
   at_most(Limit::kCommonPlane, motion.facts.off_plane_mm, robot::kMaxOffPlane_mm);
-  const auto at_least = [&](Limit limit, double value, double bound, const char* hint = "") {
-    if (!(value >= bound)) motion.refusals.push_back({strip.id, "", limit, value, bound, hint});
+  const auto at_least = [&](Limit limit, double value, double bound) {
+    if (!(value >= bound)) motion.refusals.push_back({strip.id, "", limit, value, bound});
   };
   constexpr double kShortestStep_s = 0.005, kTimeRounding_s = 1e-6;
   at_least(Limit::kMinDt, m.shortest_step, kShortestStep_s - kTimeRounding_s);
   at_least(Limit::kClampHeight, lowest, settings.stock.clearance_mm);
-  at_least(Limit::kSlowestFeed, motion.facts.slowest_feed_mm_s, settings.motion.min_feed_mm_s,
-           strip.planes.turns()
-               ? "the blade would melt too wide there: move slice.fan_axis away or lower motion.min_feed_mm_s"
-               : "");
-}
-
-// Slowest blade point in foam over the cut; the time law starts and stops outside the block. What of the
-// blade forms the design may change from pose to pose: where it does, the same points are looked at in both.
-double slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
-  std::vector<elastica::Elastica> blades;
-  std::vector<elastica::Part> foam;
-  std::vector<Frame> frames;
-  for (const BladePose& pose : poses) {
-    blades.push_back(pose.blade);
-    foam.push_back(pose.foam ? elastica::Part{(*pose.foam)[0], (*pose.foam)[1]} : elastica::Part{});
-    frames.push_back(pose.frame);
-  }
-  const FeedPoints in_foam = feed_points(blades, foam, frames);
-  FeedPoints before = in_foam;
-  if (same_points && poses.size() > 1) {
-    before = feed_points(std::span(blades).first(poses.size() - 1), std::span(foam).last(poses.size() - 1),
-                         std::span(frames).first(poses.size() - 1));
-  }
-  double slowest = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (!poses[i - 1].foam || !poses[i].foam) continue;
-    for (std::size_t k = 0; k < kFeedPoints; ++k) {
-      slowest = std::min(slowest, (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t));
-    }
-  }
-  return std::isfinite(slowest) ? slowest : 0;
 }
 
 }  // namespace
@@ -323,9 +184,15 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
     if (motion.poses[i].phase == StripPhase::kCut)
       motion.facts.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
   }
-  motion.facts.slowest_feed_mm_s = slowest_feed(motion.poses, !strip.formed.empty());
+  const SlowFeed slow = slowest_feed(motion.poses, !strip.formed.empty());
+  motion.facts.slowest_feed_mm_s = slow.slowest_mm_s;
   if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
   check_limits(strip, settings, motion);
+  if (!(slow.slowest_mm_s >= settings.motion.min_feed_mm_s)) {
+    Refuser refuse(strip, motion);
+    refuse(slow.pose, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
+           help_for(slow, motion.poses, strip.planes.turns(), settings.motion));
+  }
   check_blade(strip, settings, motion);
   return motion;
 }

@@ -5,59 +5,51 @@
 #include <limits>
 #include <stdexcept>
 
+#include "robot/pose/limits.hpp"
+#include "robot/pose/rates.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
 
-// Share of each acceleration limit that the law uses: the rest covers second differences of sampled,
-// quantised waypoints and the two terms of the chain rule meeting (0.5 for each of bending and speeding up).
-constexpr double kAccelShare = 0.6;
-constexpr double kBendShare = 0.5;
-// Share of each speed limit: covers differences of quantised times and positions.
-constexpr double kSpeedShare = 0.98;
+using Eigen::Vector3d;
 
-// First and second differences of one moving thing per path step, with its limits.
-struct Track {
-  std::vector<double> first, second;  // |p'| per step, |p''| per sample, by path index
+// Shares of the limits that a law begins with. Speeds: what differences of samples miss. Accelerations in
+// air: at travel speed the ramp of a hold adds two fifths of the usual limit (robot/pose/motion.hpp). In foam
+// feeds are slow, so that a ramp adds little.
+constexpr double kSpeedShare = 0.98, kAirShare = 0.6, kFoamShare = 0.95;
+
+// Squared rate where nothing limits it: a thousand million samples a second.
+constexpr double kFree = 1e18;
+
+// One moving thing with limits of its own: its way from each sample to the next.
+struct Moving {
+  std::vector<Vector3d> step;
   double speed = 0, accel = 0;
+
+  // Its first and second derivatives by the sample's number; it is at rest at both ends.
+  [[nodiscard]] Vector3d first(std::size_t i) const {
+    if (i == 0) return step.front();
+    return i == step.size() ? step.back() : Vector3d(0.5 * (step[i - 1] + step[i]));
+  }
+  [[nodiscard]] Vector3d second(std::size_t i) const {
+    return i == 0 || i == step.size() ? Vector3d::Zero() : Vector3d(step[i] - step[i - 1]);
+  }
 };
 
-double angle_between(const Eigen::Quaterniond& p, const Eigen::Quaterniond& q) {
-  return 2 * std::atan2((p.conjugate() * q).vec().norm(), std::abs((p.conjugate() * q).w()));
-}
-
-Eigen::Vector3d turn(const Eigen::Quaterniond& p, const Eigen::Quaterniond& q) {
-  Eigen::Quaterniond d = q * p.conjugate();
-  if (d.w() < 0) d.coeffs() = -d.coeffs();
-  const double s = d.vec().norm();
-  return s > 0 ? Eigen::Vector3d(d.vec() / s * 2 * std::atan2(s, d.w())) : Eigen::Vector3d::Zero();
-}
-
-Track clamp_track(const std::vector<PathSample>& samples, robot::Pose PathSample::*clamp,
-                  const MotionSettings& l) {
-  Track t{{}, std::vector<double>(samples.size(), 0.0), l.travel_mm_s, l.accel_mm_s2};
+std::array<Moving, kTracks> moving_things(const std::vector<PathSample>& samples, const MotionSettings& l) {
+  std::array<Moving, kTracks> all;
+  for (const Track t : {kPlaceA, kPlaceB}) all[t] = {{}, l.travel_mm_s, l.accel_mm_s2};
+  for (const Track t : {kTurnA, kTurnB}) all[t] = {{}, l.angular_rad_s, l.angular_accel_rad_s2};
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    t.first.push_back(((samples[i + 1].*clamp).p - (samples[i].*clamp).p).norm());
-    if (i > 0) {
-      t.second[i] =
-          ((samples[i + 1].*clamp).p - 2 * (samples[i].*clamp).p + (samples[i - 1].*clamp).p).norm();
-    }
+    const robot::ClampRates a = robot::rates_between(samples[i].a, samples[i + 1].a, 1),
+                            b = robot::rates_between(samples[i].b, samples[i + 1].b, 1);
+    all[kPlaceA].step.push_back(a.linear);
+    all[kPlaceB].step.push_back(b.linear);
+    all[kTurnA].step.push_back(a.angular);
+    all[kTurnB].step.push_back(b.angular);
   }
-  return t;
-}
-
-Track turning_track(const std::vector<PathSample>& samples, robot::Pose PathSample::*clamp,
-                    const MotionSettings& l) {
-  Track t{{}, std::vector<double>(samples.size(), 0.0), l.angular_rad_s, l.angular_accel_rad_s2};
-  for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
-    t.first.push_back(angle_between((samples[i].*clamp).q, (samples[i + 1].*clamp).q));
-    if (i > 0) {
-      t.second[i] = (turn((samples[i].*clamp).q, (samples[i + 1].*clamp).q) -
-                     turn((samples[i - 1].*clamp).q, (samples[i].*clamp).q))
-                        .norm();
-    }
-  }
-  return t;
+  return all;
 }
 
 // The fastest point of the blade in foam.
@@ -69,69 +61,159 @@ double foam_step(const PathSample& a, const PathSample& b) {
   return step;
 }
 
-// Squared path rates (per index step, 1/s^2) at the samples: capped, then made reachable from both ends.
-std::vector<double> squared_rates(const std::vector<PathSample>& samples, const std::vector<Track>& tracks,
-                                  const MotionSettings& limits) {
+// Largest squared path rates (samples a second) that the speeds allow.
+std::vector<double> speed_caps(const std::vector<PathSample>& samples,
+                               const std::array<Moving, kTracks>& moving, const MotionSettings& limits,
+                               const LawShares& shares) {
   const std::size_t n = samples.size();
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  std::vector<double> cap(n, kInf);
+  std::vector<double> cap(n, kFree);
   for (std::size_t i = 0; i + 1 < n; ++i) {
-    double rate = kInf;
-    for (const Track& t : tracks) {
-      if (t.first[i] > 0) rate = std::min(rate, kSpeedShare * t.speed / t.first[i]);
+    double rate = std::sqrt(kFree);
+    for (const Moving& m : moving) {
+      const double way = m.step[i].norm();
+      if (way > 0) rate = std::min(rate, kSpeedShare * m.speed / way);
     }
     const double foam = foam_step(samples[i], samples[i + 1]);
     if (foam > 0) rate = std::min(rate, limits.feed_mm_s / foam);
     cap[i] = std::min(cap[i], rate * rate);
     cap[i + 1] = std::min(cap[i + 1], rate * rate);
   }
-  for (const Track& t : tracks) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (t.second[i] > 0) cap[i] = std::min(cap[i], kAccelShare * kBendShare * t.accel / t.second[i]);
+  for (std::size_t i = 0; i < n; ++i) cap[i] *= shares.rate2[i];
+  cap.front() = cap.back() = 0;
+  return cap;
+}
+
+// The path accelerations allowed; none where low > high.
+struct Interval {
+  double low = 0, high = 0;
+  [[nodiscard]] bool empty() const { return !(low <= high); }
+};
+
+// |p u + q x| <= most, of a path acceleration u at a squared rate x.
+struct Bound {
+  double pp = 0, pq = 0, qq = 0, most = 0;
+
+  Bound() = default;
+  Bound(const Vector3d& p, const Vector3d& q, double limit)
+      : pp(p.squaredNorm()), pq(p.dot(q)), qq(q.squaredNorm()), most(limit) {}
+
+  void narrow(Interval& u, double x) const {
+    const double b = pq * x, c = qq * x * x - most * most;
+    const double under_root = b * b - pp * c;
+    if (under_root < 0 || (pp == 0 && c > 0)) {
+      u.high = u.low - 1;
+      return;
+    }
+    if (pp == 0) return;
+    const double root = std::sqrt(under_root);
+    u.low = std::max(u.low, (-b - root) / pp);
+    u.high = std::min(u.high, (-b + root) / pp);
+  }
+};
+
+// What bounds the path acceleration of the step behind a sample, by its rate: each clamp's accelerations at
+// both ends of the step.
+using StepBounds = std::array<Bound, 2 * kTracks>;
+
+std::vector<StepBounds> step_bounds(const std::array<Moving, kTracks>& moving, const LawShares& shares) {
+  std::vector<StepBounds> all(moving.front().step.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t t = 0; t < kTracks; ++t) {
+      const Moving& m = moving[t];
+      const Vector3d bend = m.second(i), then = m.second(i + 1);
+      all[i][2 * t] = Bound(m.first(i), bend, shares.accel[t][i] * m.accel);
+      // The squared rate at the end is x + 2 u.
+      all[i][2 * t + 1] = Bound(m.first(i + 1) + 2 * then, then, shares.accel[t][i + 1] * m.accel);
     }
   }
-  const auto push = [&](std::size_t step) {
-    double most = kInf;  // of path acceleration over this step
-    for (const Track& t : tracks) {
-      if (t.first[step] > 0) most = std::min(most, kAccelShare * (1 - kBendShare) * t.accel / t.first[step]);
-    }
-    return most;
-  };
-  cap.front() = cap.back() = 0;
-  for (std::size_t i = 0; i + 1 < n; ++i) cap[i + 1] = std::min(cap[i + 1], cap[i] + 2 * push(i));
-  for (std::size_t i = n - 1; i > 0; --i) cap[i - 1] = std::min(cap[i - 1], cap[i] + 2 * push(i - 1));
-  return cap;
+  return all;
+}
+
+// Path accelerations from a squared rate x at the step's beginning to at most `most` at its end.
+Interval allowed(const StepBounds& bounds, double x, double most) {
+  Interval u{-0.5 * x, 0.5 * (most - x)};
+  for (const Bound& bound : bounds) {
+    if (u.empty()) break;
+    bound.narrow(u, x);
+  }
+  return u;
+}
+
+// The largest squared rate up to `cap` from which the step's end is reached with at most `most`. Rates and
+// path accelerations that hold all bounds are a convex set around rest, so that bisection finds it.
+double largest_rate2(const StepBounds& bounds, double cap, double most) {
+  if (!allowed(bounds, cap, most).empty()) return cap;
+  double good = 0, bad = cap;
+  constexpr double kClose = 1e-4;
+  while (bad - good > kClose * bad && bad > std::numeric_limits<double>::min()) {
+    // Rates differ by orders of magnitude: the middle by size while nothing is known to hold.
+    const double x = good > 0 ? 0.5 * (good + bad) : 0.1 * bad;
+    (allowed(bounds, x, most).empty() ? bad : good) = x;
+  }
+  return good;
+}
+
+std::vector<double> squared_rates(std::vector<double> most, const std::vector<StepBounds>& bounds) {
+  for (std::size_t i = bounds.size(); i-- > 0;) most[i] = largest_rate2(bounds[i], most[i], most[i + 1]);
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const Interval u = allowed(bounds[i], most[i], most[i + 1]);
+    // Empty by rounding alone.
+    if (!u.empty()) most[i + 1] = std::min(most[i + 1], std::max(0.0, most[i] + 2 * u.high));
+  }
+  return most;
+}
+
+// An even step in whole microseconds: times are those of the waypoints.
+void set_step(TimeLaw& law, double duration_s, double longest_s) {
+  constexpr double kMicro = 1e-6;
+  const double least_us = robot::MotionLimits{}.min_dt_us;
+  const double most_us = std::max(least_us, std::floor(longest_s / kMicro + 1e-6));
+  const double steps = std::max(1.0, std::ceil(duration_s / kMicro / most_us));
+  law.step_s = std::max(least_us, std::ceil(duration_s / kMicro / steps)) * kMicro;
+  law.duration_s = law.step_s * steps;
+  law.sigma.resize(static_cast<std::size_t>(steps) + 1);
 }
 
 }  // namespace
 
-TimeLaw fastest_time_law(const std::vector<PathSample>& samples, const MotionSettings& limits) {
-  if (samples.size() < 3) throw std::logic_error("a time law needs at least 3 samples");
-  const std::vector<Track> tracks{
-      clamp_track(samples, &PathSample::a, limits), clamp_track(samples, &PathSample::b, limits),
-      turning_track(samples, &PathSample::a, limits), turning_track(samples, &PathSample::b, limits)};
-  const std::vector<double> rate2 = squared_rates(samples, tracks, limits);
+LawShares first_shares(const std::vector<PathSample>& samples) {
+  LawShares shares{std::vector<double>(samples.size(), 1.0), {}};
+  std::vector<double> accel;
+  for (const PathSample& sample : samples) accel.push_back(sample.in_foam.empty() ? kAirShare : kFoamShare);
+  shares.accel.fill(accel);
+  return shares;
+}
+
+TimeLaw fastest_time_law(const std::vector<PathSample>& samples, const MotionSettings& limits,
+                         const LawShares& shares) {
   const std::size_t n = samples.size();
-  std::vector<double> time(n, 0.0);
-  for (std::size_t i = 0; i + 1 < n; ++i) {
-    const double mean = 0.5 * (std::sqrt(rate2[i]) + std::sqrt(rate2[i + 1]));
-    time[i + 1] = time[i] + (std::isfinite(mean) && mean > 0 ? 1 / mean : 0);
-  }
+  if (n < 3) throw std::logic_error("a time law needs at least 3 samples");
+  if (shares.rate2.size() != n ||
+      std::any_of(shares.accel.begin(), shares.accel.end(), [n](const auto& s) { return s.size() != n; }))
+    throw std::logic_error("a time law needs a share for each sample");
+  const std::array<Moving, kTracks> moving = moving_things(samples, limits);
   TimeLaw law;
-  law.duration_s = time.back();
-  if (!(law.duration_s > 0)) {
+  const auto moves = [](const Moving& m) {
+    return std::any_of(m.step.begin(), m.step.end(), [](const Vector3d& s) { return s.squaredNorm() > 0; });
+  };
+  if (std::none_of(moving.begin(), moving.end(), moves)) {
     law.sigma = {0, 1};
     return law;
   }
-  const auto steps = static_cast<std::size_t>(std::max(1.0, std::ceil(law.duration_s / limits.waypoint_s)));
-  law.step_s = law.duration_s / static_cast<double>(steps);
+  const std::vector<double> rate2 =
+      squared_rates(speed_caps(samples, moving, limits, shares), step_bounds(moving, shares));
+  std::vector<double> time(n, 0.0);
+  for (std::size_t i = 0; i + 1 < n; ++i)
+    time[i + 1] = time[i] + 2 / (std::sqrt(rate2[i]) + std::sqrt(rate2[i + 1]));
+  set_step(law, time.back(), limits.waypoint_s);
+  const double share = time.back() / law.duration_s;
   std::size_t i = 0;
-  for (std::size_t k = 0; k <= steps; ++k) {
-    const double t = law.step_s * static_cast<double>(k);
+  for (std::size_t k = 0; k < law.sigma.size(); ++k) {
+    const double t = share * law.step_s * static_cast<double>(k);
     while (i + 2 < n && time[i + 1] < t) ++i;
     const double tau = t - time[i], v0 = std::sqrt(rate2[i]), accel = 0.5 * (rate2[i + 1] - rate2[i]);
     const double inside = std::clamp(v0 * tau + 0.5 * accel * tau * tau, 0.0, 1.0);
-    law.sigma.push_back((static_cast<double>(i) + inside) / static_cast<double>(n - 1));
+    law.sigma[k] = (static_cast<double>(i) + inside) / static_cast<double>(n - 1);
   }
   law.sigma.back() = 1;
   return law;

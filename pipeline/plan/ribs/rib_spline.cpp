@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/plan/ribs/fade.hpp"
+
 namespace hotblade::pipeline {
 
 RibSpline::RibSpline(std::span<const RibFit> ribs)
@@ -28,9 +30,21 @@ elastica::Elastica RibSpline::at(double offset_mm) const {
   return elastica::from_mid_state(mid_at(offset_mm));
 }
 
+RibSpline::Values RibSpline::values_at(double offset_mm) const {
+  constexpr Eigen::Index kLength = 6;
+  const double inside = std::clamp(offset_mm, first_, last_), w = (inside - first_) / (last_ - first_);
+  if (inside == offset_mm) return spline_(w);
+  const double past = faded_mm(offset_mm - inside) / (last_ - first_);
+  const auto at_end = spline_.derivatives(w, 2);
+  Values values = at_end.col(0) + past * at_end.col(1) + 0.5 * past * past * at_end.col(2);
+  // A rib that gets shorter has some length left.
+  const double length = at_end(kLength, 0), more = past * at_end(kLength, 1);
+  values[kLength] = more < 0 ? length * std::exp(more / length) : length + more;
+  return values;
+}
+
 elastica::MidState RibSpline::mid_at(double offset_mm) const {
-  const double w = std::clamp((offset_mm - first_) / (last_ - first_), 0.0, 1.0);
-  const Eigen::Matrix<double, 7, 1> m = spline_(w);
+  const Values m = values_at(offset_mm);
   return {m[0], m[1], m[2], m[3], m[4], m[5], m[6]};
 }
 

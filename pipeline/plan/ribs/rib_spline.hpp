@@ -14,12 +14,15 @@ class RibSpline {
   // Takes at least 2 ribs, offsets strictly ascending.
   explicit RibSpline(std::span<const RibFit> ribs);
 
-  // Return the shape at an offset, whole or as the state at its middle; before the first and behind the last
-  // rib that of the end.
+  // Return the shape at an offset, whole or as the state at its middle. Before the first and behind the last
+  // rib it changes on as it did, ever less, and no more from kFadeMm on (fade.hpp).
   [[nodiscard]] elastica::Elastica at(double offset_mm) const;
   [[nodiscard]] elastica::MidState mid_at(double offset_mm) const;
 
  private:
+  using Values = Eigen::Matrix<double, 7, 1>;
+  [[nodiscard]] Values values_at(double offset_mm) const;
+
   Eigen::Spline<double, 7> spline_;
   double first_ = 0, last_ = 0;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/plan/ribs/fade.hpp"
+
 namespace hotblade::pipeline {
 
 DesignPart StripPlan::formed_at(double offset_mm) const {
@@ -37,10 +39,7 @@ Frame StripPlan::swept_plane(double offset_mm) const {
   if (!planes.turns()) return plane(offset_mm);
   const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
   const double inside = std::clamp(offset_mm, first, last), outside = offset_mm - inside;
-  // Turning fades out over this way: half of it is turned, the rest goes straight on.
-  constexpr double kFadeMm = 10;
-  const double u = std::min(1.0, std::abs(outside) / kFadeMm);
-  const double turned = std::copysign(kFadeMm * (u - u * u * u + 0.5 * u * u * u * u), outside);
+  const double turned = faded_mm(outside);  // the rest goes straight on
   Frame frame = plane(inside + turned);
   frame.origin += (outside - turned) * planes.normal(inside);
   return frame;

@@ -40,7 +40,6 @@ TEST(Remedies, NameSettingAndNumberByLimit) {
       {refusal(Limit::kRibRadius, 56, 70), "blade.thickness_mm", "0.4 mm"},
       {refusal(Limit::kBendingStress, 700, 673), "blade.thickness_mm", "0.48 mm"},
       {refusal(Limit::kSlowestFeed, 0.777, 1), "motion.min_feed_mm_s", "0.77 mm/s"},
-      {refusal(Limit::kSpeed, 140, 100), "motion.feed_mm_s", "5 mm/s"},
       {refusal(Limit::kClampHeight, 30.5, 40), "machine.plinth_mm", "160 mm"},
       {refusal(Limit::kBlockEdge, 1300.5, 1200), "stock.max_size_mm", "1301 mm"},
       {refusal(Limit::kRibLength, 640, 600), "blade.free_lengths_mm", "750 mm"},

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace hotblade::pipeline {
 namespace {
@@ -26,11 +27,15 @@ Eigen::Vector3d wave(double u) {
   return {300 * u, 20 * std::sin(12 * u), 0};
 }
 
+TimeLaw law_of(const std::vector<PathSample>& samples, const MotionSettings& limits) {
+  return fastest_time_law(samples, limits, first_shares(samples));
+}
+
 TEST(FastestTimeLaw, TakesTheTrapezoidsTimeOnALine) {
   MotionSettings limits;
-  const TimeLaw law = fastest_time_law(path(600, line, false), limits);
-  // Shares of the limits that the law leaves for sampling: 98% of the speed, 30% of the acceleration.
-  const double v = 0.98 * limits.travel_mm_s, a = 0.3 * limits.accel_mm_s2;
+  const TimeLaw law = law_of(path(600, line, false), limits);
+  // Shares of the limits that the law uses in air: 98% of the speed, 60% of the acceleration.
+  const double v = 0.98 * limits.travel_mm_s, a = 0.6 * limits.accel_mm_s2;
   EXPECT_NEAR(law.duration_s, 300 / v + v / a, 0.02);
   EXPECT_EQ(law.sigma.front(), 0);
   EXPECT_EQ(law.sigma.back(), 1);
@@ -39,7 +44,7 @@ TEST(FastestTimeLaw, TakesTheTrapezoidsTimeOnALine) {
 
 TEST(FastestTimeLaw, HoldsTheFeedAtTheFastestPointInFoam) {
   MotionSettings limits;
-  const TimeLaw law = fastest_time_law(path(600, line, true), limits);
+  const TimeLaw law = law_of(path(600, line, true), limits);
   double fastest = 0;
   for (std::size_t i = 1; i < law.sigma.size(); ++i) {
     fastest = std::max(fastest, 600 * (law.sigma[i] - law.sigma[i - 1]) / law.step_s);
@@ -50,7 +55,7 @@ TEST(FastestTimeLaw, HoldsTheFeedAtTheFastestPointInFoam) {
 
 TEST(FastestTimeLaw, WaypointsKeepSpeedAndAccelerationOnACurvedPath) {
   MotionSettings limits;
-  const TimeLaw law = fastest_time_law(path(1000, wave, false), limits);
+  const TimeLaw law = law_of(path(1000, wave, false), limits);
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
   double speed = 0, accel = 0;
   for (std::size_t i = 1; i <= law.sigma.size(); ++i) {
@@ -66,10 +71,81 @@ TEST(FastestTimeLaw, WaypointsKeepSpeedAndAccelerationOnACurvedPath) {
 }
 
 TEST(FastestTimeLaw, OfAPathThatStandsStillTakesNoTime) {
-  const TimeLaw law = fastest_time_law(path(
-                                           10, [](double) { return Eigen::Vector3d(1, 2, 3); }, false),
-                                       {});
+  const TimeLaw law = law_of(path(
+                                 10, [](double) { return Eigen::Vector3d(1, 2, 3); }, false),
+                             {});
   EXPECT_EQ(law.duration_s, 0);
+}
+
+TEST(FastestTimeLaw, RunsACircleAtTheRateItsBendAllows) {
+  MotionSettings limits;
+  limits.travel_mm_s = 1000;
+  const double radius = 20, turns = 20;
+  const TimeLaw law = law_of(path(
+                                 4000,
+                                 [&](double u) {
+                                   const double phi = 2 * M_PI * turns * u;
+                                   return Eigen::Vector3d(radius * std::cos(phi), radius * std::sin(phi), 0);
+                                 },
+                                 false),
+                             limits);
+  const double v = std::sqrt(0.6 * limits.accel_mm_s2 * radius), length = 2 * M_PI * turns * radius;
+  EXPECT_GT(law.duration_s, length / v);
+  EXPECT_LT(law.duration_s, length / v + v / (0.6 * limits.accel_mm_s2) * 2);
+}
+
+// A right angle, rounded by a millimetre, in the middle of two straight lines.
+Eigen::Vector3d corner(double u) {
+  const double s = 300 * (u - 0.5), bend = 0.5 * M_PI, r = 1;
+  if (s < 0) return {s, 0, 0};
+  if (s < r * bend) return {r * std::sin(s / r), r * (1 - std::cos(s / r)), 0};
+  return {r, r + s - r * bend, 0};
+}
+
+TEST(FastestTimeLaw, SlowsAtACornerAndNotOnTheWayToIt) {
+  const MotionSettings limits;
+  const TimeLaw law = law_of(path(6000, corner, false), limits);
+  const double v = 0.98 * limits.travel_mm_s, a = 0.6 * limits.accel_mm_s2;
+  // From rest and to rest, and down to a stop and up again at the worst.
+  EXPECT_GT(law.duration_s, 300 / v + v / a);
+  EXPECT_LT(law.duration_s, 300 / v + 2 * v / a);
+}
+
+TEST(FastestTimeLaw, StepsAreWholeMicrosecondsThatAControllerTakes) {
+  for (const double waypoint_s : {0.05, 0.0333333, 0.00777, 0.005}) {
+    MotionSettings limits;
+    limits.waypoint_s = waypoint_s;
+    for (const double travel : {1.0, 9.9, 100.0}) {
+      limits.travel_mm_s = travel;
+      const TimeLaw law = law_of(path(300, wave, false), limits);
+      EXPECT_GE(law.step_s, 0.005 - 1e-12);
+      EXPECT_LE(law.step_s, waypoint_s + 1e-9);
+      EXPECT_NEAR(law.step_s * 1e6, std::round(law.step_s * 1e6), 1e-6);
+      EXPECT_NEAR(law.duration_s, law.step_s * static_cast<double>(law.sigma.size() - 1), 1e-9);
+    }
+  }
+}
+
+TEST(FastestTimeLaw, GivesAPathThatHardlyMovesTheShortestStep) {
+  const TimeLaw law = law_of(path(
+                                 10, [](double u) { return Eigen::Vector3d(1e-9 * u, 0, 0); }, false),
+                             {});
+  EXPECT_EQ(law.sigma.size(), 2U);
+  EXPECT_EQ(law.duration_s, 0.005);
+}
+
+TEST(FastestTimeLaw, SlowsByTheSharesGivenAndOnlyWhereTheyAre) {
+  const MotionSettings limits;
+  const auto samples = path(1000, line, false);
+  LawShares shares = first_shares(samples);
+  for (std::size_t i = 450; i <= 550; ++i) shares.rate2[i] *= 0.25;
+  const TimeLaw slowed = fastest_time_law(samples, limits, shares), usual = law_of(samples, limits);
+  // 30 mm at half the rate, and the way down to it and up again.
+  const double v = 0.98 * limits.travel_mm_s, a = 0.6 * limits.accel_mm_s2;
+  EXPECT_NEAR(slowed.duration_s - usual.duration_s, 30 / v + 2 * (v / 2) * (v / 2) / (2 * a * v), 0.03);
+  LawShares few = shares;
+  few.accel[kTurnB].pop_back();
+  EXPECT_THROW((void)fastest_time_law(samples, limits, few), std::logic_error);
 }
 
 }  // namespace

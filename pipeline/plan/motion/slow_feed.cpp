@@ -1,0 +1,107 @@
+#include "pipeline/plan/motion/slow_feed.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "pipeline/plan/motion/timed_stretch.hpp"
+#include "robot/pose/rates.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// One limit of the clamps: how much of it is used, and by which power of the feed that grows.
+struct Held {
+  double use = 0;
+  int power = 1;
+  const char* name = "";
+  const char* key = "";
+  const char* unit = "";
+  double limit = 0;
+};
+
+// What the clamps use most of on both sides of a pose: the law slows the blade before it reaches what holds
+// it.
+Held most_used(const std::vector<BladePose>& poses, std::size_t pose, const MotionSettings& motion) {
+  constexpr std::size_t kAbout = 3;
+  const std::size_t from = pose > kAbout ? pose - kAbout : 0, to = std::min(pose + kAbout, poses.size() - 1);
+  std::vector<Held> all{
+      {0, 1, "speed", "motion.travel_mm_s", "mm/s", motion.travel_mm_s},
+      {0, 1, "angular speed", "motion.angular_rad_s", "rad/s", motion.angular_rad_s},
+      {0, 2, "acceleration", "motion.accel_mm_s2", "mm/s2", motion.accel_mm_s2},
+      {0, 2, "angular acceleration", "motion.angular_accel_rad_s2", "rad/s2", motion.angular_accel_rad_s2}};
+  for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+    for (std::size_t i = from + 1; i < to; ++i) {
+      const double dt0 = poses[i].t - poses[i - 1].t, dt1 = poses[i + 1].t - poses[i].t;
+      const robot::ClampRates before = robot::rates_between(poses[i - 1].*clamp, poses[i].*clamp, dt0),
+                              then = robot::rates_between(poses[i].*clamp, poses[i + 1].*clamp, dt1);
+      const robot::ClampAccelerations change = robot::accelerations_between(before, then, dt0, dt1);
+      const std::array<double, 4> is{then.linear.norm(), then.angular.norm(), change.linear_mm_s2,
+                                     change.angular_rad_s2};
+      for (std::size_t k = 0; k < all.size(); ++k) all[k].use = std::max(all[k].use, is[k] / all[k].limit);
+    }
+  }
+  return *std::max_element(all.begin(), all.end(),
+                           [](const Held& p, const Held& q) { return p.use < q.use; });
+}
+
+}  // namespace
+
+SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> foam;
+  std::vector<Frame> frames;
+  for (const BladePose& pose : poses) {
+    blades.push_back(pose.blade);
+    foam.push_back(pose.foam ? elastica::Part{(*pose.foam)[0], (*pose.foam)[1]} : elastica::Part{});
+    frames.push_back(pose.frame);
+  }
+  const FeedPoints in_foam = feed_points(blades, foam, frames);
+  FeedPoints before = in_foam;
+  if (same_points && poses.size() > 1) {
+    before = feed_points(std::span(blades).first(poses.size() - 1), std::span(foam).last(poses.size() - 1),
+                         std::span(frames).first(poses.size() - 1));
+  }
+  SlowFeed slow{std::numeric_limits<double>::infinity(), 0, 0};
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (!poses[i - 1].foam || !poses[i].foam) continue;
+    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;
+    for (std::size_t k = 0; k < kFeedPoints; ++k) {
+      const double feed = (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t);
+      slowest = std::min(slowest, feed);
+      fastest = std::max(fastest, feed);
+    }
+    if (slowest < slow.slowest_mm_s) slow = {slowest, fastest, i};
+  }
+  return std::isfinite(slow.slowest_mm_s) ? slow : SlowFeed{};
+}
+
+std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses, bool planes_turn,
+                     const MotionSettings& motion) {
+  // The fastest point has the feed there, or else the clamps hold the blade back.
+  constexpr double kAtFeed = 0.9;
+  if (slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s || !(slow.slowest_mm_s > 0)) {
+    const std::string why = fmt::format(
+        "the blade turns there, its fastest point goes at {:.3g} mm/s, and it would melt too wide: ",
+        slow.fastest_mm_s);
+    return why + (planes_turn ? "move slice.fan_axis away or lower motion.min_feed_mm_s"
+                              : "another slice.direction or a lower motion.min_feed_mm_s");
+  }
+  const Held held = most_used(poses, slow.pose, motion);
+  // A tenth more, as the law leaves a little of each limit.
+  constexpr double kMore = 1.1;
+  const double needed = kMore * held.limit *
+                        std::pow(motion.min_feed_mm_s / slow.slowest_mm_s, static_cast<double>(held.power));
+  return fmt::format(
+      "the clamps' {} holds the blade back there, and it would melt too wide: {} of {:.2g} {} where the "
+      "machine can, "
+      "another slice.direction, or a lower motion.min_feed_mm_s",
+      held.name, held.key, needed, held.unit);
+}
+
+}  // namespace hotblade::pipeline

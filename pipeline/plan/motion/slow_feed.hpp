@@ -1,0 +1,26 @@
+// Where foam would melt too wide: the slowest point of the blade while it cuts.
+#pragma once
+
+#include <string>
+
+#include "pipeline/plan/motion/motion.hpp"
+
+namespace hotblade::pipeline {
+
+// The slowest blade point in foam of a cut.
+struct SlowFeed {
+  double slowest_mm_s = 0;
+  double fastest_mm_s = 0;  // of the blade's points at the same place
+  std::size_t pose = 0;     // at the end of the step
+};
+
+// Returns it over the poses that cut; a slowest feed of 0 where none does. What of the blade forms the design
+// may change from pose to pose: with `same_points` the same points are looked at in both.
+[[nodiscard]] SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points);
+
+// Returns what would help a blade that is too slow there: where it turns about a place near it, another way
+// of slicing; where a limit of the clamps holds it back, that limit by name and what it would have to be.
+[[nodiscard]] std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses,
+                                   bool planes_turn, const MotionSettings& motion);
+
+}  // namespace hotblade::pipeline
