@@ -1,34 +1,36 @@
 #include "elastica/bezier/lambda_residual.hpp"
 
 #include <Eigen/Dense>
-#include <boost/math/quadrature/gauss.hpp>
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "elastica/kernels/lambda_residual.h"
+#include "elastica/kernels/graded_residual.h"
 
 namespace hotblade::elastica {
 
 namespace {
 
-constexpr int kNodes = 24;
-struct Nodes {
-  std::array<double, kNodes> t{}, w{};
-  Nodes() {
-    using Gauss = boost::math::quadrature::gauss<double, kNodes>;
-    const auto& x = Gauss::abscissa();
-    const auto& g = Gauss::weights();
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      t[2 * i] = 0.5 * (1 - x[i]);
-      t[2 * i + 1] = 0.5 * (1 + x[i]);
-      w[2 * i] = w[2 * i + 1] = 0.5 * g[i];
-    }
-  }
+using Column = Eigen::VectorXd;
+
+// A column of values at all nodes each, times the square root of ds.
+struct Columns {
+  explicit Columns(Eigen::Index nodes) : one(nodes), x(nodes), y(nodes), kappa(nodes) {}
+  Column one, x, y, kappa;
 };
 
-using Column = Eigen::Matrix<double, kNodes, 1>;
-
-struct Columns {
-  Column one, x, y, kappa;
+// Parameters t and weights of all nodes.
+struct Nodes {
+  std::vector<double> t, w;
+  // Adds the Gauss rule of 24 nodes from one u = t - 1/2 to another.
+  void add_panel(double from, double to) {
+    for (const auto& node : hb_gauss) {
+      for (const double sign : {-1.0, 1.0}) {
+        t.push_back(0.5 + 0.5 * (from + to) + sign * node[0] * (to - from));
+        w.push_back(node[HB_GAUSS_WEIGHT] * (to - from));
+      }
+    }
+  }
 };
 
 struct Affine {
@@ -69,31 +71,51 @@ Affine fit_affine(const Columns& c) {
   return a;
 }
 
-// As the batch kernels decide it.
-ResidualStatus status_of(const Bezier& b) {
+// Legs in a unit frame, and what the batch kernels say of them: status, bound, and the panels that they take.
+struct Kernel {
+  hb_residual residual{};
+  Nodes nodes;
+};
+
+Kernel kernel_of(const Bezier& b) {
   const Eigen::Vector2d d1 = b[1] - b[0], d2 = b[2] - b[0], d3 = b[3] - b[0];
   hb_legs legs{d1.x(), d1.y(), d2.x(), d2.y(), d3.x(), d3.y()};
   const double frame = hb_unit_frame(&legs);
-  if (frame != HB_RESIDUAL_OK) return static_cast<ResidualStatus>(frame);
+  Kernel k;
+  k.residual = hb_plain_residual(&legs, frame);
+  if (!hb_wants_panels(k.residual.bound, k.residual.status)) {
+    k.nodes.add_panel(-0.5, 0.5);
+    return k;
+  }
+  k.residual = hb_graded_residual(&legs, frame);
   const hb_cubic cubic = hb_cubic_of_legs(&legs);
-  return static_cast<ResidualStatus>(hb_residual_status(&legs, &cubic));
+  const hb_speed_roots roots = hb_speed_roots_of(&cubic, 0);
+  double from = -0.5;
+  for (int i = 0; i < HB_MOST_PANELS && from < 0.5; ++i) {
+    const double to = hb_panel_end(&roots, from);
+    k.nodes.add_panel(from, to);
+    from = to;
+  }
+  return k;
 }
 
 }  // namespace
 
 LambdaResidual lambda_residual(const Bezier& b) {
-  static const Nodes nodes;
+  const Kernel kernel = kernel_of(b);
   LambdaResidual result;
-  result.status = status_of(b);
+  result.status = static_cast<ResidualStatus>(kernel.residual.status);
   if (result.status != ResidualStatus::kOk) return result;
+  result.bound = kernel.residual.bound;
   // Rows sqrt(ds) (1, x, y | kappa), from the first point, in units of the polygon.
   const double polygon = (b[1] - b[0]).norm() + (b[2] - b[1]).norm() + (b[3] - b[2]).norm();
   const Bezier from_start{b[0] - b[0], b[1] - b[0], b[2] - b[0], b[3] - b[0]};
-  Columns c;
-  for (int i = 0; i < kNodes; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    const BezierPoint p = evaluate(from_start, nodes.t[n]);
-    const double root = std::sqrt(nodes.w[n] * p.d1.norm() / polygon);
+  const std::size_t count = kernel.nodes.t.size();
+  Columns c(static_cast<Eigen::Index>(count));
+  for (std::size_t n = 0; n < count; ++n) {
+    const auto i = static_cast<Eigen::Index>(n);
+    const BezierPoint p = evaluate(from_start, kernel.nodes.t[n]);
+    const double root = std::sqrt(kernel.nodes.w[n] * p.d1.norm() / polygon);
     const Eigen::Vector2d r = p.p / polygon;
     c.one[i] = root;
     c.x[i] = root * r.x();

@@ -15,8 +15,9 @@ namespace hotblade::elastica {
 
 enum class ResidualStatus : std::uint8_t {
   kOk,
-  kStraight,   // the control points lie on a line: e = 0 by definition
-  kCusp,       // the derivative vanishes, at an end of zero edge length or inside: Int kappa^2 ds diverges
+  kStraight,  // the control points lie on a line: e = 0 by definition
+  kCusp,  // the derivative vanishes, at an end of zero edge length or inside: Int kappa^2 ds diverges, and
+          // e goes to 1 as the curve nears this
   kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
@@ -27,12 +28,16 @@ enum class ResidualStatus : std::uint8_t {
 
 struct LambdaResidual {
   double value = 0;                            // e in [0, 1]
+  double bound = 0;                            // |value - e| at most
   double lambda1 = 0, lambda2 = 0, alpha = 0;  // kappa ~ alpha - lambda1 y + lambda2 x
   ResidualStatus status = ResidualStatus::kOk;
 };
 
-// The residual by 24-point Gauss quadrature; its error is below 1e-9 where the speed |B'| stays above a
-// tenth of its mean. elastica/bezier/residual_batch.hpp does many curves at once.
+// The residual by 24-point Gauss quadrature, on one panel where its error bound is below 1e-9, else on panels
+// graded towards the roots of B' (elastica/kernels/graded_residual.h). The bound holds quadrature and
+// rounding; it is below 1e-9 but for curves whose polygon is nearly straight or whose speed nearly vanishes,
+// of which the digits of the coordinates say less. elastica/bezier/residual_batch.hpp does many curves at
+// once.
 [[nodiscard]] LambdaResidual lambda_residual(const Bezier& bezier);
 
 // The elastica of the fitted (lambda1, lambda2, alpha), which starts at the Bezier's start with its tangent

@@ -33,11 +33,21 @@ std::size_t common_size(std::initializer_list<std::size_t> sizes) {
   return *sizes.begin();
 }
 
+// An empty span of bounds asks for none.
+std::size_t bound_size(const ResidualBatch& out) {
+  return out.bound.empty() ? out.e.size() : out.bound.size();
+}
+
+double* bound_data(const ResidualBatch& out) {
+  return out.bound.empty() ? nullptr : out.bound.data();
+}
+
 ResidualLanes lanes_of(const EdgeBatch& c, const ResidualBatch& out) {
   ResidualLanes lanes{};
   const double* const in[] = {c.a1.data(), c.a2.data(), c.l1.data(), c.l2.data()};
   std::copy(std::begin(in), std::end(in), lanes.in);
   lanes.e = out.e.data();
+  lanes.bound = bound_data(out);
   lanes.status = reinterpret_cast<std::uint8_t*>(out.status.data());
   return lanes;
 }
@@ -45,11 +55,13 @@ ResidualLanes lanes_of(const EdgeBatch& c, const ResidualBatch& out) {
 }  // namespace
 
 void lambda_residuals(const BezierBatch& c, const ResidualBatch& out, Simd simd) {
-  const std::size_t n = common_size({c.x0.size(), c.y0.size(), c.x1.size(), c.y1.size(), c.x2.size(),
-                                     c.y2.size(), c.x3.size(), c.y3.size(), out.e.size(), out.status.size()});
+  const std::size_t n =
+      common_size({c.x0.size(), c.y0.size(), c.x1.size(), c.y1.size(), c.x2.size(), c.y2.size(), c.x3.size(),
+                   c.y3.size(), out.e.size(), out.status.size(), bound_size(out)});
   const ResidualLanes lanes{{c.x0.data(), c.y0.data(), c.x1.data(), c.y1.data(), c.x2.data(), c.y2.data(),
                              c.x3.data(), c.y3.data()},
                             out.e.data(),
+                            bound_data(out),
                             reinterpret_cast<std::uint8_t*>(out.status.data()),
                             nullptr,
                             nullptr};
@@ -57,15 +69,15 @@ void lambda_residuals(const BezierBatch& c, const ResidualBatch& out, Simd simd)
 }
 
 void lambda_residuals(const EdgeBatch& c, const ResidualBatch& out, Simd simd) {
-  const std::size_t n =
-      common_size({c.a1.size(), c.a2.size(), c.l1.size(), c.l2.size(), out.e.size(), out.status.size()});
+  const std::size_t n = common_size(
+      {c.a1.size(), c.a2.size(), c.l1.size(), c.l2.size(), out.e.size(), out.status.size(), bound_size(out)});
   kernels(simd).edges(lanes_of(c, out), n);
 }
 
 void lambda_residual_gradients(const EdgeBatch& c, const ResidualBatch& out, std::span<double> by_l1,
                                std::span<double> by_l2, Simd simd) {
   const std::size_t n = common_size({c.a1.size(), c.a2.size(), c.l1.size(), c.l2.size(), out.e.size(),
-                                     out.status.size(), by_l1.size(), by_l2.size()});
+                                     out.status.size(), by_l1.size(), by_l2.size(), bound_size(out)});
   ResidualLanes lanes = lanes_of(c, out);
   lanes.by_l1 = by_l1.data();
   lanes.by_l2 = by_l2.data();

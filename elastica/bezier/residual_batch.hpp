@@ -1,9 +1,10 @@
 // Lambda-residuals of many cubic Beziers: structure of arrays, SIMD chosen at run time.
 //
-// e and status are those of lambda_residual (elastica/bezier/lambda_residual.hpp), to 1e-9 where e is well
-// determined; each curve's result depends on its own numbers and the instruction set alone, so splitting a
-// batch changes no bit. The functions do not allocate, and several threads may run them at once. All spans
-// of one call have the same size (std::logic_error).
+// e, status and bound are as in lambda_residual (elastica/bezier/lambda_residual.hpp); a curve for which 24
+// nodes do not bring the bound below 1e-9 takes graded panels, some five times as long. Each curve's result
+// depends on its own numbers and the instruction set alone, so splitting a batch changes no bit. The
+// functions do not allocate, and several threads may run them at once. All spans of one call have the same
+// size (std::logic_error).
 #pragma once
 
 #include <cstdint>
@@ -25,10 +26,12 @@ struct EdgeBatch {
   std::span<const double> a1, a2, l1, l2;
 };
 
-// e[i] is 0 where status[i] is not kOk.
+// |e[i] - its true value| <= bound[i]; e[i] and bound[i] are 0 where status[i] is not kOk. An empty span of
+// bounds asks for none.
 struct ResidualBatch {
   std::span<double> e;
   std::span<ResidualStatus> status;
+  std::span<double> bound{};
 };
 
 // Writes e and status of every curve.

@@ -11,6 +11,7 @@ struct ResidualLanes {
   // x0 y0 .. x3 y3, or a1 a2 l1 l2.
   const double* in[8];
   double* e;
+  double* bound;  // or null
   uint8_t* status;
   double* by_l1;
   double* by_l2;

@@ -6,7 +6,7 @@
 #ifndef HOTBLADE_ELASTICA_KERNELS_EDGE_RESIDUAL_H
 #define HOTBLADE_ELASTICA_KERNELS_EDGE_RESIDUAL_H
 
-#include "elastica/kernels/lambda_residual.h"
+#include "elastica/kernels/graded_residual.h"
 
 /* Unit vectors (c1, s1) from p0 to p1 and (c2, s2) from p3 to p2, and the edges' lengths in chords. */
 typedef struct {
@@ -14,7 +14,7 @@ typedef struct {
 } hb_edges;
 
 typedef struct {
-  HB_REAL e, status, by_l1, by_l2;
+  HB_REAL e, bound, status, by_l1, by_l2;
 } hb_edge_residual;
 
 /* The sums of dR and dK by one length, and the direction in which it moves its control point. */
@@ -41,9 +41,15 @@ HB_INLINE HB_REAL hb_edges_status(const hb_edges* a) {
                    HB_BROADCAST(HB_RESIDUAL_NOT_FINITE));
 }
 
+/* By 24 nodes, and by graded panels. */
 HB_INLINE hb_residual hb_edge_residual_of(const hb_edges* a) {
   const hb_legs p = hb_legs_of_edges(a);
-  return hb_lambda_residual_in_frame(&p, hb_edges_status(a));
+  return hb_plain_residual(&p, hb_edges_status(a));
+}
+
+HB_INLINE hb_residual hb_graded_edge_residual_of(const hb_edges* a) {
+  const hb_legs p = hb_legs_of_edges(a);
+  return hb_graded_residual(&p, hb_edges_status(a));
 }
 
 /* How the numerator x'y'' - y'x'' changes when control point 1 or 2 moves along (cos, sin): the moved point's
@@ -86,47 +92,96 @@ HB_INLINE HB_REAL hb_edge_gradient(const hb_edge_rate* a, HB_REAL e, HB_REAL tot
   return HB_SELECT(e > HB_BROADCAST(0.0), gradient, HB_BROADCAST(0.0));
 }
 
-/* Adds to both sums the shares of one node's u of either sign; returns the misfit's share. */
-HB_INLINE HB_REAL hb_gradient_node(const hb_cubic* c, const hb_nodes* n, const hb_affine* f, HB_REAL u,
-                                   HB_REAL weight, int i, hb_edge_rate* first, hb_edge_rate* second) {
-  const HB_REAL one_half = HB_BROADCAST(0.5), three = HB_BROADCAST(3.0), one = HB_BROADCAST(1.0);
-  const HB_REAL two_u = u + u, three_uu = three * (u * u), t = one_half + u, o = one_half - u;
-  const HB_REAL inverse = n->inverse[i], kappa = n->kappa[i];
-  const HB_REAL tx = HB_FMA(three_uu, c->x3, HB_FMA(two_u, c->x2, c->x1)) * inverse;
-  const HB_REAL ty = HB_FMA(three_uu, c->y3, HB_FMA(two_u, c->y2, c->y1)) * inverse;
-  const HB_REAL r = kappa - HB_FMA(HB_FMA(HB_FMA(f->p3, u, f->p2), u, f->p1), u, f->p0);
-  const HB_REAL speed = one / inverse;
-  const HB_REAL to = three * (t * o);
-  hb_add_edge_rate(first, u, weight, to * o, three * o * (o - t - t), tx, ty, speed, inverse, kappa, r);
-  hb_add_edge_rate(second, u, weight, to * t, three * t * (o + o - t), tx, ty, speed, inverse, kappa, r);
-  return (r * n->ds[i]) * r;
+/* Both lengths' sums. */
+typedef struct {
+  hb_edge_rate first, second;
+  HB_REAL misfit;
+} hb_edge_rates;
+
+/* 3 t (1-t)^2 and 3 t^2 (1-t) in powers of u. */
+HB_INLINE hb_edge_rates hb_edge_rates_of(const hb_edges* a, const hb_cubic* c, const hb_affine* f) {
+  hb_edge_rates r;
+  r.first = hb_edge_rate_of(c, f, a->c1, a->s1, -0.75, -1.5, 3.0);
+  r.second = hb_edge_rate_of(c, f, a->c2, a->s2, 0.75, -1.5, -3.0);
+  r.misfit = HB_BROADCAST(0.0);
+  return r;
 }
 
-/* e, status, de/dl1 and de/dl2 of a curve in standard position. */
+/* Adds the shares of one node to all sums. */
+HB_INLINE void hb_add_edge_node(hb_edge_rates* rates, const hb_cubic* c, const hb_affine* f, const hb_node* n,
+                                HB_REAL weight) {
+  const HB_REAL one_half = HB_BROADCAST(0.5), three = HB_BROADCAST(3.0), one = HB_BROADCAST(1.0);
+  const HB_REAL u = n->u, inverse = n->inverse, kappa = n->kappa;
+  const HB_REAL two_u = u + u, three_uu = three * (u * u), t = one_half + u, o = one_half - u;
+  const HB_REAL tx = HB_FMA(three_uu, c->x3, HB_FMA(two_u, c->x2, c->x1)) * inverse;
+  const HB_REAL ty = HB_FMA(three_uu, c->y3, HB_FMA(two_u, c->y2, c->y1)) * inverse;
+  const HB_REAL r = hb_fit_misfit(f, n), speed = one / inverse, to = three * (t * o);
+  hb_add_edge_rate(&rates->first, u, weight, to * o, three * o * (o - t - t), tx, ty, speed, inverse, kappa,
+                   r);
+  hb_add_edge_rate(&rates->second, u, weight, to * t, three * t * (o + o - t), tx, ty, speed, inverse, kappa,
+                   r);
+  rates->misfit += (r * n->ds) * r;
+}
+
+HB_INLINE hb_edge_residual hb_edge_answer(const hb_edge_rates* rates, const hb_residual* r, HB_REAL total) {
+  hb_edge_residual out;
+  out.e = r->e;
+  out.bound = r->bound;
+  out.status = r->status;
+  out.by_l1 = hb_edge_gradient(&rates->first, r->e, total);
+  out.by_l2 = hb_edge_gradient(&rates->second, r->e, total);
+  return out;
+}
+
+/* e, its bound, status, de/dl1 and de/dl2 of a curve in standard position, by 24 nodes. */
 HB_INLINE hb_edge_residual hb_edge_residual_gradient(const hb_edges* a) {
   const hb_legs p = hb_legs_of_edges(a);
   const hb_cubic c = hb_cubic_of_legs(&p);
-  const HB_REAL frame = hb_edges_status(a), shape = hb_residual_status(&p, &c);
+  const hb_speed_roots roots = hb_speed_roots_of(&c, 1);
+  const hb_rule_error rule = hb_rule_error_of(&roots);
   hb_nodes n;
   const hb_moments m = hb_residual_moments(&c, &n);
   const hb_affine f = hb_affine_of_moments(&c, &m);
-  /* 3 t (1-t)^2 and 3 t^2 (1-t) in powers of u. */
-  hb_edge_rate first = hb_edge_rate_of(&c, &f, a->c1, a->s1, -0.75, -1.5, 3.0);
-  hb_edge_rate second = hb_edge_rate_of(&c, &f, a->c2, a->s2, 0.75, -1.5, -3.0);
-  HB_REAL misfit = HB_BROADCAST(0.0);
+  hb_edge_rates rates = hb_edge_rates_of(a, &c, &f);
   for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
     const HB_REAL u = HB_BROADCAST(hb_gauss[i][0]), w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]);
-    misfit += hb_gradient_node(&c, &n, &f, u, w, 2 * i, &first, &second);
-    misfit += hb_gradient_node(&c, &n, &f, -u, w, 2 * i + 1, &first, &second);
+    const hb_node plus = {u, n.ds[2 * i], n.inverse[2 * i], n.kappa[2 * i]};
+    const hb_node minus = {-u, n.ds[2 * i + 1], n.inverse[2 * i + 1], n.kappa[2 * i + 1]};
+    hb_add_edge_node(&rates, &c, &f, &plus, w);
+    hb_add_edge_node(&rates, &c, &f, &minus, w);
   }
-  const hb_residual e =
-      hb_residual_or_zero(hb_root_share(misfit, m.kk), HB_SELECT(frame > HB_BROADCAST(0.5), frame, shape));
-  hb_edge_residual out;
-  out.e = e.e;
-  out.status = e.status;
-  out.by_l1 = hb_edge_gradient(&first, e.e, m.kk);
-  out.by_l2 = hb_edge_gradient(&second, e.e, m.kk);
-  return out;
+  const HB_REAL e = hb_root_share(rates.misfit, m.kk);
+  const HB_REAL bound = hb_residual_bound(&p, &rule, &f, m.kk, e);
+  const hb_residual r = hb_residual_or_zero(e, bound, hb_status_of(&p, &c, hb_edges_status(a)));
+  return hb_edge_answer(&rates, &r, m.kk);
+}
+
+/* The same by graded panels. */
+HB_INLINE hb_edge_residual hb_graded_edge_gradient(const hb_edges* a) {
+  const hb_legs p = hb_legs_of_edges(a);
+  const hb_cubic c = hb_cubic_of_legs(&p);
+  const hb_speed_roots roots = hb_speed_roots_of(&c, 0);
+  HB_REAL reached;
+  const hb_moments m = hb_graded_moments(&c, &roots, &reached);
+  const hb_affine f = hb_affine_of_moments(&c, &m);
+  hb_edge_rates rates = hb_edge_rates_of(a, &c, &f);
+  const HB_REAL end = HB_BROADCAST(0.5), one = HB_BROADCAST(1.0);
+  HB_REAL from = -end;
+  for (int k = 0; k < HB_MOST_PANELS && HB_ANY(from < end); ++k) {
+    const HB_REAL to = hb_panel_end(&roots, from);
+    for (int i = 0; i < HB_GAUSS_PAIRS; ++i) {
+      const HB_REAL w = HB_BROADCAST(hb_gauss[i][HB_GAUSS_WEIGHT]) * (to - from);
+      const hb_node minus = hb_panel_node(&c, from, to, i, -1.0), plus = hb_panel_node(&c, from, to, i, 1.0);
+      hb_add_edge_node(&rates, &c, &f, &minus, w);
+      hb_add_edge_node(&rates, &c, &f, &plus, w);
+    }
+    from = to;
+  }
+  const HB_REAL e = hb_root_share(rates.misfit, m.kk), slowest = hb_least_speed2(&c, &roots);
+  const HB_REAL bound = HB_SELECT(reached < end, one, hb_graded_bound(&p, slowest, e));
+  const HB_REAL status = hb_status_of_speed(hb_status_of(&p, &c, hb_edges_status(a)), slowest);
+  const hb_residual r = hb_residual_or_zero(e, bound, status);
+  return hb_edge_answer(&rates, &r, m.kk);
 }
 
 #endif

@@ -1,5 +1,6 @@
-/* The lambda-residual of a cubic Bezier (elastica/bezier/lambda_residual.hpp) by 24 Gauss nodes and two passes:
- * moments and least squares first, then the residual itself, because differences of moments cancel.
+/* The lambda-residual of a cubic Bezier (elastica/bezier/lambda_residual.hpp) by 24 Gauss nodes and two
+ * passes: moments and least squares first, then the residual itself, because differences of moments cancel.
+ * What that errs by, and more nodes where it is too much: elastica/kernels/graded_residual.h.
  *
  * The curve is written in powers of u = t - 1/2, so that the nodes +u and -u share their even and odd halves
  * and moments of powers of u give those of x and y, and in a frame whose x axis joins two far control points,
@@ -81,8 +82,9 @@ typedef struct {
   HB_REAL x, y, p0, p1, p2, p3;
 } hb_affine;
 
+/* |e - its true value| <= bound; both are 0 where the status is not HB_RESIDUAL_OK. */
 typedef struct {
-  HB_REAL e, status;
+  HB_REAL e, bound, status;
 } hb_residual;
 
 HB_INLINE void hb_cubic_numerator(hb_cubic* c) {
@@ -224,13 +226,6 @@ HB_INLINE HB_REAL hb_root_share(HB_REAL misfit, HB_REAL total) {
   return HB_SQRT(HB_SELECT(share > one, one, share));
 }
 
-HB_INLINE hb_residual hb_residual_or_zero(HB_REAL e, HB_REAL status) {
-  hb_residual r;
-  r.status = status;
-  r.e = HB_SELECT(status > HB_BROADCAST(0.5), HB_BROADCAST(0.0), e);
-  return r;
-}
-
 /* Puts the legs into a frame of unit size whose x axis points at the farthest control point. Returns
  * HB_RESIDUAL_CUSP or HB_RESIDUAL_NOT_FINITE where there is none, else HB_RESIDUAL_OK. */
 HB_INLINE HB_REAL hb_unit_frame(hb_legs* p) {
@@ -253,24 +248,6 @@ HB_INLINE HB_REAL hb_unit_frame(hb_legs* p) {
   p->x3 = x3 * ax + y3 * ay;
   p->y3 = y3 * ax - x3 * ay;
   return HB_SELECT(finite, status, HB_BROADCAST(HB_RESIDUAL_NOT_FINITE));
-}
-
-/* e and status of a curve in a unit frame. */
-HB_INLINE hb_residual hb_lambda_residual_in_frame(const hb_legs* p, HB_REAL frame_status) {
-  const hb_cubic c = hb_cubic_of_legs(p);
-  const HB_REAL shape = hb_residual_status(p, &c);
-  const HB_REAL status = HB_SELECT(frame_status > HB_BROADCAST(0.5), frame_status, shape);
-  hb_nodes n;
-  const hb_moments m = hb_residual_moments(&c, &n);
-  const hb_affine f = hb_affine_of_moments(&c, &m);
-  return hb_residual_or_zero(hb_root_share(hb_squared_misfit(&n, &f), m.kk), status);
-}
-
-/* e and status of the Bezier whose control points, relative to the first, are p. */
-HB_INLINE hb_residual hb_lambda_residual(const hb_legs* legs) {
-  hb_legs p = *legs;
-  const HB_REAL frame_status = hb_unit_frame(&p);
-  return hb_lambda_residual_in_frame(&p, frame_status);
 }
 
 #endif

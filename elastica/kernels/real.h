@@ -4,7 +4,8 @@
  * A user may define HB_REAL and the operations before including a kernel, for instance as a SIMD vector
  * (elastica/kernels/simd_lanes.h). Defaults: double, C library. HB_SELECT(c, a, b) is a where c holds and b
  * elsewhere, both being evaluated; c comes from comparing HB_REALs. HB_ANY(c) asks whether it holds in any
- * lane. HB_GLOBAL stands before data that lie in a device's memory. */
+ * lane. HB_ABOUT_RSQRT(a) is within 4e-4 of itself for a from 1e-30 to 1e30, without dividing where that is
+ * slow. HB_GLOBAL stands before data that lie in a device's memory. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_REAL_H
 #define HOTBLADE_ELASTICA_KERNELS_REAL_H
 
@@ -34,6 +35,10 @@
 #define HB_MASK int
 #define HB_NOT(m) (!(m))
 #define HB_ANY(m) (m)
+#endif
+
+#ifndef HB_ABOUT_RSQRT
+#define HB_ABOUT_RSQRT(a) HB_RSQRT(a)
 #endif
 
 #define HB_SELECT(c, a, b) ((c) ? (a) : (b))

@@ -42,6 +42,7 @@ static inline __attribute__((always_inline)) hb_lanes hb_rsqrt(hb_lanes a) {
   return HB_FMA(y * h, p, y);
 }
 #define HB_RSQRT(a) hb_rsqrt(a)
+#define HB_ABOUT_RSQRT(a) ((hb_lanes)_mm512_rsqrt14_pd((__m512d)(a)))
 // Fourth order too: y (1 + h + h^2 + h^3) with h = 1 - a y.
 static inline __attribute__((always_inline)) hb_lanes hb_reciprocal(hb_lanes a) {
   const hb_lanes y = (hb_lanes)_mm512_rcp14_pd((__m512d)a);
@@ -58,6 +59,7 @@ static inline __attribute__((always_inline)) hb_lanes hb_reciprocal(hb_lanes a) 
 #define HB_FMA(a, b, c) ((hb_lanes)_mm256_fmadd_pd((__m256d)(a), (__m256d)(b), (__m256d)(c)))
 #define HB_RSQRT(a) (HB_BROADCAST(1.0) / HB_SQRT(a))
 #define HB_RECIPROCAL(a) (HB_BROADCAST(1.0) / (a))
+#define HB_ABOUT_RSQRT(a) ((hb_lanes)_mm256_cvtps_pd(_mm_rsqrt_ps(_mm256_cvtpd_ps((__m256d)(a)))))
 #define HB_MAX(a, b) ((hb_lanes)_mm256_max_pd((__m256d)(a), (__m256d)(b)))
 #define HB_MIN(a, b) ((hb_lanes)_mm256_min_pd((__m256d)(a), (__m256d)(b)))
 #define HB_ANY(m) (_mm256_movemask_pd((__m256d)(m)) != 0)
@@ -68,6 +70,7 @@ static inline __attribute__((always_inline)) hb_lanes hb_both(double a) {
 #define HB_BROADCAST(a) hb_both(a)
 #ifdef __SSE2__
 #define HB_SQRT(a) ((hb_lanes)_mm_sqrt_pd((__m128d)(a)))
+#define HB_ABOUT_RSQRT(a) ((hb_lanes)_mm_cvtps_pd(_mm_rsqrt_ps(_mm_cvtpd_ps((__m128d)(a)))))
 #else
 #define HB_SQRT(a)                                 \
   hb_lanes {                                       \

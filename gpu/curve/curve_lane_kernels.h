@@ -1,10 +1,9 @@
-// The lanes of curve_nearest.h over many points and of lambda_residual.h over many curves, compiled once for
+// The lanes of curve_nearest.h over many points and of graded_residual.h over many curves, compiled once for
 // each instruction set; see elastica/kernels/simd_lanes.h for what the including file may use.
 #pragma once
 
-#include "elastica/kernels/simd_lanes.h"
+#include "elastica/kernels/graded_lanes.h"
 // Lanes first.
-#include "elastica/kernels/lambda_residual.h"
 #include "gpu/curve/curve_lanes.hpp"
 #include "gpu/kernels/curve_nearest.h"
 
@@ -44,22 +43,46 @@ std::size_t on_pieces(const hb_curve_piece* pieces, int count, double sag, const
       });
 }
 
-// Missing lanes repeat the last curve.
-void residuals_of_curves(const double* curves, std::size_t n, double* e, std::uint8_t* status) {
-  for (std::size_t first = 0; first < n; first += HB_LANES) {
-    const std::size_t lanes = n - first < HB_LANES ? n - first : HB_LANES;
-    double numbers[8][HB_LANES];
-    for (std::size_t i = 0; i < HB_LANES; ++i) {
-      const double* from = curves + 8 * (first + (i < lanes ? i : lanes - 1));
-      for (int k = 0; k < 8; ++k) numbers[k][i] = from[k];
-    }
-    HB_REAL c[8];
-    for (int k = 0; k < 8; ++k) c[k] = hb_load(numbers[k], HB_LANES);
-    const hb_legs legs = {c[2] - c[0], c[3] - c[1], c[4] - c[0], c[5] - c[1], c[6] - c[0], c[7] - c[1]};
-    const hb_residual r = hb_lambda_residual(&legs);
-    hb_store(e + first, r.e, lanes);
-    for (std::size_t i = 0; i < lanes; ++i) status[first + i] = static_cast<std::uint8_t>(r.status[i]);
+// `at(i)` is the number of the curve in lane i.
+template <typename At>
+inline __attribute__((always_inline)) hb_legs legs_of(const double* curves, const At& at) {
+  double numbers[8][HB_LANES];
+  for (std::size_t i = 0; i < HB_LANES; ++i) {
+    for (std::size_t k = 0; k < 8; ++k) numbers[k][i] = curves[8 * at(i) + k];
   }
+  HB_REAL c[8];
+  for (int k = 0; k < 8; ++k) c[k] = hb_load(numbers[k], HB_LANES);
+  return {c[2] - c[0], c[3] - c[1], c[4] - c[0], c[5] - c[1], c[6] - c[0], c[7] - c[1]};
+}
+
+template <typename At>
+inline __attribute__((always_inline)) void store_residuals(const CurveResiduals& out, const hb_residual& r,
+                                                           const At& at, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    out.e[at(i)] = r.e[i];
+    out.status[at(i)] = static_cast<std::uint8_t>(r.status[i]);
+    if (out.bound) out.bound[at(i)] = r.bound[i];
+  }
+}
+
+// Missing lanes repeat the last curve.
+void residuals_of_curves(const double* curves, std::size_t n, const CurveResiduals& out) {
+  hb_each_curve(
+      n,
+      [&](std::size_t first, std::size_t count) __attribute__((always_inline)) {
+        const auto at = [&](std::size_t i) { return first + (i < count ? i : count - 1); };
+        hb_legs p = legs_of(curves, at);
+        const HB_REAL frame_status = hb_unit_frame(&p);
+        const hb_residual r = hb_plain_residual(&p, frame_status);
+        store_residuals(out, r, at, count);
+        return hb_wants_panels(r.bound, r.status);
+      },
+      [&](const std::size_t* index, std::size_t count) {
+        const auto at = [&](std::size_t i) { return index[i]; };
+        hb_legs p = legs_of(curves, at);
+        const HB_REAL frame_status = hb_unit_frame(&p);
+        store_residuals(out, hb_graded_residual(&p, frame_status), at, count);
+      });
 }
 
 }  // namespace

@@ -18,12 +18,18 @@ struct CurveQueries {
   unsigned* unsure;
 };
 
-// The first two return how many are unsure (kernels/curve_nearest.h). The third takes eight numbers a curve
-// and gives the residual and its status code.
+// Arrays for n residuals, their status codes and error bounds; no bounds where `bound` is null.
+struct CurveResiduals {
+  double* e;
+  std::uint8_t* status;
+  double* bound;
+};
+
+// The first two return how many are unsure (kernels/curve_nearest.h). The third takes eight numbers a curve.
 struct CurveLanes {
   std::size_t (*whole)(const hb_curve_whole& curve, const CurveQueries& queries);
   std::size_t (*pieces)(const hb_curve_piece* pieces, int count, double sag, const CurveQueries& queries);
-  void (*residuals)(const double* curves, std::size_t n, double* e, std::uint8_t* status);
+  void (*residuals)(const double* curves, std::size_t n, const CurveResiduals& out);
 };
 
 extern const CurveLanes kCurveBaseline, kCurveAvx2, kCurveAvx512;

@@ -19,7 +19,7 @@ extern const char* const lambda_residuals_source;
 namespace {
 
 using Curve = std::array<Eigen::Vector2d, 4>;
-using Answer = std::array<double, 2>;  // e, status
+using Answer = std::array<double, 4>;  // e, status, bound, none
 static_assert(sizeof(Curve) == 8 * sizeof(double), "the kernels read eight numbers a curve");
 
 // Curves of one task; with which both backends are timed; on the device at once.
@@ -48,9 +48,11 @@ struct ResidualQuery {
   std::span<const Curve> curves;
   std::span<double> e;
   std::span<ResidualStatus> status;
+  std::span<double> bound;  // or empty
   [[nodiscard]] std::size_t size() const { return curves.size(); }
   [[nodiscard]] ResidualQuery part(std::size_t first, std::size_t n) const {
-    return {curves.subspan(first, n), e.subspan(first, n), status.subspan(first, n)};
+    return {curves.subspan(first, n), e.subspan(first, n), status.subspan(first, n),
+            bound.empty() ? bound : bound.subspan(first, n)};
   }
 };
 
@@ -61,8 +63,9 @@ void residuals_on_host(const ResidualQuery& q) {
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
     const ResidualQuery part =
         q.part(block * kResidualBlock, std::min(kResidualBlock, q.size() - block * kResidualBlock));
-    lanes.residuals(part.curves.data()->data()->data(), part.size(), part.e.data(),
-                    reinterpret_cast<std::uint8_t*>(part.status.data()));
+    lanes.residuals(part.curves.data()->data()->data(), part.size(),
+                    {part.e.data(), reinterpret_cast<std::uint8_t*>(part.status.data()),
+                     part.bound.empty() ? nullptr : part.bound.data()});
   });
 }
 
@@ -74,6 +77,7 @@ void residuals_on_device(const ResidualsOnDevice& device, const ResidualQuery& q
     for (std::size_t i = 0; i < part.size(); ++i) {
       part.e[i] = answers[i][0];
       part.status[i] = static_cast<ResidualStatus>(answers[i][1]);
+      if (!part.bound.empty()) part.bound[i] = answers[i][2];
     }
   }
 }
@@ -103,11 +107,12 @@ LambdaResiduals::LambdaResiduals(LambdaResiduals&&) noexcept = default;
 LambdaResiduals& LambdaResiduals::operator=(LambdaResiduals&&) noexcept = default;
 
 void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
-                            std::span<ResidualStatus> status) const {
-  if (e.size() != curves.size() || status.size() != curves.size()) {
+                            std::span<ResidualStatus> status, std::span<double> bound) const {
+  if (e.size() != curves.size() || status.size() != curves.size() ||
+      (!bound.empty() && bound.size() != curves.size())) {
     throw std::logic_error("LambdaResiduals::query: spans of different sizes");
   }
-  const ResidualQuery q{curves, e, status};
+  const ResidualQuery q{curves, e, status, bound};
   const auto device = impl_->choice.choose(
       [&] { return predicted_s(q, residuals_on_host); },
       [] { return std::make_shared<const ResidualsOnDevice>(); },

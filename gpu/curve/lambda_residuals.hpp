@@ -1,6 +1,6 @@
 // Computes the lambda-residuals of many cubic Beziers on either backend, by the formulas of
-// elastica/kernels/lambda_residual.h (what the residual is: elastica/bezier/lambda_residual.hpp). Backends
-// and instruction sets differ by rounding, 1e-9 where e is well determined; the number of threads changes no
+// elastica/kernels/graded_residual.h (what the residual is: elastica/bezier/lambda_residual.hpp). Backends
+// and instruction sets differ by no more than their error bounds together; the number of threads changes no
 // bit.
 #pragma once
 
@@ -18,7 +18,7 @@ namespace hotblade::gpu {
 enum class ResidualStatus : std::uint8_t {
   kOk,
   kStraight,   // e = 0 by definition
-  kCusp,       // the derivative vanishes somewhere: e has no value
+  kCusp,       // the derivative vanishes somewhere: e has no value; near such a place it goes to 1
   kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
@@ -30,10 +30,11 @@ class LambdaResiduals {
   LambdaResiduals(LambdaResiduals&&) noexcept;
   LambdaResiduals& operator=(LambdaResiduals&&) noexcept;
 
-  // Writes e[i] and status[i] of curve i, by its control points; e is 0 where the status is not kOk. It runs
-  // on all cores allowed. Throws std::logic_error when the spans differ in size.
+  // Writes e[i] and status[i] of curve i, by its control points, and bound[i], by which e[i] is off at most;
+  // e and bound are 0 where the status is not kOk. An empty span of bounds asks for none. It runs on all
+  // cores allowed. Throws std::logic_error when the spans differ in size.
   void query(std::span<const std::array<Eigen::Vector2d, 4>> curves, std::span<double> e,
-             std::span<ResidualStatus> status) const;
+             std::span<ResidualStatus> status, std::span<double> bound = {}) const;
 
   // Returns what answered the last query, and why.
   [[nodiscard]] BackendUse used() const;

@@ -34,18 +34,31 @@ Bezier bezier(const Json& line) {
 }
 
 const char* status_text(elastica::ResidualStatus status) {
-  return status == elastica::ResidualStatus::kStraight ? "straight" : "ok";
+  switch (status) {
+    case elastica::ResidualStatus::kStraight:
+      return "straight";
+    case elastica::ResidualStatus::kCusp:
+      return "cusp";
+    default:
+      return "ok";
+  }
 }
 
 Json residual(const Json& line) {
   const elastica::LambdaResidual r = elastica::lambda_residual(bezier(line));
-  if (!has_value(r.status))
-    throw LineError("bezier: has a cusp, an end edge of length zero, or coordinates beyond 1e140");
-  return {{"lambda_residual", r.value},
-          {"lambda1", r.lambda1},
-          {"lambda2", r.lambda2},
-          {"alpha", r.alpha},
-          {"status", status_text(r.status)}};
+  if (r.status == elastica::ResidualStatus::kNotFinite) throw LineError("bezier: coordinates beyond 1e140");
+  Json answer;
+  if (has_value(r.status)) {
+    answer = {{"lambda_residual", r.value},
+              {"lambda1", r.lambda1},
+              {"lambda2", r.lambda2},
+              {"alpha", r.alpha},
+              {"bound", r.bound}};
+  } else {
+    for (const char* key : {"lambda_residual", "lambda1", "lambda2", "alpha", "bound"}) answer[key] = nullptr;
+  }
+  answer["status"] = status_text(r.status);
+  return answer;
 }
 
 struct ProjectArguments {

@@ -16,6 +16,8 @@
 
 #include "elastica/bezier/residual_batch.hpp"
 #include "elastica/curve/closed_form.hpp"
+#include "tests/bench/plain_residuals.hpp"
+#include "tests/elastica/bezier/residual_cubics.hpp"
 
 namespace {
 
@@ -133,19 +135,31 @@ BENCHMARK(EllipticSamples)
 // 51 a node and 200 a curve, counted in elastica/kernels; a fused operation is two.
 constexpr double kResidualFlops = 24 * 51 + 200;
 
+enum Cubics { kOrdinary, kAnything, kNearCusps };
+
+// Columns x0 y0 .. x3 y3: like ribs, control points anywhere in a square, and with a speed of 1e-6 to 1
+// inside.
+std::vector<std::vector<double>> cubic_columns(Cubics kind) {
+  RandomCubics random(1);
+  std::vector<std::vector<double>> c(8, std::vector<double>(kCount));
+  for (std::size_t i = 0; i < kCount; ++i) {
+    const Bezier b = kind == kOrdinary   ? random.ordinary()
+                     : kind == kAnything ? random.anything()
+                                         : random.near_cusp();
+    for (std::size_t k = 0; k < 8; ++k) c[k][i] = b[k / 2][static_cast<Eigen::Index>(k % 2)];
+  }
+  return c;
+}
+
+// `times_24_nodes` is the time beside that of 24 nodes without a bound, which only ordinary cubics do with.
 void ResidualBatches(benchmark::State& state) {
   const Simd simd = simd_of(state);
   if (state.error_occurred()) return;
-  std::mt19937_64 random(1);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  std::vector<std::vector<double>> c(8, std::vector<double>(kCount));
-  for (auto& column : c) {
-    for (double& x : column) x = uniform(random);
-  }
-  std::vector<double> e(kCount);
+  const auto c = cubic_columns(static_cast<Cubics>(state.range(1)));
+  std::vector<double> e(kCount), bound(kCount);
   std::vector<ResidualStatus> status(kCount);
   const auto ours = [&] {
-    lambda_residuals({c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]}, {e, status}, simd);
+    lambda_residuals({c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]}, {e, status, bound}, simd);
     benchmark::DoNotOptimize(e.data());
     benchmark::ClobberMemory();
   };
@@ -160,12 +174,24 @@ void ResidualBatches(benchmark::State& state) {
     }
     benchmark::DoNotOptimize(sum);
   };
-  const double rate = best_rate(kCount, ours);
+  const double* in[8];
+  for (std::size_t k = 0; k < 8; ++k) in[k] = c[k].data();
+  const auto plain = [&] {
+    (simd == Simd::kAvx512 ? plain_residuals_avx512
+     : simd == Simd::kAvx2 ? plain_residuals_avx2
+                           : plain_residuals_baseline)(in, e.data(), kCount);
+    benchmark::DoNotOptimize(e.data());
+    benchmark::ClobberMemory();
+  };
+  const double rate = best_rate(kCount, ours), plain_rate = best_rate(kCount, plain);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(kCount));
   state.counters["times_scalar"] = rate / best_rate(256, scalar);
-  count_share(state, simd, rate * kResidualFlops);
+  state.counters["times_24_nodes"] = plain_rate / rate;
+  count_share(state, simd, plain_rate * kResidualFlops);
 }
-BENCHMARK(ResidualBatches)->ArgName("simd")->DenseRange(0, 2);
+BENCHMARK(ResidualBatches)
+    ->ArgNames({"simd", "ordinary_anything_cusps"})
+    ->ArgsProduct({{0, 1, 2}, {0, 1, 2}});
 
 void ResidualGradients(benchmark::State& state) {
   const Simd simd = simd_of(state);

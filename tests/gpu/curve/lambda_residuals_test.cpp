@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "elastica/bezier/lambda_residual.hpp"
+#include "tests/elastica/bezier/residual_cubics.hpp"
+#include "tests/elastica/bezier/residual_oracle.hpp"
 
 namespace hotblade::gpu {
 namespace {
@@ -66,6 +68,25 @@ TEST_P(LambdaResidualsOnEachBackend, MatchTheOneByOneRoutine) {
   }
 }
 
+TEST_P(LambdaResidualsOnEachBackend, AreWithinTheirBoundsNearCuspsToo) {
+  elastica::RandomCubics cubics(5);
+  std::vector<Curve> curves(400);
+  for (Curve& c : curves) c = cubics.next();
+  std::vector<double> e(curves.size()), bound(curves.size());
+  std::vector<ResidualStatus> status(curves.size());
+  LambdaResiduals(GetParam()).query(curves, e, status, bound);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    ASSERT_EQ(static_cast<int>(status[i]), static_cast<int>(elastica::lambda_residual(curves[i]).status))
+        << i;
+    if (status[i] != ResidualStatus::kOk) {
+      EXPECT_EQ(bound[i], 0) << i;
+      continue;
+    }
+    EXPECT_LE(std::abs(e[i] - elastica::ResidualOracle(curves[i]).value()), bound[i]) << i;
+    EXPECT_LE(bound[i], 1e-4) << i;
+  }
+}
+
 TEST_P(LambdaResidualsOnEachBackend, TellCurvesThatHaveNoResidual) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<Curve> curves{
@@ -96,6 +117,9 @@ TEST_P(LambdaResidualsOnEachBackend, AnswerNoneForNoneAndRefuseSpansThatDiffer) 
   std::vector<double> e(2);
   std::vector<ResidualStatus> status(1);
   EXPECT_THROW(residuals.query(random_curves(1, 1), e, status), std::logic_error);
+  e.resize(1);
+  std::vector<double> bound(2);
+  EXPECT_THROW(residuals.query(random_curves(1, 1), e, status, bound), std::logic_error);
 }
 
 INSTANTIATE_TEST_SUITE_P(, LambdaResidualsOnEachBackend, testing::Values(Backend::kCpu, Backend::kOpenCl),

@@ -38,21 +38,44 @@ Answers curve(const std::string& arguments, const std::string& input) {
 constexpr const char* kArch = R"({"bezier":[[0,0],[0.2,0.5],[0.8,0.5],[1,0]]})";
 
 TEST(CurveCommand, AnswersEveryLineAtItsPlaceAndEndsWithThreeWhenOneWasBad) {
-  const Answers a =
-      curve("residual", std::string(kArch) +
-                            "\nnot json\n{\"bezier\":[[0,0],[1,1]]}\n{\"bezier\":[[0,0],[0,0],[0,0],[0,0]]}\n"
-                            "{\"bezier\":[[0,0],[1,1e300],[2,1],[3,0]]}\n[1]\n" +
-                            kArch + "\n");
+  const Answers a = curve("residual", std::string(kArch) +
+                                          "\nnot json\n{\"bezier\":[[0,0],[1,1]]}\n"
+                                          "{\"bezier\":[[0,0],[1,1e300],[2,1],[3,0]]}\n[1]\n" +
+                                          kArch + "\n");
   EXPECT_EQ(a.code, 3);
-  ASSERT_EQ(a.lines.size(), 7u);
-  EXPECT_EQ(a.lines[0], a.lines[6]);
+  ASSERT_EQ(a.lines.size(), 6u);
+  EXPECT_EQ(a.lines[0], a.lines[5]);
   EXPECT_GT(a.lines[0]["lambda_residual"], 0);
-  const char* reasons[] = {"not JSON", "4 needed", "cusp", "out of range", "missing"};
-  for (std::size_t i = 0; i < 5; ++i) {
+  const char* reasons[] = {"not JSON", "4 needed", "out of range", "missing"};
+  for (std::size_t i = 0; i < 4; ++i) {
     const std::string error = a.lines[i + 1].at("error");
     EXPECT_THAT(error, ::testing::HasSubstr("line " + std::to_string(i + 2)));
     EXPECT_THAT(error, ::testing::HasSubstr(reasons[i]));
   }
+}
+
+TEST(CurveCommand, ResidualSaysItsErrorBoundAndACuspIsAnAnswer) {
+  const Answers a = curve("residual", std::string(kArch) +
+                                          "\n{\"bezier\":[[0,0],[1,1],[0,1],[1,0]]}\n"
+                                          "{\"bezier\":[[0,0],[0,0],[2,1],[3,0]]}\n"
+                                          "{\"bezier\":[[0,0],[1,1.0001],[0,1],[1,0]]}\n"
+                                          "{\"bezier\":[[0,0],[1,0],[2,0],[3,0]]}\n");
+  EXPECT_EQ(a.code, 0);
+  ASSERT_EQ(a.lines.size(), 5u);
+  for (const std::size_t i : {0U, 3U}) {
+    EXPECT_EQ(a.lines[i]["status"], "ok");
+    EXPECT_GT(a.lines[i]["bound"], 0);
+    EXPECT_LT(a.lines[i]["bound"], 1e-8);
+  }
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(a.lines[i]["status"], "cusp");
+    for (const char* key : {"lambda_residual", "lambda1", "lambda2", "alpha", "bound"})
+      EXPECT_TRUE(a.lines[i].at(key).is_null()) << key;
+  }
+  // 24 nodes lose what a near-cusp has.
+  EXPECT_GT(a.lines[3]["lambda_residual"], 0.9999);
+  EXPECT_EQ(a.lines[4]["status"], "straight");
+  EXPECT_EQ(a.lines[4]["lambda_residual"], 0);
 }
 
 TEST(CurveCommand, OptimalProjectionIsAtLeastAsGoodAsFeedback) {
