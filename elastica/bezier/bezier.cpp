@@ -5,13 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "elastica/linear/cross.hpp"
+#include "elastica/linear/solve.hpp"
+
 namespace hotblade::elastica {
 
 namespace {
-
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 // 5-point Gauss-Legendre on [0, 1].
 constexpr std::array<double, 5> kNode{0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155,
@@ -59,7 +58,7 @@ void step_across(std::span<const Eigen::Vector2d> q, const std::vector<double>& 
   // are.
   constexpr double kDamping = 1e-9;
   a.diagonal().array() += kDamping * a.trace();
-  const Eigen::Vector4d x = a.ldlt().solve(r);
+  const Eigen::Vector4d x = solve_symmetric(a, r);
   b[1] += x.head<2>();
   b[2] += x.tail<2>();
 }

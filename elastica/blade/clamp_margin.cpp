@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "elastica/blade/end_map.hpp"
+#include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
 
@@ -234,7 +235,7 @@ class FoldSearch {
       if (std::abs(p.fold) < kOn * std::abs(home_.fold)) return onto_fold(p, s->fold);
       // A floor for directions that no clamp feels: they are what a fold is left by.
       const Matrix4d metric = p.slope.transpose() * p.slope + 1e-5 * Matrix4d::Identity();
-      Vector4d d = metric.ldlt().solve(s->fold);
+      Vector4d d = solve_symmetric(metric, s->fold);
       d *= -p.fold / s->fold.dot(d);
       // The value falls with the square root of the way that is left: a step asks for twice the way at most.
       if ((p.slope * d).squaredNorm() > kHopeless * largest_ * largest_) return {};

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "elastica/curve/placement.hpp"
+#include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
 
@@ -173,8 +174,7 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
     off += right[i].tail<2>().transpose() * solved.x[i][0];
   }
   // On a straight blade the second constraint is empty, and the pseudo-inverse leaves it out.
-  const Eigen::Vector2d force =
-      Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix2d>(compliance).solve(off);
+  const Eigen::Vector2d force = shortest_solution(compliance, off);
   PlaneShift result;
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   result.shift.push_back(shift);

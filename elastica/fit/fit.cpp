@@ -1,6 +1,6 @@
 #include "elastica/fit/fit.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +9,7 @@
 #include "elastica/curve/placement.hpp"
 #include "elastica/curve/taylor.hpp"
 #include "elastica/fit/fit_lanes.hpp"
+#include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
 
@@ -67,7 +68,7 @@ std::array<Shape, 2> own_starts(const Unit& q) {
     k[i - 1] = std::atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) / h;
     a.row(i - 1) << 1, -q.y[u], q.x[u];
   }
-  const Eigen::Vector3d v = a.completeOrthogonalDecomposition().solve(k);
+  const Eigen::Vector3d v = shortest_solution(a, k);
   const std::size_t middle = q.x.size() / 2;
   const double dx = q.x[middle + 1] - q.x[middle - 1], dy = q.y[middle + 1] - q.y[middle - 1];
   const double norm = std::hypot(dx, dy), c = norm > 0 ? dx / norm : 1, s = norm > 0 ? dy / norm : 0;

@@ -1,6 +1,6 @@
 #include "elastica/fit/fit_clamped.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include "elastica/curve/taylor.hpp"
 #include "elastica/fit/fit_lanes.hpp"
 #include "elastica/fit/shape_lanes.hpp"
+#include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
 
@@ -118,7 +119,7 @@ Vector4 model_step(const Problem& p, const Search& s) {
   Eigen::Matrix4d a = s.a;
   const double floor = kFloor * a.trace() + 1e-300;
   for (int k = 0; k < kUnknowns; ++k) a(k, k) += s.damping * (a(k, k) + floor) + floor;
-  if (!p.clamped_end) return -a.ldlt().solve(s.b);
+  if (!p.clamped_end) return -solve_symmetric(a, s.b);
   Eigen::Matrix<double, 7, 7> kkt = Eigen::Matrix<double, 7, 7>::Zero();
   kkt.topLeftCorner<4, 4>() = a;
   kkt.topRightCorner<4, 3>() = s.j.transpose();

@@ -5,15 +5,12 @@
 #include <stdexcept>
 
 #include "elastica/curve/features.hpp"
+#include "elastica/linear/cross.hpp"
 
 namespace hotblade::elastica {
 namespace {
 
 using Eigen::Vector2d;
-
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 // Through both points with their tangents; a straight one where the tangents do not meet ahead.
 Quadratic touching(const CurvePoint& a, const CurvePoint& b) {

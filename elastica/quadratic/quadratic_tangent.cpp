@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "elastica/kernels/quadratic.h"
+#include "elastica/linear/cross.hpp"
 
 namespace hotblade::elastica {
 
@@ -25,10 +26,6 @@ constexpr double kOnTolerance = 1e-13;
 constexpr double kGridRatio = 1.5;
 constexpr double kNearestPart = 1e-7;
 constexpr int kEvenSteps = 64;
-
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
 
 // A point of the locus: the middle control point, where its curve touches, and how fast b1 moves along the
 // common tangent's direction (proposition 4.2), negative where it runs backwards; it turns round in a cusp.

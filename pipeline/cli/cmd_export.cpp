@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "pipeline/cli/command.hpp"
-#include "pipeline/export/post_processor.hpp"
+#include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
 #include "pipeline/export/waypoint_files.hpp"
 
@@ -21,7 +21,8 @@ std::vector<ExportedFile> exported(const Program& program, const ExportArguments
   if (arguments.format == "ply") return {as_cut_ply(program, arguments.sample_mm)};
   if (arguments.format == "csv") return waypoint_csv(program);
   if (arguments.format == "compas") return waypoint_compas(program);
-  return post_processor(arguments.format)->files(robot_job(program));
+  if (arguments.format == "rapid") return rapid_programs(program);
+  return krl_programs(program);
 }
 
 // What moves a machine is not handed out for a job that was refused.

@@ -16,12 +16,12 @@ namespace {
 using Eigen::Vector2d;
 using elastica::Quadratic;
 
-Json to_json(const Vector2d& p) {
+Json json_of(const Vector2d& p) {
   return {p.x(), p.y()};
 }
 
-Json to_json(const Quadratic& q) {
-  return {to_json(q[0]), to_json(q[1]), to_json(q[2])};
+Json json_of(const Quadratic& q) {
+  return {json_of(q[0]), json_of(q[1]), json_of(q[2])};
 }
 
 Json measures(const Json& line) {
@@ -34,14 +34,14 @@ Json measures(const Json& line) {
               {"energy", elastica::energy(q)},
               {"parabola",
                {{"status", status[static_cast<int>(p.status)]},
-                {"origin", to_json(p.origin)},
-                {"axis", to_json(p.axis)},
+                {"origin", json_of(p.origin)},
+                {"axis", json_of(p.axis)},
                 {"scale", p.scale},
                 {"x0", p.x0},
                 {"x1", p.x1}}}};
   if (line.contains("nearest")) {
     const elastica::QuadraticNearest n = elastica::nearest(q, point(line["nearest"], "nearest"));
-    answer["nearest"] = {{"t", n.t}, {"point", to_json(n.point)}, {"distance", n.distance}};
+    answer["nearest"] = {{"t", n.t}, {"point", json_of(n.point)}, {"distance", n.distance}};
   }
   return answer;
 }
@@ -66,10 +66,10 @@ elastica::TangentCurves solve(const Json& line) {
   return elastica::tangent_to_circle(ends[0], ends[1], centre, radius, objective);
 }
 
-Json to_json(const elastica::TangentMinimum& m) {
+Json json_of(const elastica::TangentMinimum& m) {
   const char* branches[] = {"line", "closer", "farther", "end_tangent_0", "end_tangent_2", "chord"};
-  return {{"bezier", to_json(m.curve)},
-          {"contact", to_json(m.contact)},
+  return {{"bezier", json_of(m.curve)},
+          {"contact", json_of(m.contact)},
           {"value", m.value},
           {"branch", branches[static_cast<int>(m.branch)]},
           {"regular", m.regular}};
@@ -78,11 +78,11 @@ Json to_json(const elastica::TangentMinimum& m) {
 Json tangent(const Json& line) {
   const elastica::TangentCurves curves = solve(line);
   Json candidates = Json::array();
-  for (const elastica::TangentMinimum& m : curves.minima) candidates.push_back(to_json(m));
+  for (const elastica::TangentMinimum& m : curves.minima) candidates.push_back(json_of(m));
   Json answer{{"bezier", nullptr}, {"contact", nullptr}, {"value", nullptr}};
   if (curves.status == elastica::TangentStatus::kOk) {
     const elastica::TangentMinimum& best = curves.minima[curves.best];
-    answer = {{"bezier", to_json(best.curve)}, {"contact", to_json(best.contact)}, {"value", best.value}};
+    answer = {{"bezier", json_of(best.curve)}, {"contact", json_of(best.contact)}, {"value", best.value}};
   }
   answer["candidates"] = candidates;
   answer["status"] = curves.status == elastica::TangentStatus::kOk ? "ok" : "infeasible";

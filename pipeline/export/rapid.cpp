@@ -2,13 +2,11 @@
 
 #include <iterator>
 
-#include "pipeline/export/robot_languages.hpp"
+#include "pipeline/export/robot_programs.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
-
-constexpr double kMicrosecond = 1e-6;
 
 // External axes unused, configuration left to ConfL\Off.
 std::string robtarget(const Pose& pose) {
@@ -18,37 +16,34 @@ std::string robtarget(const Pose& pose) {
       pose.p.x(), pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z());
 }
 
-const Pose& clamp(const robot::Waypoint& waypoint, char arm) {
-  return arm == 'A' ? waypoint.a : waypoint.b;
-}
-
 // To the first waypoint one arm after the other decides: by hand or by the cell's own moves. From there on
 // the arms move together.
-void append_strip(std::string& text, const RobotStrip& strip, char arm) {
+void append_rapid_strip(std::string& text, const Strip& strip, char arm) {
+  const std::vector<robot::Waypoint> path = waypoints(strip);
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "  ! strip {}, blade {:g} mm, {} waypoints\n  PROC {}()\n", strip.id,
-                 strip.blade_length_mm, strip.path.size(), strip.id);
+                 strip.blade_length_mm, path.size(), strip.id);
   fmt::format_to(out, "    ConfL\\Off;\n    ConfJ\\Off;\n    MoveJ {},v100,fine,hb_clamp\\WObj:=hb_cell;\n",
-                 robtarget(clamp(strip.path.front(), arm)));
+                 robtarget(clamp_of(path.front(), arm)));
   text += "    SyncMoveOn hb_on,hb_tasks;\n";
   bool heat = false;
-  for (std::size_t i = 1; i < strip.path.size(); ++i) {
-    const robot::Waypoint &from = strip.path[i - 1], &to = strip.path[i];
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const robot::Waypoint &from = path[i - 1], &to = path[i];
     if (from.heat != heat) {
       heat = from.heat;
       // The output belongs to one arm; both wait for the same point.
       if (arm == 'A') fmt::format_to(out, "    SetDO hb_heat,{};\n", heat ? 1 : 0);
     }
-    const bool last = i + 1 == strip.path.size();
+    const bool last = i + 1 == path.size();
     fmt::format_to(out, "    MoveL {}\\ID:={},v1000\\T:={:.6f},{},hb_clamp\\WObj:=hb_cell;\n",
-                   robtarget(clamp(to, arm)), 10 * i, kMicrosecond * (to.t_us - from.t_us),
+                   robtarget(clamp_of(to, arm)), 10 * i, kMicrosecond * (to.t_us - from.t_us),
                    last ? "fine" : "z0");
   }
   if (arm == 'A') text += "    SetDO hb_heat,0;\n";
   text += "    SyncMoveOff hb_off;\n  ENDPROC\n\n";
 }
 
-std::string module_text(const RobotJob& job, char arm) {
+std::string rapid_text(const Program& program, char arm) {
   std::string text = fmt::format(
       "MODULE hb_arm_{0}\n  ! {1}: {2}, arm {3}. Not tested on hardware.\n"
       "  ! Set to the cell: hb_clamp (jaw, x along the blade), hb_cell (table), hb_heat, hb_tasks.\n"
@@ -56,10 +51,10 @@ std::string module_text(const RobotJob& job, char arm) {
       "hb_off;\n"
       "  PERS tooldata hb_clamp:=[TRUE,[[0,0,0],[1,0,0,0]],[1,[0,0,1],[1,0,0,0],0,0,0]];\n"
       "  PERS wobjdata hb_cell:=[FALSE,TRUE,\"\",[[0,0,0],[1,0,0,0]],[[0,0,0],[1,0,0,0]]];\n\n",
-      arm == 'A' ? 'a' : 'b', job.created_by, job.design, arm);
-  for (const RobotStrip& strip : job.strips) append_strip(text, strip, arm);
+      arm == 'A' ? 'a' : 'b', program.created_by, program.design.file, arm);
+  for (const Strip& strip : program.strips) append_rapid_strip(text, strip, arm);
   text += "  PROC hb_main()\n";
-  for (const RobotStrip& strip : job.strips) {
+  for (const Strip& strip : program.strips) {
     // A halt before each block: it has to be put on the table.
     text += fmt::format("    Stop;\n    {};\n", strip.id);
   }
@@ -68,8 +63,8 @@ std::string module_text(const RobotJob& job, char arm) {
 
 }  // namespace
 
-std::vector<ExportedFile> RapidPostProcessor::files(const RobotJob& job) const {
-  return {{"hb_arm_a.mod", module_text(job, 'A')}, {"hb_arm_b.mod", module_text(job, 'B')}};
+std::vector<ExportedFile> rapid_programs(const Program& program) {
+  return {{"hb_arm_a.mod", rapid_text(program, 'A')}, {"hb_arm_b.mod", rapid_text(program, 'B')}};
 }
 
 }  // namespace hotblade::pipeline

@@ -5,13 +5,13 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/export/robot_programs.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kMicrosecond = 1e-6;
 
 std::string pose_cells(const Pose& pose) {
   return fmt::format("{:.6f},{:.6f},{:.6f},{:.12f},{:.12f},{:.12f},{:.12f}", pose.p.x(), pose.p.y(),

@@ -14,16 +14,16 @@ namespace {
 namespace fs = std::filesystem;
 
 // VTK writes to a name; the film gets its own when it is whole.
-class Draft {
+class MovieDraft {
  public:
-  explicit Draft(const fs::path& target)
+  explicit MovieDraft(const fs::path& target)
       : target_(target), path_(target.parent_path() / ("." + target.filename().string() + ".draft")) {}
-  ~Draft() {
+  ~MovieDraft() {
     std::error_code ignored;
     fs::remove(path_, ignored);
   }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
+  MovieDraft(const MovieDraft&) = delete;
+  MovieDraft& operator=(const MovieDraft&) = delete;
 
   [[nodiscard]] const fs::path& path() const { return path_; }
   void place() const {
@@ -42,7 +42,7 @@ class Draft {
 void write_movie(const ViewModel& model, ViewState state, const MovieOptions& options, const fs::path& file,
                  bool force, const std::function<void(double)>& report) {
   expect_writable(file, force);
-  const Draft draft(file);
+  const MovieDraft draft(file);
   vtkNew<vtkOggTheoraWriter> writer;
   writer->SetFileName(draft.path().c_str());
   writer->SetRate(options.frames_per_s);

@@ -14,7 +14,7 @@ namespace hotblade::pipeline {
 
 namespace {
 
-using Json = nlohmann::json;
+using Value = nlohmann::json;
 
 // A number that this setting would have to have for the refusal to hold, from the one it has.
 using Needed = double (*)(double now, const Refusal& refusal);
@@ -91,9 +91,9 @@ std::string with_unit(double x, const std::string& unit) {
 }
 
 // What a block's edge or a blade's length would have to be stands in a list, of which the largest counts.
-std::string largest(const Json& list, const char* unit) {
+std::string largest(const Value& list, const char* unit) {
   double most = 0;
-  for (const Json& x : list) most = std::max(most, x.get<double>());
+  for (const Value& x : list) most = std::max(most, x.get<double>());
   return with_unit(most, unit);
 }
 
@@ -116,7 +116,7 @@ class Collector {
     if (add_list(r)) return;
     for (const Rule& rule : kRules) {
       if (r.limit != rule.limit) continue;
-      const Json* now = setting(rule.section, rule.key);
+      const Value* now = setting(rule.section, rule.key);
       if (now == nullptr || !now->is_number()) return;
       const double is = now->get<double>(), needed = rounded(rule.needed(is, r), rule);
       if (!std::isfinite(needed) || needed <= 0) return;
@@ -127,7 +127,7 @@ class Collector {
     }
   }
 
-  [[nodiscard]] const Json* setting(const char* section, const char* key) const {
+  [[nodiscard]] const Value* setting(const char* section, const char* key) const {
     const auto s = settings_.find(section);
     if (s == settings_.end() || !s->is_object()) return nullptr;
     const auto k = s->find(key);
@@ -144,13 +144,13 @@ class Collector {
     }
     const bool length = r.limit == Limit::kRibLength, clearance = r.limit == Limit::kClampClearance;
     if (!length && !clearance) return false;
-    const Json* lengths = setting("blade", "free_lengths_mm");
+    const Value* lengths = setting("blade", "free_lengths_mm");
     if (lengths == nullptr || lengths->empty()) return true;
     // Both clamps stand off the block by their clearance; a longer blade has half of its growth on each side.
-    const Json* clear = setting("stock", "clearance_mm");
+    const Value* clear = setting("stock", "clearance_mm");
     const double keep = clear == nullptr ? 0 : clear->get<double>();
     double longest = 0;
-    for (const Json& x : *lengths) longest = std::max(longest, x.get<double>());
+    for (const Value& x : *lengths) longest = std::max(longest, x.get<double>());
     const double least = length ? r.value + 2 * keep : longest + 2 * (r.bound - r.value);
     constexpr double kStep_mm = 50;
     merge("blade.free_lengths_mm", largest(*lengths, "mm") + " at the longest",
@@ -174,7 +174,7 @@ class Collector {
     same->why = why;
   }
 
-  Json settings_;
+  Value settings_;
   std::vector<Remedy> list_;
 };
 

@@ -17,7 +17,7 @@ std::uint64_t mixed(std::uint64_t z) {
 
 constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15u;
 
-elastica::Bezier disc_curve(CurveRandom& random) {
+elastica::Bezier drawn_in_disc(CurveRandom& random) {
   elastica::Bezier b;
   for (auto& p : b) {
     do {
@@ -43,7 +43,7 @@ elastica::Bezier disc_curve(std::uint64_t seed, std::uint64_t index,
                             const elastica::AngleConstraints& constraints) {
   CurveRandom random(seed, index);
   while (true) {
-    const elastica::Bezier b = disc_curve(random);
+    const elastica::Bezier b = drawn_in_disc(random);
     const auto s = elastica::standard_position(b);
     if (s && elastica::angle_constraints_hold(*s, constraints)) return b;
   }
@@ -51,7 +51,7 @@ elastica::Bezier disc_curve(std::uint64_t seed, std::uint64_t index,
 
 elastica::Bezier any_disc_curve(std::uint64_t seed, std::uint64_t index) {
   CurveRandom random(seed, index);
-  return disc_curve(random);
+  return drawn_in_disc(random);
 }
 
 void over_blocks(std::size_t count, const std::function<void(double)>& progress,

@@ -23,7 +23,7 @@ using elastica::ArcOrder;
 using elastica::Elastica;
 using elastica::ElasticaCurve;
 
-constexpr std::size_t kSamples = 2000, kChecked = 20'000;
+constexpr std::size_t kArcSamples = 2000, kArcsChecked = 20'000;
 constexpr std::array kTolerances{1.0, 1e-1, 1e-2, 1e-3, 1e-4};  // mm
 constexpr std::size_t kToleranceCount = kTolerances.size();
 // Rounding of a place on a curve, of its length: the arcs are chained over hundreds of joints.
@@ -190,7 +190,7 @@ double mean_order(const std::vector<Fitted>& fits, double Fitted::*order) {
   return n > 0 ? sum / n : 0;
 }
 
-struct Results {
+struct ArcResults {
   std::array<Row, kToleranceCount> rows;
   double bound_order = 0, deviation_order = 0;
   Theorems theorems;
@@ -204,7 +204,7 @@ std::vector<double> contacts(double k1) {
   return list;
 }
 
-std::string text_of(const Results& r, std::size_t samples) {
+std::string text_of(const ArcResults& r, std::size_t samples) {
   std::string text = fmt::format("{} random elastica, 200 to 1400 mm long; mean numbers of arcs\n", samples);
   text +=
       fmt::format("  {:>9}{:>9}{:>9}{:>11}{:>11}{:>11}{:>12}{:>9}{:>9}{:>7}\n", "tolerance", "biarcs",
@@ -235,7 +235,7 @@ std::string text_of(const Results& r, std::size_t samples) {
   return text;
 }
 
-nlohmann::ordered_json figures_of(const Results& r, std::size_t samples, std::uint64_t seed) {
+nlohmann::ordered_json figures_of(const ArcResults& r, std::size_t samples, std::uint64_t seed) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (std::size_t k = 0; k < kToleranceCount; ++k) {
     const Row& row = r.rows[k];
@@ -289,8 +289,8 @@ std::string convergence_figure(const std::array<Row, kToleranceCount>& rows) {
 }  // namespace
 
 StudyReport study_arcs(const StudyOptions& options) {
-  const std::size_t samples = options.samples > 0 ? options.samples : kSamples;
-  const std::size_t checked = options.checked > 0 ? options.checked : kChecked;
+  const std::size_t samples = options.samples > 0 ? options.samples : kArcSamples;
+  const std::size_t checked = options.checked > 0 ? options.checked : kArcsChecked;
   const std::uint64_t seed = options.seed;
   std::vector<Fitted> fits(samples);
   over_blocks(
@@ -304,7 +304,7 @@ StudyReport study_arcs(const StudyOptions& options) {
       [&](std::size_t first, std::size_t end) {
         for (std::size_t i = first; i < end; ++i) tried[i] = try_spiral(seed, i);
       });
-  Results r;
+  ArcResults r;
   for (std::size_t k = 0; k < kToleranceCount; ++k) r.rows[k] = row_of(fits, k);
   r.bound_order = mean_order(fits, &Fitted::bound_order);
   r.deviation_order = mean_order(fits, &Fitted::deviation_order);

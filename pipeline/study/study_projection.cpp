@@ -33,8 +33,8 @@ constexpr Case kCases[] = {
     {"pi/6, 0.75 pi", {std::numbers::pi / 6, 0.75 * std::numbers::pi}, {0.10, 0.06, 0, 0, 0.71}},
 };
 // Large samples are checked on a subset that pins its 99% down; small ones are for a look.
-constexpr std::size_t kSeeds = 3, kSamples = 100'000, kLarge = 100'000, kCheckedOfLarge = 5000,
-                      kChecked = 100;
+constexpr std::size_t kSeeds = 3, kProjectionSamples = 100'000, kLargeProjection = 100'000,
+                      kCheckedOfLargeProjection = 5000, kProjectionsChecked = 100;
 // Grid of the brute force: neighbours differ by 4%; its best local minima are refined.
 constexpr elastica::SearchOptions kBruteForce{129, 24};
 
@@ -111,9 +111,9 @@ std::string row(const std::string& name, const Distribution& d) {
 std::vector<Eigen::Vector2d> shares(std::vector<double> values, double largest) {
   std::sort(values.begin(), values.end());
   std::vector<Eigen::Vector2d> line;
-  constexpr int kPoints = 200;
-  for (int k = 0; k <= kPoints; ++k) {
-    const double e = largest * k / kPoints;
+  constexpr int kSharesDrawn = 200;
+  for (int k = 0; k <= kSharesDrawn; ++k) {
+    const double e = largest * k / kSharesDrawn;
     const auto below = std::upper_bound(values.begin(), values.end(), e) - values.begin();
     line.emplace_back(e, static_cast<double>(below) / static_cast<double>(values.size()));
   }
@@ -166,10 +166,10 @@ nlohmann::ordered_json figures(const Case& c, std::uint64_t seed, const Outcome&
 }  // namespace
 
 StudyReport study_projection(const StudyOptions& options) {
-  const std::size_t samples = options.samples > 0 ? options.samples : kSamples;
-  const std::size_t checked = std::min(samples, options.checked > 0 ? options.checked
-                                                : samples >= kLarge ? kCheckedOfLarge
-                                                                    : kChecked);
+  const std::size_t samples = options.samples > 0 ? options.samples : kProjectionSamples;
+  const std::size_t checked = std::min(samples, options.checked > 0           ? options.checked
+                                                : samples >= kLargeProjection ? kCheckedOfLargeProjection
+                                                                              : kProjectionsChecked);
   StudyReport report;
   report.figures = nlohmann::ordered_json::array();
   std::vector<SvgPlot> plots;

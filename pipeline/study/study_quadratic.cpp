@@ -19,7 +19,7 @@ using elastica::Objective;
 using elastica::Quadratic;
 using elastica::TangentMinimum;
 
-constexpr std::size_t kSamples = 100'000, kChecked = 14'000;
+constexpr std::size_t kQuadraticSamples = 100'000, kQuadraticsChecked = 14'000;
 // Points on each component of a locus; a minimum narrower than this is not seen.
 constexpr int kLocusSamples = 4000;
 
@@ -70,12 +70,12 @@ struct KindCompared {
 // First by kind, then length and energy.
 using TangentTable = std::array<std::array<KindCompared, 2>, kTangentKinds.size()>;
 
-struct Results {
+struct QuadraticResults {
   std::array<KindErrors, kTriangleKinds.size()> forms;
   TangentTable tangent;
 };
 
-void compare_forms(Results& results, std::size_t samples, std::uint64_t seed,
+void compare_forms(QuadraticResults& results, std::size_t samples, std::uint64_t seed,
                    const std::function<void(double)>& progress) {
   std::vector<FormErrors> errors(samples);
   over_blocks(samples, progress, [&](std::size_t first, std::size_t end) {
@@ -95,7 +95,7 @@ void compare_forms(Results& results, std::size_t samples, std::uint64_t seed,
   }
 }
 
-void compare_tangents(Results& results, std::size_t problems, std::uint64_t seed,
+void compare_tangents(QuadraticResults& results, std::size_t problems, std::uint64_t seed,
                       const std::function<void(double)>& progress) {
   std::vector<Compared> compared(problems);
   over_blocks(problems, progress, [&](std::size_t first, std::size_t end) {
@@ -113,7 +113,7 @@ void compare_tangents(Results& results, std::size_t problems, std::uint64_t seed
   }
 }
 
-std::string text_of(const Results& r, std::size_t samples, std::size_t problems) {
+std::string text_of(const QuadraticResults& r, std::size_t samples, std::size_t problems) {
   std::string text = fmt::format("{} triangles, relative errors against quadrature in 34 digits\n", samples);
   text += fmt::format("  {:<34}{:>9}{:>14}{:>13}{:>14}{:>13}\n", "", "count", "length, mean", "largest",
                       "energy, mean", "largest");
@@ -137,7 +137,7 @@ std::string text_of(const Results& r, std::size_t samples, std::size_t problems)
   return text;
 }
 
-nlohmann::ordered_json figures_of(const Results& r, std::size_t samples, std::size_t problems,
+nlohmann::ordered_json figures_of(const QuadraticResults& r, std::size_t samples, std::size_t problems,
                                   std::uint64_t seed) {
   nlohmann::ordered_json forms = nlohmann::ordered_json::array(), tangent = forms;
   for (std::size_t k = 0; k < kTriangleKinds.size(); ++k) {
@@ -175,11 +175,11 @@ double thread_seconds() {
 
 // Middle control points with the value of the best solution.
 std::vector<Eigen::Vector2d> level_set(const TangentProblem& p, const elastica::TangentCurves& solved) {
-  constexpr int kSetPoints = 360;
+  constexpr int kPointsOfSet = 360;
   if (solved.minima.empty()) return {};
   const double value = solved.minima[solved.best].value;
-  return p.objective == Objective::kLength ? elastica::length_level_set(p.b0, p.b2, value, kSetPoints)
-                                           : elastica::energy_level_set(p.b0, p.b2, value, kSetPoints);
+  return p.objective == Objective::kLength ? elastica::length_level_set(p.b0, p.b2, value, kPointsOfSet)
+                                           : elastica::energy_level_set(p.b0, p.b2, value, kPointsOfSet);
 }
 
 // Solutions a second of one core, of lines or circles of all cases by turns; with the level set through each,
@@ -202,18 +202,18 @@ double rate(bool circle, Objective objective, bool level_sets) {
 }
 
 std::vector<std::string> rates() {
-  struct Task {
+  struct Rate {
     const char* name;
     bool circle;
     Objective objective;
     int paper, paper_with_sets;
   };
-  constexpr Task kTasks[] = {{"least length, line", false, Objective::kLength, 2000, 340},
+  constexpr Rate kRates[] = {{"least length, line", false, Objective::kLength, 2000, 340},
                              {"least length, circle", true, Objective::kLength, 1400, 300},
                              {"least energy, line", false, Objective::kEnergy, 2000, 300},
                              {"least energy, circle", true, Objective::kEnergy, 1290, 275}};
   std::vector<std::string> lines;
-  for (const Task& t : kTasks) {
+  for (const Rate& t : kRates) {
     lines.push_back(fmt::format(
         "{}: {:.0f} a second on one core (paper: {}), {:.0f} with a level set of 360 points (paper: {})",
         t.name, rate(t.circle, t.objective, false), t.paper, rate(t.circle, t.objective, true),
@@ -225,9 +225,9 @@ std::vector<std::string> rates() {
 }  // namespace
 
 StudyReport study_quadratic(const StudyOptions& options) {
-  const std::size_t samples = options.samples > 0 ? options.samples : kSamples;
-  const std::size_t problems = options.checked > 0 ? options.checked : kChecked;
-  Results r;
+  const std::size_t samples = options.samples > 0 ? options.samples : kQuadraticSamples;
+  const std::size_t problems = options.checked > 0 ? options.checked : kQuadraticsChecked;
+  QuadraticResults r;
   compare_forms(r, samples, options.seed, [&](double share) { options.report(0.7 * share); });
   compare_tangents(r, problems, options.seed, [&](double share) { options.report(0.7 + 0.3 * share); });
   return {text_of(r, samples, problems),

@@ -21,7 +21,8 @@ namespace {
 using elastica::Bezier;
 using elastica::StandardPosition;
 
-constexpr std::size_t kSamples = 1'000'000, kLarge = 100'000, kCheckedOfLarge = 2000, kChecked = 400;
+constexpr std::size_t kZoneSamples = 1'000'000, kLargeZone = 100'000, kCheckedOfLargeZone = 2000,
+                      kZoneChecked = 400;
 // Of the zone's curves one in this many is fitted, as in the paper: about 40,000 of 10 million.
 constexpr std::size_t kFittedShare = 250;
 
@@ -153,11 +154,11 @@ std::string fit_text(const FitSummary& f) {
 }  // namespace
 
 StudyReport study_zone(const StudyOptions& options) {
-  const std::size_t samples = options.samples > 0 ? options.samples : kSamples;
+  const std::size_t samples = options.samples > 0 ? options.samples : kZoneSamples;
   const std::size_t fitted = std::max<std::size_t>(1, samples / kFittedShare);
-  const std::size_t checked = std::min(fitted, options.checked > 0 ? options.checked
-                                               : samples >= kLarge ? kCheckedOfLarge
-                                                                   : kChecked);
+  const std::size_t checked = std::min(fitted, options.checked > 0     ? options.checked
+                                               : samples >= kLargeZone ? kCheckedOfLargeZone
+                                                                       : kZoneChecked);
   const std::uint64_t seed = options.seed;
   const auto part = [&options](double from, double to) {
     return [&options, from, to](double share) { options.report(from + (to - from) * share); };

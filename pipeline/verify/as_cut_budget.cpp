@@ -59,9 +59,9 @@ class HangingRib {
 };
 
 // Largest distance of centre-line points, brought back by half the melted band, from the design.
-class RibMeasure {
+class DroppedRibs {
  public:
-  RibMeasure(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
+  DroppedRibs(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
       : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices(), mesh_.triangles(), backend) {}
 
   // Of what lies on the design or no farther than `edge_mm` past its border, moved as the blade hangs.
@@ -101,7 +101,7 @@ struct RibErrors {
 RibErrors rib_errors(const Program& program, const surface::DesignSurface& design,
                      const VerifyOptions& options) {
   constexpr int kSamples = 129;
-  const RibMeasure measure(program, design, options.backend);
+  const DroppedRibs measure(program, design, options.backend);
   RibErrors errors;
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) {

@@ -92,8 +92,14 @@ bool HalfEdges::joined(int v, int other) const {
 
 bool HalfEdges::has_seams() const {
   if (!refused_.empty()) return true;
-  for (const auto v : mesh_.vertices()) {
-    if (!mesh_.is_manifold(v)) return true;
+  // A vertex has a half-edge out along the border for each of its fans: one walk over the half-edges finds
+  // the second.
+  std::vector<bool> seen(mesh_.n_vertices());
+  for (const Halfedge h : mesh_.halfedges()) {
+    if (!mesh_.is_boundary(h)) continue;
+    auto from = seen[at(mesh_.from_vertex_handle(h).idx())];
+    if (from) return true;
+    from = true;
   }
   return false;
 }

@@ -26,12 +26,13 @@ readonly private_headers='surface/read/half_edges.hpp'
 # whole big room. A line may name only rooms above it in this table, so the table itself has no circle.
 readonly downhill='
 elastica/kernels:
+elastica/linear:
 elastica/curve: elastica/kernels
-elastica/bezier: elastica/kernels elastica/curve
-elastica/fit: elastica/kernels elastica/curve elastica/bezier
+elastica/bezier: elastica/kernels elastica/linear elastica/curve
+elastica/fit: elastica/kernels elastica/linear elastica/curve elastica/bezier
 elastica/projection: elastica/kernels elastica/curve elastica/bezier elastica/fit
-elastica/blade: elastica/kernels elastica/curve
-elastica/quadratic: elastica/kernels elastica/curve
+elastica/blade: elastica/kernels elastica/linear elastica/curve
+elastica/quadratic: elastica/kernels elastica/linear elastica/curve
 elastica/arcs: elastica/kernels elastica/curve
 surface/read:
 surface/slice: surface/read

@@ -3,6 +3,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "elastica/linear/solve.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -91,7 +93,7 @@ std::optional<std::vector<Vector2d>> fill_gap(std::span<const Vector2d> before,
   a.bottomRows<kCoefficients>().setZero();
   double pull = kPull;
   for (int n = 1; n < kCoefficients; ++n) a(count + n, n) = pull *= 3;
-  const Eigen::Matrix<double, kCoefficients, 1> c = a.completeOrthogonalDecomposition().solve(y);
+  const Eigen::Matrix<double, kCoefficients, 1> c = elastica::shortest_solution(a, y);
   std::vector<Vector2d> fill;
   for (int k = 1; k <= kFillSamples; ++k) {
     const double u = static_cast<double>(k) / (kFillSamples + 1);

@@ -9,8 +9,7 @@
 #include <regex>
 #include <sstream>
 
-#include "pipeline/export/post_processor.hpp"
-#include "pipeline/export/robot_languages.hpp"
+#include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
 #include "pipeline/export/waypoint_files.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -72,23 +71,24 @@ TEST(KukaAngles, TurnBackToTheOrientationAlsoWhereAxesFallTogether) {
 }
 
 TEST(Rapid, ReadsBackToTheWaypointsWithTheSameMoveNumbersInBothArms) {
-  const RobotJob job = robot_job(two_strips());
-  const std::vector<ExportedFile> files = post_processor("rapid")->files(job);
+  const Program program = two_strips();
+  const std::vector<ExportedFile> files = rapid_programs(program);
   ASSERT_EQ(files.size(), 2u);
   std::vector<std::string> ids[2];
   for (std::size_t arm = 0; arm < 2; ++arm) {
     const std::vector<std::string> moves = lines_with(files[arm].text, "MoveL ");
-    ASSERT_EQ(moves.size(), 2 * (job.strips[0].path.size() - 1));
+    ASSERT_EQ(moves.size(), 2 * (program.strips[0].poses.size() - 1));
     std::size_t move = 0;
-    for (const RobotStrip& strip : job.strips) {
-      for (std::size_t i = 1; i < strip.path.size(); ++i, ++move) {
-        const robot::Waypoint& w = strip.path[i];
+    for (const Strip& strip : program.strips) {
+      const std::vector<robot::Waypoint> path = waypoints(strip);
+      for (std::size_t i = 1; i < path.size(); ++i, ++move) {
+        const robot::Waypoint& w = path[i];
         const Pose& pose = arm == 0 ? w.a : w.b;
         const std::vector<double> n = numbers_in(moves[move]);
         ASSERT_EQ(n.size(), 8u) << moves[move];
         EXPECT_LT((Eigen::Vector3d(n[0], n[1], n[2]) - pose.p).norm(), 1e-4);
         EXPECT_LT(angle_between(Eigen::Quaterniond(n[3], n[4], n[5], n[6]), pose.q), 1e-7);
-        EXPECT_NEAR(n[7], 1e-6 * (w.t_us - strip.path[i - 1].t_us), 1e-9);
+        EXPECT_NEAR(n[7], 1e-6 * (w.t_us - path[i - 1].t_us), 1e-9);
         ids[arm].push_back(moves[move].substr(moves[move].find("\\ID"), 8));
       }
     }
@@ -97,8 +97,8 @@ TEST(Rapid, ReadsBackToTheWaypointsWithTheSameMoveNumbersInBothArms) {
 }
 
 TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
-  const RobotJob job = robot_job(two_strips());
-  const std::vector<ExportedFile> files = post_processor("krl")->files(job);
+  const Program program = two_strips();
+  const std::vector<ExportedFile> files = krl_programs(program);
   ASSERT_EQ(files.size(), 2u);
   for (std::size_t arm = 0; arm < 2; ++arm) {
     const auto moves = lines_with(files[arm].text, "SLIN ");
@@ -108,10 +108,10 @@ TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
     ASSERT_EQ(ends.size(), 2u);
     std::size_t move = 0;
     for (std::size_t s = 0; s < 2; ++s) {
-      const RobotStrip& strip = job.strips[s];
+      const std::vector<robot::Waypoint> path = waypoints(program.strips[s]);
       double sum = 0;
-      for (std::size_t i = 1; i < strip.path.size(); ++i, ++move) {
-        const Pose& pose = arm == 0 ? strip.path[i].a : strip.path[i].b;
+      for (std::size_t i = 1; i < path.size(); ++i, ++move) {
+        const Pose& pose = arm == 0 ? path[i].a : path[i].b;
         const std::vector<double> n = numbers_in(moves.at(move));
         ASSERT_EQ(n.size(), 6u);
         EXPECT_LT((Eigen::Vector3d(n[0], n[1], n[2]) - pose.p).norm(), 1e-4);
@@ -119,17 +119,17 @@ TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
         sum += numbers_in(parts[move]).at(0);
       }
       EXPECT_NEAR(numbers_in(ends[s]).at(0), sum, 1e-5);
-      EXPECT_NEAR(sum, 1e-6 * strip.path.back().t_us, 1e-5);
+      EXPECT_NEAR(sum, 1e-6 * path.back().t_us, 1e-5);
     }
   }
 }
 
 TEST(RobotPrograms, SwitchTheHeatOnArmAAloneAndOffAtTheEnd) {
-  const RobotJob job = robot_job(two_strips());
-  const auto rapid = post_processor("rapid")->files(job);
+  const Program program = two_strips();
+  const auto rapid = rapid_programs(program);
   EXPECT_TRUE(lines_with(rapid[1].text, "SetDO").empty());
   EXPECT_THAT(lines_with(rapid[0].text, "SetDO").back(), HasSubstr("hb_heat,0"));
-  const auto krl = post_processor("krl")->files(job);
+  const auto krl = krl_programs(program);
   EXPECT_TRUE(lines_with(krl[1].text, "hb_heat=").empty());
   EXPECT_THAT(lines_with(krl[0].text, "hb_heat=").back(), HasSubstr("FALSE"));
 }
