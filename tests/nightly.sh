@@ -50,9 +50,14 @@ meshes() {
   return "$failed"
 }
 
+# The clamps that amber verdicts ask for, tried.
+verdicts() {
+  ./run panels 77 --at-least 0 --out "$out/verdicts" && python3 tests/verdict_table.py build/release/hotblade "$out/verdicts/77"
+}
+
 samples() { ./run samples; }
 
-readonly all=(tests long units sanitize threads tidy fuzz panels meshes samples)
+readonly all=(tests long units sanitize threads tidy fuzz panels verdicts meshes samples)
 steps=("$@")
 ((${#steps[@]})) || steps=("${all[@]}")
 for step in "${steps[@]}"; do
