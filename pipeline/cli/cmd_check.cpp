@@ -1,17 +1,21 @@
-// hotblade check: the health of a design, and whether it can be sliced.
+// hotblade check: the health of a design, whether it can be sliced, and what a plan of it will meet.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
+#include "pipeline/plan/forecast.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
+#include "surface/slice/plane_family.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -52,7 +56,51 @@ std::string lines(const std::string& title, const std::vector<std::string>& item
   return text;
 }
 
-std::string table(const DesignSurface& design) {
+std::string radius_text(double radius_mm) {
+  return std::isfinite(radius_mm) ? fmt::format("{:.4g} mm", radius_mm) : "none: flat";
+}
+
+// Two digits behind the point, without a negative zero.
+double short_number(double x) {
+  return std::round(100 * x) / 100 + 0.0;
+}
+
+std::string bend_text(const Bending& bend, double blade_radius_mm) {
+  std::string text = radius_text(bend.radius_mm);
+  if (std::isfinite(bend.radius_mm)) text += " at " + point_text(bend.at);
+  text += fmt::format(" (blade {:.4g} mm)", blade_radius_mm);
+  if (const double share = short_number(100 * bend.sharper_share); share > 0)
+    text += fmt::format(", {:g} % of the area is sharper", share);
+  return text;
+}
+
+std::string vector_text(const Eigen::Vector3d& v) {
+  return fmt::format("[{:g}, {:g}, {:g}]", short_number(v.x()), short_number(v.y()), short_number(v.z()));
+}
+
+std::string keep_text(const Forecast& f) {
+  if (f.upright)
+    return fmt::format("back or front: the surface stands upright (leans {:g} towards z)",
+                       short_number(f.lean));
+  return fmt::format("below is {}, above is {} (the surface leans {:g} towards z)",
+                     f.lean > 0 ? "back" : "front", f.lean > 0 ? "front" : "back", short_number(f.lean));
+}
+
+std::string forecast_table(const Forecast& f) {
+  std::string text = row("smallest radius", bend_text(f.surface, f.blade_radius_mm));
+  text += row("flattest rib planes", "normal " + vector_text(f.planes));
+  text += row("radius in them", bend_text(f.sections, f.blade_radius_mm));
+  text +=
+      row("over 60 degrees to them", fmt::format("{:g} % of the area", short_number(100 * f.steep_share)));
+  text += row("strips", fmt::format("{} at least", f.strips_lower_bound));
+  text += row("keep", keep_text(f));
+  for (const Advice& advice : f.advice) {
+    text += row("advice", fmt::format("--set \"{}\": {}", advice.assignment, advice.why));
+  }
+  return text;
+}
+
+std::string table(const DesignSurface& design, const std::optional<Forecast>& forecast) {
   const Health& health = design.health;
   const Eigen::Vector3d size = health.bbox_mm[1] - health.bbox_mm[0];
   std::string text = row("file", design.file_name) + row("sha256", design.sha256);
@@ -66,21 +114,52 @@ std::string table(const DesignSurface& design) {
   text += row("orientable", health.orientable ? "yes" : "no") + row("closed", health.closed ? "yes" : "no");
   text += lines("repaired", health.repairs) + lines("warning", health.warnings);
   text += lines("blocker", health.blockers);
+  if (forecast) text += forecast_table(*forecast);
   return text + row("sliceable", health.blockers.empty() ? "yes" : "no");
 }
 
-std::string json_text(const DesignSurface& design) {
+using Json = nlohmann::ordered_json;
+
+Json point_json(const Eigen::Vector3d& p) {
+  return {p.x() + 0.0, p.y() + 0.0, p.z() + 0.0};
+}
+
+// A radius of null: nothing bends.
+Json bend_json(const Bending& bend) {
+  const bool bends = std::isfinite(bend.radius_mm);
+  return {{"radius_mm", bends ? Json(bend.radius_mm) : Json()},
+          {"at_mm", bends ? point_json(bend.at) : Json()},
+          {"sharper_share", bend.sharper_share}};
+}
+
+Json forecast_json(const Forecast& f) {
+  Json json;
+  json["blade_radius_mm"] = f.blade_radius_mm;
+  json["surface"] = bend_json(f.surface);
+  json["planes"] = point_json(f.planes);
+  json["sections"] = bend_json(f.sections);
+  json["steep_share"] = f.steep_share;
+  json["lean"] = f.lean;
+  json["upright"] = f.upright;
+  json["keep_suits"] = f.upright ? Json{"back", "front"} : Json{"below", "above", "back", "front"};
+  json["facing"] = f.facing ? Json(*f.facing) : Json();
+  json["strips_lower_bound"] = f.strips_lower_bound;
+  json["likelier_units"] = f.likelier ? Json(f.likelier->units) : Json();
+  json["advice"] = Json::array();
+  for (const Advice& advice : f.advice)
+    json["advice"].push_back({{"set", advice.assignment}, {"why", advice.why}});
+  return json;
+}
+
+std::string json_text(const DesignSurface& design, const std::optional<Forecast>& forecast) {
   const Health& health = design.health;
-  const auto point = [](const Eigen::Vector3d& p) {
-    return nlohmann::json{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0};
-  };
-  nlohmann::ordered_json json;
+  Json json;
   json["file"] = design.file_name;
   json["sha256"] = design.sha256;
   json["units"] = design.units;
   json["scale_to_mm"] = design.scale_to_mm;
   json["up"] = std::string(1, design.up);
-  json["bbox_mm"] = {point(health.bbox_mm[0]), point(health.bbox_mm[1])};
+  json["bbox_mm"] = {point_json(health.bbox_mm[0]), point_json(health.bbox_mm[1])};
   json["file_vertices"] = health.file_vertices;
   json["file_faces"] = health.file_faces;
   for (const Count& count : counts(health)) json[count.name] = count.value;
@@ -92,7 +171,19 @@ std::string json_text(const DesignSurface& design) {
   json["warnings"] = health.warnings;
   json["blockers"] = health.blockers;
   json["sliceable"] = health.blockers.empty();
+  json["forecast"] = forecast ? forecast_json(*forecast) : Json();
   return json.dump(2) + "\n";
+}
+
+// Nothing of a design that cannot be sliced, or that has no area.
+std::optional<Forecast> forecast_of(DesignSurface& design, const Settings& settings) {
+  if (!design.health.blockers.empty() || !(design.health.area_mm2 > 0)) return std::nullopt;
+  try {
+    return forecast(design, settings);
+  } catch (const surface::FanError& error) {
+    design.health.warnings.emplace_back(error.what());
+    return std::nullopt;
+  }
 }
 
 Exit check(const DesignOptions& options, bool as_json) {
@@ -100,7 +191,8 @@ Exit check(const DesignOptions& options, bool as_json) {
   DesignSurface design = read_design(options.file, settings.design);
   const std::string crossings = surface::self_crossings_text(design);
   if (!crossings.empty()) design.health.warnings.push_back(crossings);
-  std::cout << (as_json ? json_text(design) : table(design));
+  const std::optional<Forecast> met = forecast_of(design, settings);
+  std::cout << (as_json ? json_text(design, met) : table(design, met));
   return design.health.blockers.empty() ? Exit::kOk : Exit::kBadInput;
 }
 

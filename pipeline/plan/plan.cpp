@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "pipeline/plan/forecast.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/stopwatch.hpp"
@@ -341,19 +342,6 @@ void try_others(const surface::DesignSurface& design, const Settings& settings, 
   if (!other.refusals.empty()) return;
   other.times = std::move(result.times);
   result = std::move(other);
-}
-
-// Fewer strips cannot cut a design: a strip's ribs are no longer than the longest blade, it leans against its
-// planes by kMaxSlopeRad at most, and no point of its blade sweeps farther than the longest edge of a block,
-// or than half the circle about its diagonal where planes turn. What may be left uncut need not be covered.
-std::size_t strips_lower_bound(double area_mm2, const Settings& settings) {
-  const auto& size = settings.stock.max_size_mm;
-  const Eigen::Vector3d most(size[0], size[1], size[2]);
-  const double sweep = settings.slice.fan_axis ? 0.5 * std::numbers::pi * most.norm() : most.maxCoeff();
-  const double covered = settings.blade.free_lengths_mm.back() * sweep / std::cos(kMaxSlopeRad);
-  constexpr double kRounding = 1e-9;
-  const double share = 1 - settings.design.max_uncut_share;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(share * area_mm2 / covered - kRounding)));
 }
 
 // What came of a try.

@@ -154,6 +154,26 @@ TEST_F(CommandLine, CheckPrintsTheHealthOfASample) {
   EXPECT_THAT(ended.out, MatchesRegex("(.|\n)*sliceable +yes\n"));
 }
 
+TEST_F(CommandLine, CheckSaysWhatAPlanWillMeet) {
+  const Ended text = hotblade({"check", kVault, "--units", "m"});
+  EXPECT_THAT(text.out, HasSubstr("smallest radius"));
+  EXPECT_THAT(text.out, HasSubstr("below is back, above is front"));
+  EXPECT_THAT(text.out, HasSubstr("--set \"design.units=mm\": 900 x 500 x 140 mm if in mm"));
+  const auto met =
+      nlohmann::json::parse(hotblade({"check", kVault, "--units", "mm", "--json"}).out)["forecast"];
+  EXPECT_NEAR(met["surface"]["radius_mm"].get<double>(), 219, 10);
+  EXPECT_NEAR(met["blade_radius_mm"].get<double>(), 70.5, 0.1);
+  EXPECT_EQ(met["steep_share"], 0);
+  EXPECT_EQ(met["keep_suits"], nlohmann::json::parse(R"(["below", "above", "back", "front"])"));
+  EXPECT_EQ(met["facing"], nullptr);
+  EXPECT_EQ(met["likelier_units"], nullptr);
+  EXPECT_EQ(met["advice"], nlohmann::json::array());
+  // Nothing bends of one triangle.
+  const std::string triangle = write("one.obj", kTriangle + "f 1 2 3\n");
+  const auto flat = nlohmann::json::parse(hotblade({"check", triangle, "--units", "mm", "--json"}).out);
+  EXPECT_EQ(flat["forecast"]["surface"]["radius_mm"], nullptr);
+}
+
 TEST_F(CommandLine, CheckScalesAndTurnsAsToldAndPrintsJson) {
   const std::string file = write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
   const Ended ended = hotblade({"check", file, "--units", "in", "--up", "y", "--json"});

@@ -1,0 +1,415 @@
+#include "pipeline/plan/forecast.hpp"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "pipeline/plan/ribs/target.hpp"
+#include "pipeline/plan/sweep/sweep_directions.hpp"
+#include "pipeline/plan/thinned.hpp"
+#include "robot/blade/blade_section.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Matrix2d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+// Cells of a grid over a design, about: at most, and at least where its mesh has as many points.
+constexpr double kCells = 6000, kLeastCells = 1000;
+
+// The unit normal times twice the area.
+Vector3d doubled_area(const surface::TriangleMesh& mesh, const std::array<int, 3>& t) {
+  const auto at = [&](std::size_t i) -> const Vector3d& {
+    return mesh.vertices()[static_cast<std::size_t>(t[i])];
+  };
+  return (at(1) - at(0)).cross(at(2) - at(0));
+}
+
+double area_of(const surface::TriangleMesh& mesh) {
+  double area = 0;
+  for (const auto& t : mesh.triangles()) area += 0.5 * doubled_area(mesh, t).norm();
+  return area;
+}
+
+// Of the area's mean normal towards z, from -1 to 1.
+double lean_of(const surface::TriangleMesh& mesh) {
+  double up = 0, area = 0;
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d n = doubled_area(mesh, t);
+    up += n.z();
+    area += n.norm();
+  }
+  return area > 0 ? up / area : 0;
+}
+
+// The surface at a point: its normal, two unit vectors square to it, the curvatures in them, and its area.
+struct Curved {
+  Vector3d at, normal, e1, e2;
+  Matrix2d curvature;  // of sections along e1, e2
+  double area = 0;
+};
+
+// Vertices about each, by the mesh's edges.
+std::vector<std::vector<int>> neighbours(const surface::TriangleMesh& mesh) {
+  std::vector<std::vector<int>> all(mesh.vertices().size());
+  for (const auto& t : mesh.triangles()) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      all[static_cast<std::size_t>(t[i])].push_back(t[(i + 1) % 3]);
+      all[static_cast<std::size_t>(t[i])].push_back(t[(i + 2) % 3]);
+    }
+  }
+  for (auto& some : all) {
+    std::sort(some.begin(), some.end());
+    some.erase(std::unique(some.begin(), some.end()), some.end());
+  }
+  return all;
+}
+
+std::vector<int> two_rings(const std::vector<std::vector<int>>& neighbours, int v) {
+  std::vector<int> ring = neighbours[static_cast<std::size_t>(v)], both = ring;
+  for (const int w : ring) {
+    const auto& further = neighbours[static_cast<std::size_t>(w)];
+    both.insert(both.end(), further.begin(), further.end());
+  }
+  std::sort(both.begin(), both.end());
+  both.erase(std::unique(both.begin(), both.end()), both.end());
+  both.erase(std::remove(both.begin(), both.end(), v), both.end());
+  return both;
+}
+
+// The second derivatives of the quadric through a point that fits best to others about it, heights over its
+// tangent plane; nothing where they do not determine one.
+std::optional<Matrix2d> second_form(const Curved& c, std::span<const Vector3d> points,
+                                    const std::vector<int>& about) {
+  constexpr std::size_t kUnknowns = 5;
+  if (about.size() < kUnknowns + 1) return std::nullopt;
+  double far = 0;
+  for (const int w : about) far = std::max(far, (points[static_cast<std::size_t>(w)] - c.at).norm());
+  using Vector5 = Eigen::Matrix<double, 5, 1>;
+  Eigen::Matrix<double, 5, 5> normal = Eigen::Matrix<double, 5, 5>::Zero();
+  Vector5 right = Vector5::Zero();
+  for (const int w : about) {
+    const Vector3d d = (points[static_cast<std::size_t>(w)] - c.at) / far;
+    const double x = d.dot(c.e1), y = d.dot(c.e2);
+    const Vector5 row(0.5 * x * x, x * y, 0.5 * y * y, x, y);
+    normal += row * row.transpose();
+    right += d.dot(c.normal) * row;
+  }
+  const Eigen::LDLT<Eigen::Matrix<double, 5, 5>> solver(normal);
+  constexpr double kDetermined = 1e-10;  // of the largest pivot: neighbours on a line say nothing of the rest
+  const Vector5 pivots = solver.vectorD();
+  if (!(pivots.minCoeff() > kDetermined * pivots.maxCoeff())) return std::nullopt;
+  const Vector5 q = solver.solve(right);
+  // The tangent plane leans by the two slopes: the second form in its own axes, to first order of them.
+  const double length = std::sqrt(1 + q[3] * q[3] + q[4] * q[4]);
+  Matrix2d second, first;
+  second << q[0], q[1], q[1], q[2];
+  first << 1 + q[3] * q[3], q[3] * q[4], q[3] * q[4], 1 + q[4] * q[4];
+  const Eigen::LLT<Matrix2d> root(first);
+  const Matrix2d l = root.matrixL();
+  const Matrix2d inverse = l.inverse();
+  return Matrix2d(inverse * second * inverse.transpose() / (length * far));
+}
+
+std::vector<Curved> curved_points(const surface::TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices().size();
+  const auto about = neighbours(mesh);
+  std::vector<Vector3d> normals(n, Vector3d::Zero());
+  std::vector<double> areas(n, 0.0);
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d d = doubled_area(mesh, t);
+    for (const int v : t) {
+      normals[static_cast<std::size_t>(v)] += d;
+      areas[static_cast<std::size_t>(v)] += d.norm() / 6;
+    }
+  }
+  std::vector<char> on_border(n, 0);
+  for (const int corner : mesh.border()) {
+    on_border[static_cast<std::size_t>(surface::vertex_at(mesh, corner))] = 1;
+    on_border[static_cast<std::size_t>(surface::vertex_at(mesh, surface::next_corner(corner)))] = 1;
+  }
+  std::vector<std::optional<Curved>> found(n);
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
+    // At the border one side is missing; the points beside it speak for it.
+    if (on_border[v] || !(areas[v] > 0) || !(normals[v].norm() > 0)) return;
+    Curved c{mesh.vertices()[v], normals[v].normalized(), {}, {}, {}, areas[v]};
+    c.e1 = c.normal.unitOrthogonal();
+    c.e2 = c.normal.cross(c.e1);
+    if (const auto form = second_form(c, mesh.vertices(), two_rings(about, static_cast<int>(v)))) {
+      c.curvature = *form;
+      found[v] = c;
+    }
+  });
+  std::vector<Curved> curved;
+  for (const auto& c : found)
+    if (c) curved.push_back(*c);
+  return curved;
+}
+
+// The bend of an area whose points have these curvatures.
+Bending bend_of(const std::vector<Curved>& points, const std::vector<double>& curvatures,
+                double blade_radius_mm) {
+  constexpr double kLeftOut = 1e-3;
+  std::vector<std::size_t> order(points.size());
+  double all = 0, sharper = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    order[i] = i;
+    all += points[i].area;
+    if (curvatures[i] * blade_radius_mm > 1) sharper += points[i].area;
+  }
+  const auto sharper_than = [&](std::size_t i, std::size_t j) {
+    return curvatures[i] != curvatures[j] ? curvatures[i] > curvatures[j] : i < j;
+  };
+  // The sharpest few are looked at, and the rest only where those have next to no area.
+  const std::size_t few = std::min(order.size(), order.size() / 20 + 10);
+  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end(),
+                    sharper_than);
+  Bending bend{kInf, Vector3d::Zero(), all > 0 ? sharper / all : 0};
+  double left_out = 0;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (k == few) std::sort(order.begin() + static_cast<std::ptrdiff_t>(few), order.end(), sharper_than);
+    const std::size_t i = order[k];
+    left_out += points[i].area;
+    if (left_out <= kLeftOut * all) continue;
+    bend.radius_mm = curvatures[i] > 0 ? 1 / curvatures[i] : kInf;
+    bend.at = points[i].at;
+    break;
+  }
+  return bend;
+}
+
+Bending surface_bend(const std::vector<Curved>& points, double blade_radius_mm) {
+  std::vector<double> curvatures;
+  for (const Curved& c : points) {
+    const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(c.curvature, Eigen::EigenvaluesOnly);
+    curvatures.push_back(solver.eigenvalues().cwiseAbs().maxCoeff());
+  }
+  return bend_of(points, curvatures, blade_radius_mm);
+}
+
+// Of sections by planes: what is too steep against them counts as straight, as no blade forms it anyway.
+Bending section_bend(const std::vector<Curved>& points, const surface::PlaneFamily& planes,
+                     double blade_radius_mm) {
+  std::vector<double> curvatures;
+  for (const Curved& c : points) {
+    const Vector3d across = planes.normal(planes.turns() ? planes.offset(c.at) : 0);
+    const double sine = std::min(1.0, std::abs(c.normal.dot(across)));
+    if (sine > std::sin(kMaxSlopeRad)) {
+      curvatures.push_back(0);
+      continue;
+    }
+    const Vector3d along = across.cross(c.normal).normalized();
+    const Vector2d t(along.dot(c.e1), along.dot(c.e2));
+    // Meusnier: a section at a slant bends more sharply than the normal one along the same tangent.
+    curvatures.push_back(std::abs(t.dot(c.curvature * t)) / std::sqrt(1 - sine * sine));
+  }
+  return bend_of(points, curvatures, blade_radius_mm);
+}
+
+// The planes that leave least of the area too steep or too sharply bent for the blade; of equal ones those
+// whose sections bend least.
+void choose_planes(const surface::TriangleMesh& mesh, const std::vector<Curved>& points,
+                   const Settings& settings, Forecast& f) {
+  const WasteSurface surface = waste_surface(mesh, 1);
+  const std::vector<surface::PlaneFamily> all = sweep_planes(mesh, settings.slice);
+  std::vector<std::pair<double, Bending>> tried(all.size());
+  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+    tried[i] = {too_steep_share(surface, all[i]), section_bend(points, all[i], f.blade_radius_mm)};
+  });
+  const auto better = [](const auto& a, const auto& b) {
+    constexpr double kSame = 1e-3;  // of the area
+    const double lost_a = a.first + a.second.sharper_share, lost_b = b.first + b.second.sharper_share;
+    if (std::abs(lost_a - lost_b) > kSame) return lost_a < lost_b;
+    return a.second.radius_mm > b.second.radius_mm;
+  };
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < tried.size(); ++i)
+    if (better(tried[i], tried[best])) best = i;
+  f.planes = all[best].normal(0);
+  f.steep_share = tried[best].first;
+  f.sections = tried[best].second;
+}
+
+// The side of a closed design that would be cut: the one that shows most of its faces; upwards where that is
+// as good, and along an axis where that is nearly so.
+std::array<double, 3> facing_of(const surface::TriangleMesh& mesh, double facing_max_deg) {
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d d = doubled_area(mesh, t);
+    if (const double size = d.norm(); size > 0) spread += d * d.transpose() / size;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread);
+  Vector3d main = solver.eigenvectors().col(2);
+  main *= main[2] < 0 ? -1 : 1;
+  const std::array<Vector3d, 7> sides{Vector3d(0, 0, 1),
+                                      Vector3d(0, 1, 0),
+                                      Vector3d(0, -1, 0),
+                                      Vector3d(1, 0, 0),
+                                      Vector3d(-1, 0, 0),
+                                      main,
+                                      -main};
+  const double least = std::cos(facing_max_deg * std::numbers::pi / 180);
+  std::array<double, sides.size()> seen{};
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d d = doubled_area(mesh, t);
+    const double size = d.norm();
+    for (std::size_t i = 0; i < sides.size(); ++i)
+      if (const double towards = d.dot(sides[i]); towards > least * size) seen[i] += towards;
+  }
+  constexpr double kClearlyMore = 1.15;
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < sides.size(); ++i)
+    if (seen[i] > kClearlyMore * seen[best]) best = i;
+  // Four digits are enough to name a direction.
+  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4 + 0.0; };
+  return {rounded(sides[best].x()), rounded(sides[best].y()), rounded(sides[best].z())};
+}
+
+surface::TriangleMesh facing_part(const surface::TriangleMesh& mesh, const std::array<double, 3>& facing,
+                                  double facing_max_deg) {
+  const Vector3d towards = Vector3d(facing.data()).normalized();
+  const double least = std::cos(facing_max_deg * std::numbers::pi / 180);
+  surface::TriangleSoup soup{{mesh.vertices().begin(), mesh.vertices().end()}, {}};
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d d = doubled_area(mesh, t);
+    if (d.dot(towards) > least * d.norm()) soup.triangles.push_back(t);
+  }
+  return surface::TriangleMesh(std::move(soup));
+}
+
+std::string vector_text(const std::array<double, 3>& v) {
+  return fmt::format("[{:g}, {:g}, {:g}]", v[0], v[1], v[2]);
+}
+
+// The unit in which a design of an odd size would fit blade and blocks best.
+std::optional<OtherUnit> likelier_unit(const surface::DesignSurface& design, const Forecast& f,
+                                       const Settings& settings) {
+  const Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
+  const auto& edges = settings.stock.max_size_mm;
+  const double block = *std::max_element(edges.begin(), edges.end());
+  // Smaller than the clamps' distance from the stock, more strips than a day cuts, or next to nothing that a
+  // blade forms.
+  constexpr double kMostStrips = 50, kMostlySharper = 0.5;
+  const bool small =
+      size.maxCoeff()<2 * settings.stock.clearance_mm, large = static_cast<double>(f.strips_lower_bound)>
+          kMostStrips,
+             sharp = f.sections.sharper_share + f.steep_share > kMostlySharper;
+  if (!small && !large && !sharp) return std::nullopt;
+  std::optional<OtherUnit> best;
+  double best_off = kInf;
+  for (const char* units : {"mm", "cm", "m", "in", "ft"}) {
+    if (design.units == units) continue;
+    const double scale = surface::scale_to_mm(units) / design.scale_to_mm;
+    const OtherUnit other{units, scale * size,
+                          strips_lower_bound(scale * scale * design.health.area_mm2, settings)};
+    if (!(scale * f.sections.radius_mm >= f.blade_radius_mm)) continue;
+    if (other.size_mm.maxCoeff() < 2 * settings.stock.clearance_mm ||
+        static_cast<double>(other.strips_lower_bound) > kMostStrips)
+      continue;
+    // By how many times it is larger or smaller than what a block holds.
+    const double off = std::abs(std::log(other.size_mm.maxCoeff() / block));
+    if (off >= best_off) continue;
+    best_off = off;
+    best = other;
+  }
+  return best;
+}
+
+void advise(const surface::DesignSurface& design, const surface::TriangleMesh& cut, const Settings& settings,
+            Forecast& f) {
+  const DesignSettings& now = settings.design;
+  if (f.likelier) {
+    f.advice.push_back({"design.units=" + f.likelier->units,
+                        fmt::format("{:.4g} x {:.4g} x {:.4g} mm if in {}", f.likelier->size_mm.x(),
+                                    f.likelier->size_mm.y(), f.likelier->size_mm.z(), f.likelier->units)});
+  }
+  if (f.facing) {
+    f.advice.push_back(
+        {"design.facing=" + vector_text(*f.facing),
+         fmt::format("the design is closed: a blade cuts the {:.0f} % of its area that look there",
+                     100 * f.facing_share)});
+  }
+  const bool along_z = now.keep == Keep::kBelow || now.keep == Keep::kAbove;
+  if (!along_z || !f.upright) return;
+  // A surface that is upright as read, and faces along what may be its own way up.
+  constexpr double kMostOfIt = 0.8;
+  double along_y = 0, area = 0;
+  for (const auto& t : cut.triangles()) {
+    const Vector3d n = doubled_area(cut, t);
+    along_y += std::abs(n.y());
+    area += n.norm();
+  }
+  if (!f.facing && design.up == 'z' && along_y > kMostOfIt * area) {
+    f.advice.push_back({"design.up=y",
+                        "most of it faces along y, so that y may be its way up; if it does stand upright: "
+                        "design.keep=back or front"});
+    return;
+  }
+  f.advice.push_back(
+      {"design.keep=back",
+       fmt::format("\"{}\" says nothing about a surface that stands upright: back keeps the foam "
+                   "behind its faces, front the foam before them",
+                   name(now.keep))});
+}
+
+}  // namespace
+
+std::size_t strips_lower_bound(double area_mm2, const Settings& settings) {
+  const auto& size = settings.stock.max_size_mm;
+  const Vector3d most(size[0], size[1], size[2]);
+  const double sweep = settings.slice.fan_axis ? 0.5 * std::numbers::pi * most.norm() : most.maxCoeff();
+  const double covered = settings.blade.free_lengths_mm.back() * sweep / std::cos(kMaxSlopeRad);
+  constexpr double kRounding = 1e-9;
+  const double share = 1 - settings.design.max_uncut_share;
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(share * area_mm2 / covered - kRounding)));
+}
+
+Forecast forecast(const surface::DesignSurface& design, const Settings& settings) {
+  Forecast f;
+  f.blade_radius_mm = 1 / robot::max_curvature_per_mm(settings.blade);
+  surface::TriangleMesh cut = design.mesh;
+  double area = design.health.area_mm2;
+  if (design.health.closed && !settings.design.facing) {
+    const std::array<double, 3> facing = facing_of(design.mesh, settings.design.facing_max_deg);
+    const surface::TriangleMesh faces = facing_part(design.mesh, facing, settings.design.facing_max_deg);
+    // None where hardly any angle between faces and direction is allowed.
+    if (const double faced = area_of(faces); faced > 0) {
+      f.facing = facing;
+      f.facing_share = faced / area;
+      cut = faces;
+      area = faced;
+    }
+  }
+  if (!(area > 0)) throw std::logic_error("forecast: a design without area");
+  f.strips_lower_bound = strips_lower_bound(area, settings);
+  // Two rings of such cells reach as far as a bend of the blade's radius has to for the depth of the
+  // tolerance. A design that is small for that keeps some cells.
+  const double passed_over = std::sqrt(f.blade_radius_mm * settings.design.tolerance_mm / 2);
+  const surface::TriangleMesh thin =
+      thinned(cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));
+  if (!thin.triangles().empty()) cut = thin;
+  f.lean = lean_of(cut);
+  f.upright = waste_side(cut, Keep::kBelow) == 0;
+  const std::vector<Curved> points = curved_points(cut);
+  f.surface = surface_bend(points, f.blade_radius_mm);
+  choose_planes(cut, points, settings, f);
+  f.likelier = likelier_unit(design, f, settings);
+  advise(design, cut, settings, f);
+  return f;
+}
+
+}  // namespace hotblade::pipeline

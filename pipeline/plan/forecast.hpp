@@ -1,0 +1,68 @@
+// What a plan of a design will meet, said of its mesh before anything is planned.
+//
+// The mesh is thinned first: of its points in one cell of a grid one is left. The cells are as wide as bends
+// may be that the tolerance passes over, or wider on large designs, so that the answer takes a fraction of
+// what reading the design takes. The surface's curvature at a point is that of the quadric that fits best to
+// two rings of neighbours.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/settings/settings.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+// How sharply a surface bends.
+struct Bending {
+  double radius_mm = 0;  // the smallest, but for a thousandth of the area; infinite where nothing bends
+  Eigen::Vector3d at{0, 0, 0};  // where that is
+  double sharper_share = 0;     // of the area that bends more sharply than the blade may
+};
+
+// A change of settings, as `--set` takes it, and why.
+struct Advice {
+  std::string assignment;  // "design.keep=back"
+  std::string why;
+};
+
+// The design in another unit.
+struct OtherUnit {
+  std::string units;
+  Eigen::Vector3d size_mm{0, 0, 0};
+  std::size_t strips_lower_bound = 1;
+};
+
+struct Forecast {
+  double blade_radius_mm = 0;  // the smallest that the blade may have
+  Bending surface;             // in any direction
+  // Of the rib planes that suit most of the area, by their normal: their sections' bend, and the share of the
+  // area that is steeper against them than a blade forms.
+  Eigen::Vector3d planes{0, 0, 0};
+  Bending sections;
+  double steep_share = 0;
+  // The faces that would be cut of a closed design; absent: it is open, or the settings choose some.
+  std::optional<std::array<double, 3>> facing;
+  double facing_share = 0;  // of the area
+  double lean = 0;          // of the area's mean normal towards z, of the faces to be cut: -1 to 1
+  bool upright = false;     // it leans so little that `below` and `above` say nothing about it
+  std::size_t strips_lower_bound = 1;
+  std::optional<OtherUnit> likelier;  // where the size is odd in the unit given
+  std::vector<Advice> advice;         // to be followed all together
+};
+
+// Returns the forecast. The design must have triangles with an area (std::logic_error). Throws
+// surface::FanError where the fan's axis does not go with the design.
+[[nodiscard]] Forecast forecast(const surface::DesignSurface& design, const Settings& settings);
+
+// Returns a number of strips that no plan goes below. Fewer cannot cut a design: a strip's ribs are no longer
+// than the longest blade, it leans against its planes by kMaxSlopeRad at most, and no point of its blade
+// sweeps farther than the longest edge of a block, or than half the circle about its diagonal where planes
+// turn. What may be left uncut need not be covered.
+[[nodiscard]] std::size_t strips_lower_bound(double area_mm2, const Settings& settings);
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,222 @@
+#include "pipeline/plan/forecast.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/plan/thinned.hpp"
+#include "pipeline/program/read_design.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "tests/paths.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Vector3d;
+
+// A patch of a sphere about its pole, opening towards `open`.
+Vector3d cap(double radius, double half_rad, double u, double v) {
+  const double a = half_rad * (2 * u - 1), b = half_rad * (2 * v - 1);
+  return radius * Vector3d(std::sin(a) * std::cos(b), std::sin(b), std::cos(a) * std::cos(b));
+}
+
+surface::DesignSurface dome(double radius, double half_rad, int n = 40) {
+  return grid_design("dome", n, n, [=](double u, double v) { return cap(radius, half_rad, u, v); });
+}
+
+// A bowl that opens to the side.
+surface::DesignSurface bowl_on_its_side() {
+  return grid_design("side", 40, 40, [](double u, double v) -> Vector3d {
+    const Vector3d p = cap(300, 0.6, u, v);
+    return {-p.z(), p.y(), p.x()};
+  });
+}
+
+// The settings with all advice of the forecast.
+Settings followed(const Forecast& f, const std::string& units = "mm") {
+  SettingsSources sources{{}, {"design.units=" + units}, {}};
+  for (const Advice& advice : f.advice) sources.assignments.push_back(advice.assignment);
+  return resolve(sources);
+}
+
+Settings in(const std::string& units) {
+  return resolve({{}, {"design.units=" + units}, {}});
+}
+
+TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
+  const Forecast round = forecast(dome(300, 0.7), in("mm")), tube = forecast(cylinder_design(), in("mm"));
+  EXPECT_NEAR(round.surface.radius_mm, 300, 0.1 * 300);
+  EXPECT_NEAR(tube.surface.radius_mm, 400, 0.05 * 400);
+  EXPECT_EQ(round.surface.sharper_share, 0);
+  EXPECT_EQ(round.steep_share, 0);
+  EXPECT_TRUE(round.advice.empty());
+  EXPECT_TRUE(tube.advice.empty());
+  EXPECT_FALSE(round.upright);
+  EXPECT_NEAR(round.blade_radius_mm, 70.5, 1);
+}
+
+TEST(Forecast, SaysThatABallBendsMoreSharplyThanTheBladeAllOver) {
+  const Forecast f = forecast(dome(40, 0.7), in("mm"));
+  EXPECT_GT(f.surface.sharper_share, 0.95);
+  // Whatever the planes, what is not too steep for them is too sharp.
+  EXPECT_GT(f.steep_share + f.sections.sharper_share, 0.95);
+  EXPECT_NEAR(f.surface.radius_mm, 40, 4);
+}
+
+TEST(Forecast, SaysTheSameOfAFinerMesh) {
+  const Forecast coarse = forecast(dome(300, 0.7, 30), in("mm")),
+                 fine = forecast(dome(300, 0.7, 240), in("mm"));
+  EXPECT_NEAR(fine.surface.radius_mm, coarse.surface.radius_mm, 0.1 * 300);
+  EXPECT_NEAR(fine.sections.radius_mm, coarse.sections.radius_mm, 0.15 * coarse.sections.radius_mm);
+}
+
+TEST(Forecast, SaysTheShareThatIsTooSteepForPlanesThatAreGiven) {
+  Settings settings = in("mm");
+  settings.slice.direction = {{0, 0, 1}};
+  // Of a cap of 1.3 rad what lies within 30 degrees of the pole leans by over 60 degrees against level
+  // planes.
+  const auto wide = grid_design("wide", 60, 60, [](double u, double v) -> Vector3d {
+    const double polar = 0.01 + 1.29 * u, round = 2 * std::numbers::pi * v;
+    return 300 *
+           Vector3d(std::sin(polar) * std::cos(round), std::sin(polar) * std::sin(round), std::cos(polar));
+  });
+  const double share = (1 - std::cos(std::numbers::pi / 6)) / (1 - std::cos(1.3));
+  EXPECT_NEAR(forecast(wide, settings).steep_share, share, 0.03);
+}
+
+// Whether a plan by the settings passes.
+void expect_planned(const surface::DesignSurface& design, const Settings& settings) {
+  const PlanResult result = plan(design, settings, {});
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+}
+
+TEST(ForecastAdvice, OfABowlOnItsSideIsToKeepWhatLiesBehindIt) {
+  const surface::DesignSurface side = bowl_on_its_side();
+  const Forecast f = forecast(side, in("mm"));
+  EXPECT_TRUE(f.upright);
+  ASSERT_EQ(f.advice.size(), 1U);
+  EXPECT_EQ(f.advice[0].assignment, "design.keep=back");
+  EXPECT_FALSE(plan(side, in("mm"), {}).refusals.empty());
+  expect_planned(side, followed(f));
+  EXPECT_TRUE(forecast(side, followed(f)).advice.empty());
+}
+
+TEST(ForecastAdvice, OfAVaultWithYUpIsToReadItSo) {
+  const testing::TemporaryDirectory directory;
+  const auto file = directory / "y_up.obj";
+  {
+    std::ofstream out(file);
+    constexpr int kRound = 60, kAlong = 4;
+    for (int i = 0; i <= kAlong; ++i) {
+      for (int j = 0; j <= kRound; ++j) {
+        const double phi = 0.6 * (2.0 * j / kRound - 1);
+        out << "v " << 400 * std::sin(phi) << " " << 400 * std::cos(phi) << " " << -100 * i << "\n";
+      }
+    }
+    for (int i = 0; i < kAlong; ++i) {
+      for (int j = 0; j < kRound; ++j) {
+        const int a = i * (kRound + 1) + j + 1, c = a + kRound + 1;
+        out << "f " << a << " " << a + 1 << " " << c + 1 << " " << c << "\n";
+      }
+    }
+  }
+  const Settings before = in("mm");
+  const Forecast f = forecast(read_design(file, before.design), before);
+  ASSERT_EQ(f.advice.size(), 1U);
+  EXPECT_EQ(f.advice[0].assignment, "design.up=y");
+  EXPECT_FALSE(plan(read_design(file, before.design), before, {}).refusals.empty());
+  const Settings after = followed(f);
+  expect_planned(read_design(file, after.design), after);
+}
+
+TEST(ForecastAdvice, OfAClosedDesignIsTheSideThatShowsMostOfIt) {
+  // A thick plate, bent, that stands upright: its two sides face along x.
+  const testing::TemporaryDirectory directory;
+  const auto file = directory / "plate.obj";
+  {
+    std::ofstream out(file);
+    constexpr int kRound = 40;
+    for (const double thick : {0.0, 30.0}) {
+      for (const double z : {0.0, 300.0}) {
+        for (int j = 0; j <= kRound; ++j) {
+          const double phi = 0.5 * (2.0 * j / kRound - 1), r = 400 + thick;
+          out << "v " << r * std::cos(phi) << " " << r * std::sin(phi) << " " << z << "\n";
+        }
+      }
+    }
+    constexpr int kRow = kRound + 1;  // inner low, inner high, outer low, outer high
+    const auto quad = [&](int a, int b, int c, int d) {
+      out << "f " << a + 1 << " " << b + 1 << " " << c + 1 << " " << d + 1 << "\n";
+    };
+    for (int j = 0; j < kRound; ++j) {
+      quad(j, kRow + j, kRow + j + 1, j + 1);
+      quad(2 * kRow + j, 2 * kRow + j + 1, 3 * kRow + j + 1, 3 * kRow + j);
+      quad(j, j + 1, 2 * kRow + j + 1, 2 * kRow + j);
+      quad(kRow + j, 3 * kRow + j, 3 * kRow + j + 1, kRow + j + 1);
+    }
+    quad(0, 2 * kRow, 3 * kRow, kRow);
+    quad(kRound, kRow + kRound, 3 * kRow + kRound, 2 * kRow + kRound);
+  }
+  const Settings before = in("mm");
+  const surface::DesignSurface plate = read_design(file, before.design);
+  ASSERT_TRUE(plate.health.closed);
+  const Forecast f = forecast(plate, before);
+  ASSERT_TRUE(f.facing.has_value());
+  EXPECT_NEAR(std::abs((*f.facing)[0]), 1, 1e-3);
+  // It stands upright, so that `below` says nothing.
+  ASSERT_EQ(f.advice.size(), 2U);
+  EXPECT_EQ(f.advice[1].assignment, "design.keep=back");
+  const Settings after = followed(f);
+  expect_planned(read_design(file, after.design), after);
+}
+
+TEST(ForecastAdvice, OfAVaultReadInAnotherUnitIsTheUnitItFits) {
+  const Settings settings =
+      resolve({{hotblade::testing::source_dir() + "/samples/barrel_vault.toml"}, {}, {}});
+  const auto scaled = [&](double by, const std::string& units) {
+    const surface::DesignSurface vault =
+        surface::read_obj(hotblade::testing::source_dir() + "/samples/barrel_vault.obj", {"mm", 'z'});
+    const testing::TemporaryDirectory directory;
+    const auto file = directory / "scaled.obj";
+    {
+      std::ofstream out(file);
+      out.precision(12);
+      for (const Vector3d& p : vault.mesh.vertices())
+        out << "v " << by * p.x() << " " << by * p.y() << " " << by * p.z() << "\n";
+      for (const auto& t : vault.mesh.triangles())
+        out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
+    }
+    return surface::read_obj(file, {units, 'z'});
+  };
+  struct Case {
+    double by;
+    const char *read_as, *is;
+  };
+  for (const Case& c : {Case{1e-3, "mm", "m"}, Case{1e-3, "in", "m"}, Case{1 / 25.4, "mm", "in"},
+                        Case{0.1, "ft", "cm"}, Case{1, "m", "mm"}, Case{1, "in", "mm"}}) {
+    const Forecast f = forecast(scaled(c.by, c.read_as), settings);
+    ASSERT_TRUE(f.likelier.has_value()) << c.by << " " << c.read_as;
+    EXPECT_EQ(f.likelier->units, c.is) << c.by << " " << c.read_as;
+    EXPECT_NEAR(f.likelier->size_mm.x(), 900, 1);
+    ASSERT_FALSE(f.advice.empty());
+    EXPECT_EQ(f.advice[0].assignment, std::string("design.units=") + c.is);
+  }
+  for (const Case& c : {Case{1e-3, "m", ""}, Case{1 / 25.4, "in", ""}, Case{1, "mm", ""}})
+    EXPECT_FALSE(forecast(scaled(c.by, c.read_as), settings).likelier.has_value()) << c.read_as;
+}
+
+TEST(Thinned, LeavesACoarseMeshAndHoldsAFineOnesShape) {
+  const surface::DesignSurface coarse = dome(300, 0.7, 10), fine = dome(300, 0.7, 200);
+  EXPECT_EQ(thinned(coarse.mesh, 5).triangles().size(), coarse.mesh.triangles().size());
+  const surface::TriangleMesh thin = thinned(fine.mesh, 10);
+  EXPECT_LT(thin.vertices().size(), fine.mesh.vertices().size() / 10);
+  for (const Vector3d& p : thin.vertices()) EXPECT_NEAR(p.norm(), 300, 1e-3);
+  EXPECT_EQ(thin.border_loops().size(), 1U);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
