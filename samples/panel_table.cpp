@@ -28,6 +28,9 @@ using nlohmann::json;
 
 // A plan that has not answered by then is ended: its row says so.
 constexpr rlim_t kProcessorLimitS = 600;
+// Share of the tolerance that a Bezier may lie off its elastica, and by how much what a program says of that
+// may be too large (pipeline/program/program.hpp, pipeline/verify/rib_measures.hpp).
+constexpr double kBezierShare = 0.1, kHausdorffErrorMm = 1e-4;
 
 struct Options {
   std::vector<std::string> sets;  // seeds and directories
@@ -40,13 +43,17 @@ struct Planned {
   int code = -1;  // exit code; -1 when a signal ended it
   double processor_s = 0;
   long peak_mib = 0;
-  json report;  // null without one
+  json report;                    // null without one
+  std::vector<double> bezier_mm;  // by rib of the program, none without one
 };
 
 struct Totals {
   int panels = 0, passed = 0, within_half = 0;
   std::size_t strips = 0, bound = 0;
   std::vector<double> processor_s;
+  std::vector<double>
+      bezier_mm;        // of every rib's Beziers from its elastica, as the program says and verify measures
+  std::size_t far = 0;  // of those, over a tenth of the tolerance
 };
 
 std::vector<std::string> plan_command(const fs::path& obj, const fs::path& out, const Options& options) {
@@ -91,6 +98,12 @@ Planned planned(const fs::path& obj, const fs::path& out, const Options& options
   result.processor_s = seconds(used.ru_utime) + seconds(used.ru_stime);
   result.peak_mib = used.ru_maxrss / 1024;
   if (std::ifstream in(out / "report.json"); in) result.report = json::parse(in);
+  if (std::ifstream in(out / "program.json"); in) {
+    const json program = json::parse(in);
+    for (const json& strip : program.at("strips")) {
+      for (const json& rib : strip.at("ribs")) result.bezier_mm.push_back(rib.at("hausdorff_mm"));
+    }
+  }
   return result;
 }
 
@@ -121,7 +134,7 @@ std::string row(const std::string& name, const Planned& p, const std::string& re
   totals.processor_s.push_back(p.processor_s);
   const std::string cost = fmt::format("{:.2f} | {}", p.processor_s, p.peak_mib);
   if (p.report.is_null())
-    return fmt::format("| {} | none | - | - | - | - | - | {} | {} |", name, cost, cell(reason));
+    return fmt::format("| {} | none | - | - | - | - | - | - | {} | {} |", name, cost, cell(reason));
   const json& r = p.report;
   const std::string status = r.at("status");
   const double deviation_mm = r.at("deviation_mm").at("max"), tolerance_mm = r.at("tolerance_mm");
@@ -136,9 +149,16 @@ std::string row(const std::string& name, const Planned& p, const std::string& re
     totals.strips += strips.size();
     totals.bound += bounded ? bound->get<std::size_t>() : 0;
   }
-  return fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {:.3f} | {} | {} |", name, status, strips.size(),
-                     bounded ? bound->dump() : "-", ribs, deviation_mm,
-                     r.at("deviation_mm").at("p99").get<double>(), cost, cell(reason));
+  double bezier_mm = 0;
+  for (const double mm : p.bezier_mm) {
+    bezier_mm = std::max(bezier_mm, mm);
+    totals.far += mm > kBezierShare * tolerance_mm + kHausdorffErrorMm;
+  }
+  totals.bezier_mm.insert(totals.bezier_mm.end(), p.bezier_mm.begin(), p.bezier_mm.end());
+  return fmt::format("| {} | {} | {} | {} | {} | {:.3f} | {:.3f} | {} | {} | {} |", name, status,
+                     strips.size(), bounded ? bound->dump() : "-", ribs, deviation_mm,
+                     r.at("deviation_mm").at("p99").get<double>(),
+                     p.bezier_mm.empty() ? "-" : fmt::format("{:.4f}", bezier_mm), cost, cell(reason));
 }
 
 void print_totals(Totals totals) {
@@ -151,6 +171,14 @@ void print_totals(Totals totals) {
   fmt::print("\n{} of {} passed, {} within half the tolerance; {} strips in those that passed (bound {});\n",
              totals.passed, totals.panels, totals.within_half, totals.strips,
              totals.bound > 0 ? std::to_string(totals.bound) : "-");
+  std::sort(totals.bezier_mm.begin(), totals.bezier_mm.end());
+  const std::size_t ribs = totals.bezier_mm.size();
+  if (ribs > 0) {
+    fmt::print(
+        "Beziers of {} ribs off their elastica: max {:.4f} mm, p99 {:.4f} mm, {} over a tenth of the "
+        "tolerance;\n",
+        ribs, totals.bezier_mm.back(), totals.bezier_mm[((ribs - 1) * 99 + 99) / 100], totals.far);
+  }
   fmt::print("processor time: median {:.2f} s, worst {:.2f} s\n", median, totals.processor_s.back());
 }
 
@@ -201,8 +229,9 @@ Options parsed(const std::vector<std::string>& words) {
 
 int table(const Options& options) {
   std::puts(
-      "| panel | status | strips | bound | ribs | deviation max mm | p99 mm | processor s | peak MB | why |");
-  std::puts("|---|---|---|---|---|---|---|---|---|---|");
+      "| panel | status | strips | bound | ribs | deviation max mm | p99 mm | Bezier max mm | processor s | "
+      "peak MB | why |");
+  std::puts("|---|---|---|---|---|---|---|---|---|---|---|");
   std::fflush(stdout);
   Totals totals;
   for (const std::string& set : options.sets) {

@@ -55,16 +55,19 @@ std::string row(const Case& c) {
     volume += f.stock_volume_mm3;
     duration += f.motion.duration_s;
   }
+  const std::vector<double>& beziers_mm = result.verification.ribs.bezier_mm;
+  const double bezier_mm = beziers_mm.empty() ? 0 : *std::max_element(beziers_mm.begin(), beziers_mm.end());
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
   const pipeline::Deviation& d = result.verification.deviation;
   return fmt::format(
-      "| {} | {} | {} | {} | {:.3g} | {:.3f} | {:.3f} | {:.3f} / {:.2f} | {:.0f} | {:.0f} | {:.0f} | {:.2f} "
-      "| "
-      "{} | {} |",
+      "| {} | {} | {} | {} | {:.3g} | {:.3f} | {:.3f} | {:.3f} / {:.2f} | {:.4f} / {} | {:.0f} | {:.0f} | "
+      "{:.0f} | "
+      "{:.2f} | {} | {} |",
       name, design.health.triangles, result.strips.size(), ribs, settings.design.tolerance_mm, d.max, d.p99,
-      gap, kink, volume > 0 ? 100 * kept / volume : 0, result.verification.uncut_mm2, duration / 60, seconds,
-      used.ru_maxrss / 1024, pipeline::name(result.program.verification.status));
+      gap, kink, bezier_mm, result.verification.ribs.far.size(), volume > 0 ? 100 * kept / volume : 0,
+      result.verification.uncut_mm2, duration / 60, seconds, used.ru_maxrss / 1024,
+      pipeline::name(result.program.verification.status));
 }
 
 bool print_row(const Case& c) {
@@ -124,9 +127,9 @@ int main(int argc, char** argv) {
   std::filesystem::create_directory(directory);
   std::puts(
       "| sample | triangles | strips | ribs | tolerance mm | deviation max mm | p99 mm | seams: gap mm / "
-      "kink "
-      "deg | foam kept % | uncut mm2 | machine min | plan s | peak MB | status |");
-  std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+      "kink deg | Bezier max mm / over a tenth | foam kept % | uncut mm2 | machine min | plan s | peak MB | "
+      "status |");
+  std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
   bool all = true;
   for (const Case& c : tolerances ? at_tolerances(names, directory) : committed(names))
     all = print_row(c) && all;

@@ -22,8 +22,7 @@
 #define HB_MOST_PANELS 96
 /* A bound above this is brought down by panels: below it no digit that anybody writes is touched. */
 #define HB_GRADE_ABOVE 1e-9
-/* The asymptotic error is met within a factor of two; the largest seen on 1e5 curves of every kind was half
- * of it (LambdaResidualBound.*). */
+/* The largest error seen on curves of every kind was an eighth of the bound (LambdaResidualBound.*). */
 #define HB_QUADRATURE_SAFETY 4.0
 /* What 24 nodes leave of e^2 on panels, by the same formula. */
 #define HB_GRADED_SHARE 1e-13

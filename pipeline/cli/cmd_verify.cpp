@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -59,6 +60,9 @@ void print_branches(const Program& program, const VerifyReport& report) {
 // What the program says of its ribs, measured again.
 void print_ribs(const RibCheck& check) {
   constexpr std::size_t kMostLines = 10;
+  std::cout << describe_beziers(check) << "\n";
+  for (std::size_t i = 0; i < std::min(kMostLines, check.far.size()); ++i)
+    std::cout << describe(check.far[i]) << "\n";
   if (check.mismatches.empty()) {
     std::cout << fmt::format(
         "ribs {}: L2, H1, Hausdorff distance and lambda-residual measured again, as the program says\n",
@@ -158,6 +162,17 @@ std::string json_text(const Program& program, const VerifyReport& report, const 
   json["samples"] = {{"cut", report.cut_samples}, {"design", report.design_samples}};
   json["clamp_mismatch_mm"] = report.clamp_mismatch_mm;
   json["rib_mismatches"] = report.ribs.mismatches.size();
+  json["bezier_limit_mm"] = report.ribs.bezier_limit_mm;
+  json["far_beziers"] = nlohmann::ordered_json::array();
+  for (const FarBezier& b : report.ribs.far) {
+    nlohmann::ordered_json far{{"strip", b.strip}, {"rib", b.rib}};
+    if (std::isfinite(b.hausdorff_mm)) {
+      far["hausdorff_mm"] = b.hausdorff_mm;
+    } else {
+      far["hausdorff_mm"] = nullptr;
+    }
+    json["far_beziers"].push_back(far);
+  }
   json["strips"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < program.strips.size(); ++i)
     json["strips"].push_back(
@@ -185,7 +200,8 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   } else {
     print_report(program, report, options);
   }
-  if (!report.within_tolerance || !report.ribs.mismatches.empty()) return Exit::kDeviation;
+  if (!report.within_tolerance || !report.ribs.mismatches.empty() || !report.ribs.far.empty())
+    return Exit::kDeviation;
   if (!report.holds()) return Exit::kNotCuttable;
   return expect_passed(program, console);
 }
@@ -211,9 +227,10 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
       ->check(CLI::Range(1, kMostThreads));
   command->footer(
-      "Exit code 5 when the deviation or the uncut area is over the program's limits or a rib's measures are "
+      "Exit code 5 when the deviation or the uncut area is over the program's limits, a rib's measures are "
       "not "
-      "those that the program states, 4 when the blade would "
+      "those that the program states, or its Beziers lie farther from its elastica than a tenth of the "
+      "tolerance, 4 when the blade would "
       "snap, yield or leave the planned shapes, or the plan was "
       "refused, 3 when the log of --as-cut is another program's, incomplete or without shapes.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");

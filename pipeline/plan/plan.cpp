@@ -251,6 +251,7 @@ void judge(const Settings& settings, PlanResult& result) {
     if (!v.branches[i].held())
       result.refusals.push_back(branch_refusal(result.program.strips[i], v.branches[i]));
   }
+  for (const FarBezier& bezier : v.ribs.far) result.refusals.push_back(refusal_of(bezier));
   if (v.deviation.max > settings.design.tolerance_mm) {
     const auto worst = std::max_element(v.strip_max_mm.begin(), v.strip_max_mm.end());
     const std::string strip =

@@ -94,6 +94,24 @@ class Comparison {
   std::vector<RibMismatch>& mismatches_;
 };
 
+// A distance counts as over the limit where it is proven to be.
+void hold_beziers(const Program& program, const RibMeasures& measures, double tolerance_mm, RibCheck& check) {
+  check.bezier_limit_mm = kBezierShare * tolerance_mm;
+  auto measure = measures.ribs.begin();
+  for (const Strip& strip : program.strips) {
+    for (const Rib& rib : strip.ribs) {
+      const double least = measure->hausdorff_mm - measure->hausdorff_error_mm;
+      check.bezier_mm.push_back(measure->hausdorff_mm);
+      // Written so that what is not a number is over it.
+      if (!(least <= check.bezier_limit_mm) || !std::isfinite(measure->h1)) {
+        const double proven = std::isfinite(measure->h1) ? least : std::numeric_limits<double>::quiet_NaN();
+        check.far.push_back({strip.id, rib.id, proven, check.bezier_limit_mm});
+      }
+      ++measure;
+    }
+  }
+}
+
 }  // namespace
 
 RibMeasures measured_ribs(const Program& program, gpu::Backend backend) {
@@ -123,14 +141,17 @@ RibMeasures measured_ribs(const Program& program, gpu::Backend backend) {
   return measures;
 }
 
-RibCheck check_ribs(const Program& program, gpu::Backend backend) {
+RibCheck check_ribs(const Program& program, double tolerance_mm, gpu::Backend backend) {
   const std::vector<const Rib*> ribs = ribs_of(program);
   const RibMeasures measures = measured_ribs(program, backend);
   const Cubics cubics = cubics_of(ribs);
   std::vector<double> residuals(cubics.all.size()), bounds(cubics.all.size());
   std::vector<gpu::ResidualStatus> status(cubics.all.size());
   gpu::LambdaResiduals(backend).query(cubics.all, residuals, status, bounds);
-  RibCheck check{ribs.size(), {}, measures.used};
+  RibCheck check;
+  check.ribs = ribs.size();
+  check.used = measures.used;
+  hold_beziers(program, measures, tolerance_mm, check);
   std::size_t first = 0;
   for (std::size_t i = 0; i < ribs.size(); ++i) {
     const Comparison comparison(*ribs[i], check.mismatches);
@@ -153,6 +174,35 @@ RibCheck check_ribs(const Program& program, gpu::Backend backend) {
 std::string describe(const RibMismatch& m) {
   return fmt::format("{}: {} is {:.6g} in the program, {:.6g} when measured (bound {:.1e})", m.rib, m.number,
                      m.stated, m.measured, m.bound);
+}
+
+std::string describe(const FarBezier& b) {
+  const std::string off = std::isfinite(b.hausdorff_mm)
+                              ? fmt::format("Bezier {:.4g} mm off its elastica", b.hausdorff_mm)
+                              : std::string("Bezier or elastica that cannot be measured");
+  return fmt::format("strip {}, rib {}: {} (limit {:.4g} mm)", b.strip, b.rib, off, b.limit_mm);
+}
+
+Refusal refusal_of(const FarBezier& b) {
+  Refusal refusal{b.strip, b.rib, Limit::kRibDeviation, b.hausdorff_mm, b.limit_mm};
+  refusal.when = " from its Bezier";
+  refusal.hint = "a larger tolerance, of which a Bezier may use up a tenth";
+  return refusal;
+}
+
+std::string describe_beziers(const RibCheck& check) {
+  std::vector<double> sorted = check.bezier_mm;
+  std::sort(sorted.begin(), sorted.end());
+  const auto at = [&](double share) {
+    return sorted.empty()
+               ? 0.0
+               : sorted[static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size() - 1)))];
+  };
+  return fmt::format(
+      "Beziers of {} ribs off their elastica: max {:.4f} mm, p99 {:.4f} mm, {} over {:.4g} mm, a tenth of "
+      "the "
+      "tolerance",
+      check.ribs, at(1), at(0.99), check.far.size(), check.bezier_limit_mm);
 }
 
 }  // namespace hotblade::pipeline

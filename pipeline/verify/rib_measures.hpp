@@ -9,6 +9,7 @@
 
 #include "gpu/backend/backend.hpp"
 #include "pipeline/program/program.hpp"
+#include "pipeline/verify/refusal.hpp"
 
 namespace hotblade::pipeline {
 
@@ -38,10 +39,20 @@ struct RibMismatch {
   double stated = 0, measured = 0, bound = 0;
 };
 
+// A rib whose Beziers do not stand for its elastica.
+struct FarBezier {
+  std::string strip, rib;   // ids
+  double hausdorff_mm = 0;  // proven: it is at least this; NaN where the pair has no answer
+  double limit_mm = 0;
+};
+
 struct RibCheck {
   std::size_t ribs = 0;                 // that were measured
   std::vector<RibMismatch> mismatches;  // in the program's order
-  gpu::BackendUse used;                 // what measured the distances
+  double bezier_limit_mm = 0;           // kBezierShare of the tolerance
+  std::vector<double> bezier_mm;  // Hausdorff distance of each rib's Beziers from its elastica, from above
+  std::vector<FarBezier> far;     // the ribs over that limit, in the program's order
+  gpu::BackendUse used;           // what measured the distances
 };
 
 // By how much a stated number may differ from the measured one. The bounds leave room for programs of version
@@ -56,10 +67,20 @@ inline constexpr double kRibResidualAbs = 1e-6;   // of the lambda-residual
 // digits of its coordinates do not say which way it bends.
 inline constexpr double kRibResidualLeastBend = 1e-4;
 
-// Measures all ribs of a program and compares them with what it says of them.
-[[nodiscard]] RibCheck check_ribs(const Program& program, gpu::Backend backend);
+// Measures all ribs of a program, compares them with what it says of them, and holds their Beziers to their
+// share of a tolerance.
+[[nodiscard]] RibCheck check_ribs(const Program& program, double tolerance_mm, gpu::Backend backend);
 
 // One line: "S001R002: l2 is 0.5 in the program, 0.000123 when measured (bound 1.2e-07)".
 [[nodiscard]] std::string describe(const RibMismatch& mismatch);
+
+// One line: "strip S001, rib S001R002: Bezier 0.432 mm off its elastica (limit 0.1 mm)".
+[[nodiscard]] std::string describe(const FarBezier& bezier);
+
+// The refusal of a plan with such a rib.
+[[nodiscard]] Refusal refusal_of(const FarBezier& bezier);
+
+// One line for all ribs: how many, the largest distance, the 99th percentile, how many are over the limit.
+[[nodiscard]] std::string describe_beziers(const RibCheck& check);
 
 }  // namespace hotblade::pipeline

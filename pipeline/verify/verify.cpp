@@ -367,7 +367,7 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   // Side by side: a strip's branch is followed by one thread.
   tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
                        [&] { mismatch_mm = clamp_mismatch_mm(program); },
-                       [&] { ribs = check_ribs(program, options.backend); },
+                       [&] { ribs = check_ribs(program, options.tolerance_mm, options.backend); },
                        [&] {
                          const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
                          report = measure(swept_surface(program, sample_mm), {}, program, design, options);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
+#include <sstream>
 
 #include "elastica/curve/elastica.hpp"
 #include "tests/pipeline/run_program.hpp"
@@ -69,9 +71,8 @@ class BladeLimits : public ::testing::Test {
 TEST_F(BladeLimits, ARibThatWouldYieldIsRefusedByStripRibRadiusAndAmount) {
   const Ended ended = plan(arc(50, 2.0), {});
   EXPECT_EQ(ended.code, 4);
-  EXPECT_THAT(
-      ended.err,
-      ContainsRegex("S001 at \\(.*radius of a rib .*yield.* [45][0-9.]+ mm \\(limit 70\\.54 mm\\)"));
+  EXPECT_THAT(ended.err,
+              ContainsRegex("S001 at \\(.*radius of a rib .*yield.* [45][0-9.]+ mm \\(limit 70\\.54 mm\\)"));
 }
 
 TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
@@ -132,6 +133,44 @@ TEST_F(BladeLimits, VerifyRefusesAProgramThatSaysOtherThanItsRibsMeasure) {
   EXPECT_EQ(flattered.code, 5);
   EXPECT_THAT(flattered.out, ContainsRegex("S001R002: hausdorff_mm is .* in the program, .* when measured"));
   EXPECT_THAT(flattered.out, ContainsRegex("ribs [0-9]+: 1 numbers are not what was measured"));
+}
+
+// The program says truly how far its Bezier lies, and that is too far.
+TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBezierDoesNotStandForItsElastica) {
+  const std::string design = arc(400, 0.6);
+  ASSERT_EQ(plan(design, {}).code, 0);
+  const auto file = files_ / "cut" / "program.json";
+  const auto verify = [&](const char* json = nullptr) {
+    std::vector<std::string> words{"verify", file.string(), "--design", design};
+    if (json) words.emplace_back(json);
+    return hotblade(words);
+  };
+  EXPECT_THAT(verify().out,
+              ContainsRegex("Beziers of [0-9]+ ribs off their elastica: max .*, 0 over 0.1 mm"));
+  auto program = nlohmann::ordered_json::parse(testing::read_bytes(file));
+  auto& rib = program["strips"][0]["ribs"][1];
+  for (auto& point : rib["bezier"]) point[1] = point[1].get<double>() + 0.25;
+  std::ofstream(file) << program.dump();
+  std::istringstream said(verify().out);
+  const std::regex measured("S001R002: ([a-z0-9_]+) is .* in the program, (.*) when measured.*");
+  std::smatch match;
+  for (std::string line; std::getline(said, line);) {
+    if (std::regex_match(line, match, measured)) rib[match[1].str()] = std::stod(match[2]);
+  }
+  std::ofstream(file) << program.dump();
+  const Ended moved = verify();
+  EXPECT_EQ(moved.code, 5);
+  EXPECT_THAT(moved.out, ContainsRegex("ribs [0-9]+: .* measured again, as the program says"));
+  EXPECT_THAT(
+      moved.out,
+      ContainsRegex("strip S001, rib S001R002: Bezier 0.2[0-9]* mm off its elastica \\(limit 0.1 mm\\)"));
+  const auto report = nlohmann::json::parse(verify("--json").out);
+  EXPECT_EQ(report["rib_mismatches"], 0);
+  ASSERT_EQ(report["far_beziers"].size(), 1u);
+  EXPECT_EQ(report["far_beziers"][0]["strip"], "S001");
+  EXPECT_EQ(report["far_beziers"][0]["rib"], "S001R002");
+  EXPECT_NEAR(report["far_beziers"][0]["hausdorff_mm"], 0.25, 0.05);
+  EXPECT_NEAR(report["bezier_limit_mm"], 0.1, 1e-12);
 }
 
 TEST_F(BladeLimits, PosesCarryMarginLoadsAndSag) {

@@ -28,6 +28,10 @@ std::vector<Rib> ribs_of(const Program& program) {
   return ribs;
 }
 
+RibCheck checked(const Program& program) {
+  return check_ribs(program, program.verification.tolerance_mm, gpu::Backend::kCpu);
+}
+
 TEST(RibMeasures, OfAPlanAreThoseOfTheOnePairRoutine) {
   const std::vector<Rib> ribs = ribs_of(arch_program());
   ASSERT_GT(ribs.size(), 3u);
@@ -57,7 +61,7 @@ TEST(RibMeasures, AreTheSameBitsAsThePlansOnEveryBackend) {
 }
 
 TEST(RibMeasures, OfAPlanAgreeWithItsProgram) {
-  const RibCheck check = check_ribs(arch_program(), gpu::Backend::kCpu);
+  const RibCheck check = checked(arch_program());
   EXPECT_EQ(check.ribs, ribs_of(arch_program()).size());
   EXPECT_TRUE(check.mismatches.empty()) << describe(check.mismatches.front());
 }
@@ -78,7 +82,7 @@ TEST(RibMeasures, FindEveryNumberThatIsNotWhatWasMeasured) {
     double& number = program.strips[0].ribs[1].*change.number;
     const double was = number;
     number += change.by;
-    const RibCheck check = check_ribs(program, gpu::Backend::kCpu);
+    const RibCheck check = checked(program);
     ASSERT_EQ(check.mismatches.size(), 1u) << change.name;
     EXPECT_EQ(check.mismatches[0].rib, sound.id);
     EXPECT_EQ(check.mismatches[0].number, change.name);
@@ -91,11 +95,11 @@ TEST(RibMeasures, FindACurveThatIsNotTheOneMeasured) {
   Program program = arch_program();
   Rib& rib = program.strips[0].ribs[2];
   rib.elastica.kappa *= 1.01;
-  for (const RibMismatch& m : check_ribs(program, gpu::Backend::kCpu).mismatches) EXPECT_EQ(m.rib, rib.id);
-  EXPECT_EQ(check_ribs(program, gpu::Backend::kCpu).mismatches.size(), 3u);
+  for (const RibMismatch& m : checked(program).mismatches) EXPECT_EQ(m.rib, rib.id);
+  EXPECT_EQ(checked(program).mismatches.size(), 3u);
   // One that winds beyond any blade has no measures to agree with.
   rib.elastica.kappa = 10;
-  const RibCheck wound = check_ribs(program, gpu::Backend::kCpu);
+  const RibCheck wound = checked(program);
   ASSERT_EQ(wound.mismatches.size(), 3u);
   EXPECT_TRUE(std::isnan(wound.mismatches[0].measured));
 }
@@ -111,7 +115,7 @@ TEST(RibMeasures, OfProgramsOfVersion01Agree) {
       rib.lambda_residual = elastica::lambda_residual(cubics(rib)[0]).value;
     }
   }
-  EXPECT_TRUE(check_ribs(program, gpu::Backend::kCpu).mismatches.empty());
+  EXPECT_TRUE(checked(program).mismatches.empty());
 }
 
 TEST(RibMeasures, OfSeveralCubicsAreThoseOfAllTogether) {
@@ -143,14 +147,49 @@ TEST(RibMeasures, OfSeveralCubicsAreThoseOfAllTogether) {
   rib.h1 = m.h1;
   rib.hausdorff_mm = m.hausdorff_mm;
   rib.lambda_residual = residual;
-  EXPECT_TRUE(check_ribs(program, gpu::Backend::kCpu).mismatches.empty());
+  EXPECT_TRUE(checked(program).mismatches.empty());
   rib.h1 *= 1.5;
-  EXPECT_EQ(check_ribs(program, gpu::Backend::kCpu).mismatches.size(), 1u);
+  EXPECT_EQ(checked(program).mismatches.size(), 1u);
+}
+
+TEST(RibMeasures, HoldBeziersToATenthOfTheTolerance) {
+  const RibCheck sound = checked(arch_program());
+  const double limit_mm = 0.1 * arch_program().verification.tolerance_mm;
+  EXPECT_DOUBLE_EQ(sound.bezier_limit_mm, limit_mm);
+  EXPECT_TRUE(sound.far.empty());
+  ASSERT_EQ(sound.bezier_mm.size(), sound.ribs);
+  EXPECT_LE(*std::max_element(sound.bezier_mm.begin(), sound.bezier_mm.end()),
+            limit_mm + kRibHausdorffErrorMm);
+
+  Program program = arch_program();
+  Rib& rib = program.strips[0].ribs[1];
+  for (Eigen::Vector2d& p : rib.bezier) p.y() += 3 * limit_mm;
+  const RibCheck moved = checked(program);
+  ASSERT_EQ(moved.far.size(), 1u);
+  EXPECT_EQ(moved.far[0].strip, program.strips[0].id);
+  EXPECT_EQ(moved.far[0].rib, rib.id);
+  EXPECT_NEAR(moved.far[0].hausdorff_mm, 3 * limit_mm, limit_mm);
+  EXPECT_EQ(moved.far[0].limit_mm, limit_mm);
+  const std::string line = describe(moved.far[0]);
+  EXPECT_NE(line.find("strip " + program.strips[0].id + ", rib " + rib.id), std::string::npos) << line;
+  EXPECT_NE(line.find("limit 0.1 mm"), std::string::npos) << line;
+  const std::string refusal = describe(refusal_of(moved.far[0]));
+  EXPECT_NE(refusal.find(rib.id + ": deviation of an elastica from its Bezier"), std::string::npos)
+      << refusal;
+  EXPECT_NE(describe_beziers(moved).find("1 over 0.1 mm"), std::string::npos) << describe_beziers(moved);
+}
+
+TEST(RibMeasures, ThatCannotBeTakenAreOverTheLimit) {
+  Program program = arch_program();
+  program.strips[0].ribs[2].elastica.kappa = 10;
+  const RibCheck wound = checked(program);
+  ASSERT_EQ(wound.far.size(), 1u);
+  EXPECT_NE(describe(wound.far[0]).find("cannot be measured"), std::string::npos);
 }
 
 TEST(RibMeasures, OfNoRibsAreNone) {
   EXPECT_TRUE(measured_ribs({}, gpu::Backend::kCpu).ribs.empty());
-  EXPECT_EQ(check_ribs({}, gpu::Backend::kCpu).ribs, 0u);
+  EXPECT_EQ(checked({}).ribs, 0u);
 }
 
 }  // namespace
