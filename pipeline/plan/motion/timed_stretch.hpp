@@ -8,8 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "elastica/blade/blade_batch.hpp"
 #include "pipeline/plan/motion/blade_path.hpp"
 #include "pipeline/plan/motion/time_law.hpp"
+#include "pipeline/program/clamps.hpp"
 
 namespace hotblade::pipeline {
 
