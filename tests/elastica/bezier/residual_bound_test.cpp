@@ -89,7 +89,7 @@ TEST(LambdaResidualBound, OfOrdinaryCubicsIsBelowAMillionthOfThem) {
     ASSERT_EQ(r.status, ResidualStatus::kOk);
     relative.push_back(r.bound / r.value);
   }
-  EXPECT_LE(of_all(relative, 0.5), 1e-11);
+  EXPECT_LE(of_all(relative, 0.5), 1e-10);
   EXPECT_LE(of_all(relative, 1), 1e-6);
 }
 

@@ -60,7 +60,8 @@ class ResidualOracle {
 
  private:
   static constexpr Real kLimit = 1e-16L, kOfPiece = 1e-11L;
-  static constexpr int kDepth = 48;
+  // What disagrees after so many halvings does by rounding: a smooth piece takes some sixty.
+  static constexpr int kDepth = 48, kMostHalvings = 2000;
   using Moments = std::array<Real, 10>;
   struct At {
     Real x, y, speed, kappa;
@@ -97,14 +98,16 @@ class ResidualOracle {
   template <typename F, std::size_t N>
   [[nodiscard]] std::array<Real, N> integral(const F& f, const std::array<Real, N>& limits, int depth) const {
     std::array<Real, N> sum{};
-    for (std::size_t i = 0; i + 1 < pieces_.size(); ++i)
-      add_piece(f, pieces_[i], pieces_[i + 1], limits, depth, sum);
+    for (std::size_t i = 0; i + 1 < pieces_.size(); ++i) {
+      int left = kMostHalvings;
+      add_piece(f, pieces_[i], pieces_[i + 1], limits, depth, left, sum);
+    }
     return sum;
   }
 
   template <typename F, std::size_t N>
   static void add_piece(const F& f, Real from, Real to, const std::array<Real, N>& limits, int depth,
-                        std::array<Real, N>& sum) {
+                        int& left, std::array<Real, N>& sum) {
     using boost::math::quadrature::gauss, boost::math::quadrature::gauss_kronrod;
     const auto& nodes = gauss_kronrod<Real, 31>::abscissa();
     const auto& kronrod = gauss_kronrod<Real, 31>::weights();
@@ -123,12 +126,13 @@ class ResidualOracle {
     bool agree = true;
     for (std::size_t k = 0; k < N; ++k)
       agree = agree && std::abs(fine[k] - coarse[k]) <= limits[k] + kOfPiece * std::abs(fine[k]);
-    if (agree || depth == 0) {
+    if (agree || depth == 0 || left == 0) {
       for (std::size_t k = 0; k < N; ++k) sum[k] += fine[k];
       return;
     }
-    add_piece(f, from, middle, limits, depth - 1, sum);
-    add_piece(f, middle, to, limits, depth - 1, sum);
+    --left;
+    add_piece(f, from, middle, limits, depth - 1, left, sum);
+    add_piece(f, middle, to, limits, depth - 1, left, sum);
   }
 
   // kappa ~ one + x x + y y by its normal equations.
