@@ -12,7 +12,7 @@ void add_completion(CLI::App& app, const Console&, Action& action) {
   auto what = std::make_shared<std::string>();
   auto* command =
       app.add_subcommand("completion", "Print the completion script of a shell or the manual page");
-  command->add_option("what", *what, "The shell, or man for the manual page in roff")
+  command->add_option("shell", *what, "The shell, or man for the manual page in roff")
       ->required()
       ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}))
       ->type_name("bash|zsh|fish|man");

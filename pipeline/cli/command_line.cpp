@@ -128,6 +128,10 @@ int run_command_line(int argc, char** argv) {
     // `hotblade help plan` is `hotblade plan --help`.
     if (argc > 1 && std::string_view(argv[1]) == "help") {
       std::vector<std::string> words(argv + 2, argv + argc);
+      if (const std::string wrong = unknown_topic(app, words); !wrong.empty()) {
+        std::cerr << wrong;
+        return static_cast<int>(Exit::kUsage);
+      }
       words.emplace_back("--help");
       std::reverse(words.begin(), words.end());
       app.parse(std::move(words));

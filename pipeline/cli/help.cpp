@@ -1,5 +1,7 @@
 #include "pipeline/cli/help.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <vector>
@@ -63,6 +65,42 @@ std::string nearest_option(const CLI::App& reached, const std::string& word) {
   return nearest;
 }
 
+// The names of an app's commands, as a list.
+std::string command_names(const CLI::App& app) {
+  std::string text;
+  for (const CLI::App* command : app.get_subcommands({}))
+    text += (text.empty() ? "" : ", ") + command->get_name();
+  return text;
+}
+
+// The command of this name; null: none has it.
+const CLI::App* command_named(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == name) return command;
+  }
+  return nullptr;
+}
+
+// What a word that is no command may have meant.
+std::string unknown_word(const CLI::App& reached, const std::string& word) {
+  const bool option = word.starts_with("-");
+  const std::string nearest = option ? nearest_option(reached, word) : nearest_command(reached, word);
+  if (!nearest.empty()) return "unknown command or option: " + word + ": did you mean " + nearest + "?";
+  return "unknown command or option: " + word + (option ? "" : ": give one of " + command_names(reached));
+}
+
+// What the command cannot do without and was not given: a command of its own, or options.
+std::string what_is_missing(const CLI::App& reached) {
+  std::string text;
+  for (const CLI::Option* option : reached.get_options()) {
+    if (!option->get_required() || option->count() > 0) continue;
+    text += fmt::format("{}{} {} is missing: {}", text.empty() ? "" : "\n", option->get_name(),
+                        value_words(*option), option->get_description());
+  }
+  if (text.empty()) text = "no command was given: give one of " + command_names(reached);
+  return text;
+}
+
 // What is left over, in the order it was typed.
 std::string stray_words(const CLI::App& reached, const std::vector<std::string>& unknown) {
   std::string text = unknown.size() == 1 ? "unexpected argument: " : "unexpected arguments: ";
@@ -91,16 +129,24 @@ void set_help_format(CLI::App& app) {
   app.formatter(std::make_shared<PlainFormatter>());
 }
 
+std::string unknown_topic(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* reached = &app;
+  for (const std::string& word : words) {
+    const CLI::App* next = command_named(*reached, word);
+    if (next == nullptr)
+      return unknown_word(*reached, word) + "\n`" + path_of(*reached) + " --help` says more.\n";
+    reached = next;
+  }
+  return "";
+}
+
 std::string usage_message(const CLI::App& app, const CLI::Error& error) {
   const CLI::App& reached = command_reached(app);
   const std::vector<std::string> unknown = app.remaining(true);
-  const bool no_command = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+  const bool incomplete = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   std::string message = error.what();
-  if (no_command && !unknown.empty()) {
-    message = "unknown command or option: " + unknown.front();
-    const std::string nearest = nearest_command(reached, unknown.front());
-    if (!nearest.empty()) message += ": did you mean " + nearest + "?";
-  }
+  if (incomplete)
+    message = unknown.empty() ? what_is_missing(reached) : unknown_word(reached, unknown.front());
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !unknown.empty())
     message = stray_words(reached, unknown);
   return message + "\n`" + path_of(reached) + " --help` says more.\n";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -17,6 +18,9 @@ namespace hotblade::pipeline {
 
 // Has --help written with value_words(); commands added later inherit it.
 void set_help_format(CLI::App& app);
+
+// What is wrong with the words after `hotblade help`, which name a command; empty: nothing is.
+[[nodiscard]] std::string unknown_topic(const CLI::App& app, const std::vector<std::string>& words);
 
 // The message that says what is wrong with the command line, in one or two lines: the parser's words, the
 // nearest command for a word that is none, and whose --help says more.

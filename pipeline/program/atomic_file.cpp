@@ -142,9 +142,10 @@ void expect_writable(const fs::path& path, bool force) {
 
 void ensure_directory(const fs::path& path) {
   std::error_code error;
+  if (fs::exists(path, error) && !fs::is_directory(path, error))
+    fail(path, "is a file, and a directory goes there: choose another one");
   fs::create_directories(path, error);
   if (error) fail_with_errno(path, "cannot be made a directory", error.value());
-  if (!fs::is_directory(path, error)) fail(path, "is not a directory");
 }
 
 }  // namespace hotblade::pipeline

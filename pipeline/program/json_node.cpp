@@ -208,6 +208,16 @@ std::string JsonNode::shown() const {
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }
 
+namespace {
+
+// The parser's words without its name of the error and the place, which stands before them.
+std::string parser_words(const std::string& what) {
+  const auto at = what.find("parse error"), end = what.find(": ", at);
+  return at == std::string::npos || end == std::string::npos ? what : what.substr(end + 2);
+}
+
+}  // namespace
+
 JsonNode::Json parse_json(const std::string& text, const std::string& file) {
   return parse_json(text, file, JsonTaker{nullptr, {}, {}});
 }
@@ -218,8 +228,9 @@ JsonNode::Json parse_json(const std::string& text, const std::string& file, cons
     JsonNode::Json::sax_parse(text, &grower);
     return grower.result();
   } catch (const JsonNode::Json::parse_error& error) {
-    throw Error(ErrorKind::kBadInput, fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
-                                                  text.empty() ? "the file is empty" : error.what()));
+    throw Error(ErrorKind::kBadInput,
+                fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
+                            text.empty() ? "the file is empty" : parser_words(error.what())));
   } catch (const JsonNode::Json::out_of_range& error) {
     throw Error(ErrorKind::kBadInput, fmt::format("{}: a number is too large: {}", file, error.what()));
   }

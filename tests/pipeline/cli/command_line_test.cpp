@@ -62,16 +62,26 @@ TEST_P(WrongUsage, ExitsWithTwoAndSaysWhatIsWrongOnStderrAlone) {
 INSTANTIATE_TEST_SUITE_P(
     CommandLine, WrongUsage,
     ::testing::Values(
-        Usage{"no_command", {}, "A subcommand is required"},
-        Usage{"unknown_command", {"slicing"}, "unknown command or option: slicing\n`hotblade --help`"},
+        Usage{"no_command", {}, "no command was given: give one of check, plan, "},
+        Usage{"no_curve_tool", {"curve"}, "no command was given: give one of "},
+        Usage{"help_on_nothing", {"help", "pln"}, "unknown command or option: pln: did you mean plan?"},
+        Usage{"help_on_no_tool", {"help", "curve", "fot"}, "did you mean fit?\n`hotblade curve --help`"},
+        Usage{"misspelt_global_option", {"--vesion"}, "did you mean --version?"},
+        Usage{"unknown_study", {"study", "rays"}, "rays: give one of projection, zone, quadratic, arcs"},
+        Usage{"no_address", {"run", "program.json"}, "--connect HOST:PORT is missing: "},
+        Usage{
+            "unknown_command", {"slicing"}, "unknown command or option: slicing: give one of check, plan, "},
         Usage{"misspelt_command", {"pln"}, "unknown command or option: pln: did you mean plan?"},
         Usage{"unknown_config_command",
               {"config", "edit"},
-              "unknown command or option: edit\n`hotblade config --help`"},
+              "unknown command or option: edit: give one of show, defaults, validate\n`hotblade config "
+              "--help`"},
         Usage{"unknown_option", {"check", kVault, "--units", "mm", "--fast"}, "--fast"},
         Usage{"unknown_global_option", {"--fast"}, "unknown command or option: --fast"},
         Usage{"extra_word", {"check", kVault, "more.obj", "--units", "mm"}, "more.obj"},
-        Usage{"no_design", {"check", "--units", "mm"}, "design is required"},
+        Usage{"no_design",
+              {"check", "--units", "mm"},
+              "design OBJ is missing: The design surface, an OBJ file"},
         Usage{"option_without_value", {"check", kVault, "--units"}, "--units"},
         Usage{
             "unknown_progress", {"check", kVault, "--progress", "loud"}, "loud not in {auto,bar,json,none}"},
