@@ -151,6 +151,21 @@ Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
   return plan;
 }
 
+// Said before anything is asked: a yes would move nothing.
+void refuse_latched(const StripJobs& work, const robot::protocol::Status& status, const std::string& place) {
+  if (status.state != State::kFault && status.state != State::kEstop) return;
+  std::string at;
+  for (std::size_t i = 0; i < work.jobs.size(); ++i) {
+    if (work.jobs[i].id == status.job_id && status.executed > 0)
+      at = place_of(work.program.strips[i], status.executed - 1);
+  }
+  const bool fault = status.state == State::kFault;
+  throw Error(ErrorKind::kController,
+              fmt::format("{}: the controller is in {}{}{}: see to the cell, then reset with --reset", place,
+                          robot::protocol::name(status.state),
+                          fault ? std::string(" ") + robot::protocol::name(status.fault) : "", at));
+}
+
 // Asks the operator before a strip; true only for a typed `yes` or the strip's own id. What was typed before
 // the question is thrown away: it answered something else.
 bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Job& job,
@@ -338,6 +353,7 @@ Exit Runner::run(const StripJobs& work) {
   for (std::size_t i = plan.first; i < plan.end; ++i) {
     const bool first = i == plan.first;
     const auto asked = first ? now : robot::look(link_);
+    if (!arguments_.yes) refuse_latched(work, asked.status, arguments_.connect);
     plan.agreed_boot = asked.ident.boot_id;
     if (!(first && plan.agreed_first) && !operator_agrees(arguments_, work.program.strips[i], work.jobs[i],
                                                           asked, first && plan.resume_first, console_))

@@ -145,6 +145,15 @@ class HalfCut : public OperatorAtATerminal {
   std::uint32_t executed_ = 0;
 };
 
+// A yes would move nothing.
+TEST_F(HalfCut, NothingIsAskedBeforeTheReset) {
+  Terminal terminal(run());
+  EXPECT_EQ(terminal.wait(), 6) << terminal.shown();
+  EXPECT_THAT(terminal.shown(), HasSubstr("the controller is in ESTOP [S001, "));
+  EXPECT_THAT(terminal.shown(), HasSubstr(": see to the cell, then reset with --reset"));
+  EXPECT_THAT(terminal.shown(), ::testing::Not(HasSubstr("anything else stops")));
+}
+
 TEST_F(HalfCut, IsSaidAndNothingMovesWithoutAChoice) {
   std::vector<std::string> answers = kNoAnswers;
   answers.insert(answers.end(), {"yes\n", "S001\n", "start\n", "withdraw", "withdraw\x04\x04"});
