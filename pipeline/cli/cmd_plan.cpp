@@ -96,7 +96,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
 void print_refusals(const PlanResult& result, const Console& console) {
   constexpr std::size_t kShown = 10;
   for (std::size_t i = 0; i < std::min(kShown, result.refusals.size()); ++i) {
-    console.warn("refused: " + reason(result.refusals[i]));
+    console.warn("refused: " + describe(result.refusals[i]));
   }
   if (result.refusals.size() > kShown) {
     console.warn(fmt::format("refused: {} more, see report.json", result.refusals.size() - kShown));
@@ -104,15 +104,12 @@ void print_refusals(const PlanResult& result, const Console& console) {
 }
 
 // What was planned again and passed.
-void tell_remedies(const PlanResult& result, const surface::DesignSurface& design, bool asked,
-                   const Console& console) {
+void tell_remedies(const PlanResult& result, bool asked, const Console& console) {
   if (result.refusals.empty()) return;
-  for (const TriedRemedy& remedy : result.remedies) console.note("tried: " + describe(remedy));
-  if (asked && result.remedies.empty()) console.note("tried: no change of one setting that passes was found");
-  if (asked) return;
-  for (const SettingsChange& change : changes_by_shape(result, design))
-    console.note(change.why + ": --set \"" + change.assignment + "\"");
-  console.note("what would settle it: --advise plans the job again with what may help");
+  for (const TriedRemedy& remedy : result.remedies)
+    console.note("tried: " + describe(remedy) + ": " + remedy.why);
+  if (asked && result.remedies.empty()) console.note("tried: nothing passed of what might have helped");
+  if (!asked) console.note("--advise plans the job again with what may help, and says what passed");
 }
 
 void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
@@ -125,6 +122,20 @@ void refuse_warnings(PlanResult& result) {
   result.refusals.push_back({"design", "", Limit::kWarnings, static_cast<double>(result.warnings.size()), 0,
                              "first: " + result.warnings.front()});
   result.program.verification.status = VerificationStatus::kRefused;
+}
+
+// The same job with other settings, judged alike.
+PlanResult plan_again(const std::string& file, const Settings& settings, const PlanHooks& hooks,
+                      bool strict) {
+  const surface::DesignSurface design = read_design(file, settings.design);
+  refuse_blocked(design, file);
+  PlanResult result = plan(design, settings, hooks);
+  if (!strict) return result;
+  for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
+  if (const std::string text = surface::self_crossings_text(design); !text.empty())
+    result.warnings.push_back(text);
+  if (!result.warnings.empty()) refuse_warnings(result);
+  return result;
 }
 
 Exit plan_design(const PlanArguments& arguments, const Console& console) {
@@ -167,9 +178,11 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const std::vector<std::string> found = result.warnings;  // the design's have been said
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
-  if (arguments.advise && !result.refusals.empty()) {
-    result.remedies = try_changes(result, design, [&](const Settings& changed) {
-      return plan(read_design(design_options.file, changed.design), changed, hooks);
+  if (!result.refusals.empty()) {
+    // What the shape alone suggests is tried unasked: it is the likeliest reason of all.
+    const auto changes = arguments.advise ? likely_changes(result, design) : changes_by_shape(result, design);
+    result.remedies = try_changes(result, changes, [&](const Settings& changed) {
+      return plan_again(design_options.file, changed, hooks, arguments.strict);
     });
   }
   console.report_progress("emit", 0.95);
@@ -188,7 +201,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : found) console.warn("warning: " + line);
   print_refusals(result, console);
-  tell_remedies(result, design, arguments.advise, console);
+  tell_remedies(result, arguments.advise, console);
   if (arguments.json) {
     std::cout << report_json(result, emitted.program_sha256);
   } else {

@@ -275,10 +275,10 @@ void warn_of_facets(const surface::DesignSurface& design, const Settings& settin
   const double chord = mesh_chord_mm(design.mesh);
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   if (chord <= allowed) return;
-  result.warnings.push_back(fmt::format(
-      "design: height of the facets' chords ({:.3g} mm, limit {:.3g} mm): mesh the design finer, or "
-      "ribs are bent and split to follow its facets",
-      chord, allowed));
+  result.warnings.push_back(
+      fmt::format("design: height of the facets' chords ({:.3g} mm, limit {:.3g} mm): the cut follows its "
+                  "facets, not the surface that they stand for",
+                  chord, allowed));
 }
 
 PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
@@ -454,7 +454,7 @@ class Nearest {
             0,
             kLeastLean,
             "design.keep = \"" + std::string(name(settings.design.keep)) +
-                "\" says nothing about an upright surface: set design.keep to back or front"};
+                "\" says nothing about an upright surface"};
   }
 
   std::optional<std::tuple<bool, std::size_t, std::size_t>> rank_;

@@ -68,7 +68,8 @@ struct Decision {
 
 // A change of settings with which a refused plan was planned again and passed (pipeline/report/advice.hpp).
 struct TriedRemedy {
-  std::string assignment;  // as `--set` takes it: "design.tolerance_mm=1.3"
+  std::vector<std::string> assignments;  // as `--set` takes them: "design.tolerance_mm=1.3"
+  std::string without;                   // the setting that was left out instead; empty: none
   std::string why;
   double deviation_mm = 0, tolerance_mm = 0;
   std::size_t strips = 0;
@@ -93,7 +94,7 @@ struct PlanResult {
   int refinements = 0;    // times the spacing was halved
   std::vector<Decision> decisions;
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
-  std::vector<TriedRemedy> remedies;  // none, unless advice was asked for
+  std::vector<TriedRemedy> remedies;   // what was tried and passed
   std::vector<StageTime> times;
 };
 

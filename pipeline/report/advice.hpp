@@ -11,9 +11,10 @@
 
 namespace hotblade::pipeline {
 
-// A change of settings, as `--set` takes it.
+// A change of settings.
 struct SettingsChange {
-  std::string assignment;  // "design.tolerance_mm=1.3"
+  std::vector<std::string> assignments;  // as `--set` takes them: "design.tolerance_mm=1.3"
+  std::string without;                   // the setting that is left out instead; empty: none
   std::string why;
   std::function<void(Settings&)> apply;
 };
@@ -21,24 +22,28 @@ struct SettingsChange {
 // Plans the job with other settings.
 using PlanAgain = std::function<PlanResult(const Settings&)>;
 
-// Returns the changes that the design's shape alone suggests: a closed solid, y up.
+// Returns the changes that the design's shape alone suggests: a closed solid, y up, and both.
 [[nodiscard]] std::vector<SettingsChange> changes_by_shape(const PlanResult& refused,
                                                            const surface::DesignSurface& design);
 
-// Returns the changes that are likely to help, most likely first: of what the design is (a closed solid, y
-// up), then of what stood in the way (report/remedies.hpp).
+// Returns the changes that are likely to help, most likely first: of what the design is, then of planes that
+// were given, then of what stood in the way (report/remedies.hpp).
 [[nodiscard]] std::vector<SettingsChange> likely_changes(const PlanResult& refused,
                                                          const surface::DesignSurface& design);
 
-// Tries them, at most kMostTrials plans in all, and returns those that passed with what came of them. A
-// number that did not do is tried again as the new plan asks for, at most twice.
+// Tries them in their order, at most kMostTrials plans in all, and returns those that passed with what came
+// of them. A number that did not do is tried again as the new plan asks for, at most twice.
 inline constexpr int kMostTrials = 6;
 [[nodiscard]] std::vector<TriedRemedy> try_changes(const PlanResult& refused,
-                                                   const surface::DesignSurface& design,
+                                                   const std::vector<SettingsChange>& changes,
                                                    const PlanAgain& plan_again);
 
-// Returns the settings with which a tried remedy passed, and what came of it: `design.tolerance_mm=1.3:
-// passes, deviation 1.21 mm, 2 strips, verdict green`.
+// Returns the change as it is given on the command line, in the options that win over all others: `--up y`,
+// `--tolerance 1.3`, `--set "machine.plinth_mm=160"`, `without slice.direction`.
+[[nodiscard]] std::string as_options(const TriedRemedy& remedy);
+
+// Returns the options with which a tried remedy passed, and what came of it: `--tolerance 1.3: passes,
+// deviation 1.21 mm, 2 strips, verdict green`.
 [[nodiscard]] std::string describe(const TriedRemedy& remedy);
 
 }  // namespace hotblade::pipeline

@@ -42,7 +42,7 @@ Json refusal_json(const Refusal& r) {
           {"capped", r.capped},     {"bound", r.bound},
           {"unit", unit(r)},        {"hint", note(r)},
           {"place", r.place},       {"at", r.at ? vector_json(*r.at) : Json()},
-          {"details", r.details},   {"message", reason(r)}};
+          {"details", r.details},   {"message", describe(r)}};
 }
 
 // mm of shape change by each clamp coordinate; null where the blade is straight.
@@ -283,7 +283,8 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
   report["remedies"] = Json::array();
   for (const TriedRemedy& m : result.remedies) {
-    report["remedies"].push_back({{"set", m.assignment},
+    report["remedies"].push_back({{"set", m.assignments},
+                                  {"without", m.without},
                                   {"because", m.why},
                                   {"deviation_mm", m.deviation_mm},
                                   {"tolerance_mm", m.tolerance_mm},

@@ -21,7 +21,7 @@ constexpr std::array<std::pair<View, const char*>, 3> kViews{{{View::kBest, "on 
 
 std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
   std::vector<RefusedReason> reasons;
-  for (const Refusal& refusal : result.refusals) reasons.push_back({reason(refusal), refusal.at});
+  for (const Refusal& refusal : result.refusals) reasons.push_back({describe(refusal), refusal.at});
   return reasons;
 }
 

@@ -56,7 +56,7 @@ const auto kRules = std::to_array<Rule>({
     {Limit::kRibDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
     {Limit::kDeviationWithSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
     {Limit::kSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
-     "weight may use up a share of the tolerance; a shorter blade or more splits serve too"},
+     "weight may use up a share of the tolerance"},
     {Limit::kUncutShare, "design", "max_uncut_share", "", Demand::kLarger, 0.001, 10,
      [](double, const Refusal& r) { return 0.01 * r.value; },
      "the share of the design that no strip reaches: only if it may stay uncut"},
@@ -139,7 +139,7 @@ class Collector {
     if (r.limit == Limit::kBlockEdge) {
       if (setting("stock", "max_size_mm") != nullptr)
         merge("stock.max_size_mm", with_unit(r.bound, "mm") + " for this edge", std::ceil(r.value), "mm",
-              Demand::kLarger, "the edge of the block this strip needs; or allow more splits");
+              Demand::kLarger, "the edge of the block this strip needs");
       return true;
     }
     const bool length = r.limit == Limit::kRibLength, clearance = r.limit == Limit::kClampClearance;

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/report/advice.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -113,14 +114,14 @@ std::string refusals_section(const PlanResult& result) {
 std::string remedies_section(const PlanResult& result) {
   if (result.remedies.empty()) return "";
   std::string html =
-      "<h2>What makes it cuttable</h2>\n<table><tr><th class=\"l\">setting</th><th>deviation</th>"
+      "<h2>What makes it cuttable</h2>\n<table><tr><th class=\"l\">with</th><th>deviation</th>"
       "<th>tolerance</th><th>strips</th><th>verdict</th><th class=\"l\">because</th></tr>\n";
   for (const TriedRemedy& m : result.remedies) {
     html += fmt::format(
         "<tr><td class=\"l\"><b>{}</b></td><td class=\"n\">{:.3f} mm</td><td class=\"n\">{:g} "
         "mm</td><td>{}</td>"
         "<td>{}</td><td class=\"l\">{}</td></tr>\n",
-        escaped(m.assignment), m.deviation_mm, m.tolerance_mm, m.strips, escaped(m.verdict), escaped(m.why));
+        escaped(as_options(m)), m.deviation_mm, m.tolerance_mm, m.strips, escaped(m.verdict), escaped(m.why));
   }
   return html + "</table>\n<p class=\"note\">Each was planned with all else as it is, and passed.</p>\n";
 }

@@ -18,8 +18,8 @@ std::string unit(const Refusal& r) {
   return info(r.limit).unit;
 }
 
-std::string hint(const Refusal& r) {
-  return r.hint.empty() ? info(r.limit).hint : r.hint;
+std::string note(const Refusal& r) {
+  return r.note.empty() ? info(r.limit).meaning : r.note;
 }
 
 std::string describe_amount(const Refusal& r) {
@@ -30,19 +30,11 @@ std::string describe_amount(const Refusal& r) {
                      r.bound, in_unit);
 }
 
-std::string note(const Refusal& r) {
-  return r.limit == Limit::kBudget || r.limit == Limit::kWarnings ? r.hint : "";
-}
-
-std::string reason(const Refusal& r) {
+std::string describe(const Refusal& r) {
   const std::string place = r.place.empty() ? "" : " " + r.place;
   const std::string said = note(r);
   return fmt::format("{}{}: {}{}", r.rib.empty() ? r.strip : r.rib, place, describe_amount(r),
                      said.empty() ? "" : ": " + said);
-}
-
-std::string describe(const Refusal& r) {
-  return note(r).empty() ? reason(r) + ": " + hint(r) : reason(r);
 }
 
 }  // namespace hotblade::pipeline

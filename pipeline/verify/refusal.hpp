@@ -18,7 +18,7 @@ struct Refusal {
   Limit limit = Limit::kNone;
   double value = 0;     // measured, in the limit's unit
   double bound = 0;     // allowed
-  std::string hint{};   // what would make it cuttable here; empty: the limit's own hint
+  std::string note{};   // what else is known of it here; empty: what the limit means
   std::string place{};  // in words where it helps: `at (x, y, z)` in the design frame
   std::string when{};   // phase and time, as they follow the limit's name: ` in phase cut at 12.00 s`
   // The same for each candidate that was tried, one line each: which limit stopped which blade length.
@@ -30,19 +30,14 @@ struct Refusal {
 // Returns the name of rib `index` (from 0) of a strip, S003R012.
 [[nodiscard]] std::string rib_id(const std::string& strip, std::size_t index);
 
-// Return the refusal's limit by name, phase and time; its unit, empty where it has none; what would help.
+// Return the refusal's limit by name, phase and time; its unit, empty where it has none; what is known of it
+// beside its amount: the clamps that a budget asks for, the first warning, or what the limit means.
 [[nodiscard]] std::string limit_text(const Refusal& refusal);
 [[nodiscard]] std::string unit(const Refusal& refusal);
-[[nodiscard]] std::string hint(const Refusal& refusal);
-
-// Returns what is known of the refusal beside its amount: the clamps that a budget asks for, the first
-// warning.
 [[nodiscard]] std::string note(const Refusal& refusal);
 
-// Returns the same as describe() with the note alone, without what may help: nobody has tried it.
-[[nodiscard]] std::string reason(const Refusal& refusal);
-
-// Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): hint`.
+// Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): note`: the reason, and not what may
+// help, which takes a trial (pipeline/report/advice.hpp).
 [[nodiscard]] std::string describe(const Refusal& refusal);
 
 // Returns `radius 55.2 mm (limit 70.5 mm)`.

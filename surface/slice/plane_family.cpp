@@ -180,7 +180,7 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
       std::snprintf(amount.data(), amount.size(),
                     ": distance from the fan's axis (%.3f mm, at least %.0f mm)", distance, kLeastRadiusMm);
       throw FanError("face at " + place_text(mesh.vertices()[static_cast<std::size_t>(t[0])]) +
-                     amount.data() + ": move slice.fan_axis off the design or cut the design there");
+                     amount.data() + ": no planes that turn about slice.fan_axis cut there");
     }
     arcs.push_back(arc_of(q));
   }

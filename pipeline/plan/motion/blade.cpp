@@ -167,27 +167,22 @@ double bound_of(Limit limit, double most_sag_mm, const Settings& settings) {
   }
 }
 
-// What helps while blades are chosen, where that is not the limit's own hint.
-std::string hint_of(Limit limit, double length) {
+// What is known of the limit while blades are chosen, beside what it means.
+std::string note_of(Limit limit) {
   switch (limit) {
     case Limit::kBladeYield:
-      return "beyond the rib's ends the blade would exceed yield: allow more splits or a thinner blade";
-    case Limit::kClampClearance:
-      return "add a longer blade to blade.free_lengths_mm or lower stock.border_mm";
+      return "the blade would yield beyond the rib's ends";
     case Limit::kFreePart:
-      return "the rib turns too far for the blade to leave the block: allow more splits";
-    case Limit::kSelfCrossing:
-      return "allow more splits or add a shorter blade";
+      return "the rib turns too far for the blade to leave the block";
     case Limit::kPlannedMargin:
-      return "the blade could snap through: allow more splits or add a shorter blade than " +
-             std::to_string(int(length)) + " mm";
+      return "the blade could snap through";
     default:
       return "";
   }
 }
 
 Refusal refusal_of(const RibCheck& c, double length, double most_sag_mm, const Settings& settings) {
-  return {"", "", c.limit, c.value, bound_of(c.limit, most_sag_mm, settings), hint_of(c.limit, length)};
+  return {"", "", c.limit, c.value, bound_of(c.limit, most_sag_mm, settings), note_of(c.limit)};
 }
 
 // The earlier check, then the larger amount: depth, length and sag grow with the harm, everything else

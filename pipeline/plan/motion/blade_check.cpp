@@ -185,11 +185,8 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
   const std::size_t near =
       first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
   if (!(checks[near].clearance >= stock.clearance_mm)) {
-    refuse(
-        near, Limit::kClampClearance, checks[near].clearance, stock.clearance_mm,
-        refuse.phase(near) == StripPhase::kRetract
-            ? "raise motion.lead_mm to stock.clearance_mm or leave it out, which takes as much as is needed"
-            : "");
+    refuse(near, Limit::kClampClearance, checks[near].clearance, stock.clearance_mm,
+           refuse.phase(near) == StripPhase::kRetract ? "motion.lead_mm ends nearer behind the block" : "");
   }
   const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
   if (!(checks[deep].depth <= kFreePartDepthMm)) {

@@ -7,9 +7,9 @@
 
 namespace hotblade::pipeline {
 
-void Refuser::operator()(std::size_t i, Limit limit, double value, double bound, std::string hint) {
+void Refuser::operator()(std::size_t i, Limit limit, double value, double bound, std::string note) {
   const BladePose& pose = motion_.poses[i];
-  Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, std::move(hint)};
+  Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, std::move(note)};
   refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
   refusal.at = middle_of(pose);
   motion_.refusals.push_back(std::move(refusal));

@@ -13,7 +13,7 @@ class Refuser {
  public:
   Refuser(const StripPlan& strip, BladeMotion& motion) : strip_(strip), motion_(motion) {}
 
-  void operator()(std::size_t pose, Limit limit, double value, double bound, std::string hint = "");
+  void operator()(std::size_t pose, Limit limit, double value, double bound, std::string note = "");
 
   [[nodiscard]] StripPhase phase(std::size_t pose) const { return motion_.poses[pose].phase; }
 

@@ -86,11 +86,9 @@ std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses, 
   // The fastest point has the feed there, or else the clamps hold the blade back.
   constexpr double kAtFeed = 0.9;
   if (slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s || !(slow.slowest_mm_s > 0)) {
-    const std::string why = fmt::format(
-        "the blade turns there, its fastest point goes at {:.3g} mm/s, and it would melt too wide: ",
-        slow.fastest_mm_s);
-    return why + (planes_turn ? "move slice.fan_axis away or lower motion.min_feed_mm_s"
-                              : "another slice.direction or a lower motion.min_feed_mm_s");
+    return fmt::format(
+        "the blade turns there{}, its fastest point goes at {:.3g} mm/s, and it would melt too wide",
+        planes_turn ? " with its planes" : "", slow.fastest_mm_s);
   }
   const Held held = most_used(poses, slow.pose, motion);
   // A tenth more, as the law leaves a little of each limit.
@@ -98,9 +96,8 @@ std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses, 
   const double needed = kMore * held.limit *
                         std::pow(motion.min_feed_mm_s / slow.slowest_mm_s, static_cast<double>(held.power));
   return fmt::format(
-      "the clamps' {} holds the blade back there, and it would melt too wide: {} of {:.2g} {} where the "
-      "machine can, "
-      "another slice.direction, or a lower motion.min_feed_mm_s",
+      "the clamps' {} holds the blade back there, and it would melt too wide: the smallest feed takes {} of "
+      "{:.2g} {}",
       held.name, held.key, needed, held.unit);
 }
 

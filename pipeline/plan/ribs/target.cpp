@@ -119,10 +119,9 @@ void add_chain(const surface::RibGraph& graph, const surface::Chain& chain, cons
   const WasteSide side = waste_side(graph, chain, settings.design.keep);
   constexpr double kLeastLean = 0.1;
   if (side.lean < kLeastLean) {
-    report.refusals.push_back(
-        {target.place, "", Limit::kLean, side.lean, kLeastLean,
-         "design.keep = \"" + std::string(name(settings.design.keep)) +
-             "\" says nothing about an upright surface: set design.keep to back or front"});
+    report.refusals.push_back({target.place, "", Limit::kLean, side.lean, kLeastLean,
+                               "design.keep = \"" + std::string(name(settings.design.keep)) +
+                                   "\" says nothing about an upright surface"});
     report.refusals.back().at = first_point(graph, chain);
     return;
   }

@@ -161,10 +161,10 @@ TEST(ClampLimitsRefusal, NamesTheRibWhereFoamWouldMeltTooWideAndTheLimitThatHold
   EXPECT_LT(slow->value, 5);
   EXPECT_TRUE(slow->at.has_value());
   const std::string key = "motion.accel_mm_s2 of ";
-  const std::size_t named = slow->hint.find(key);
-  ASSERT_NE(named, std::string::npos) << slow->hint;
+  const std::size_t named = slow->note.find(key);
+  ASSERT_NE(named, std::string::npos) << slow->note;
   // What the refusal says would help, does.
-  motion.accel_mm_s2 = std::stod(slow->hint.substr(named + key.size()));
+  motion.accel_mm_s2 = std::stod(slow->note.substr(named + key.size()));
   EXPECT_GT(motion.accel_mm_s2, 0.2);
   const PlanResult helped = plan_sample("s_wall", motion);
   EXPECT_EQ(slowest_feed(helped), nullptr) << describe(*slowest_feed(helped));

@@ -17,16 +17,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A vault of 240 x 120 mm in a file of its own: over z, over y, or as the top of a closed solid.
+// A vault of 240 x 120 mm in a file of its own: over z, over y, or as the top of a closed solid over z or y.
 class Design {
  public:
-  enum class Kind { kVault, kYUp, kSolid };
+  enum class Kind { kVault, kYUp, kSolid, kSolidYUp };
   explicit Design(Kind kind) {
     std::ofstream out(file_);
     out.precision(17);
     constexpr int kAcross = 40, kAlong = 4;
     const auto vertex = [&](double x, double y, double z) {
-      if (kind == Kind::kYUp) {
+      if (kind == Kind::kYUp || kind == Kind::kSolidYUp) {
         out << "v " << x << " " << z << " " << -y << "\n";
       } else {
         out << "v " << x << " " << y << " " << z << "\n";
@@ -42,7 +42,7 @@ class Design {
       for (int j = 0; j < kAcross; ++j)
         out << "f " << top(i, j) << " " << top(i + 1, j) << " " << top(i + 1, j + 1) << " " << top(i, j + 1)
             << "\n";
-    if (kind != Kind::kSolid) return;
+    if (kind != Kind::kSolid && kind != Kind::kSolidYUp) return;
     constexpr int kBelow = (kAlong + 1) * (kAcross + 1);
     for (int i = 0; i <= kAlong; ++i)
       for (int j = 0; j <= kAcross; ++j) vertex(x_of(i), y_of(j), -50);
@@ -72,7 +72,8 @@ class Design {
     return plan(read(settings), settings, {});
   }
   [[nodiscard]] std::vector<TriedRemedy> advice(const PlanResult& refused, const Settings& settings) const {
-    return try_changes(refused, read(settings), [this](const Settings& s) { return plan_with(s); });
+    return try_changes(refused, likely_changes(refused, read(settings)),
+                       [this](const Settings& s) { return plan_with(s); });
   }
   [[nodiscard]] int plans() const { return plans_; }
 
@@ -92,8 +93,11 @@ Settings in_mm() {
 PlanResult planned_as_told(const Design& design, const TriedRemedy& remedy,
                            const std::vector<std::string>& before) {
   std::vector<std::string> assignments{"design.units=mm"};
-  assignments.insert(assignments.end(), before.begin(), before.end());
-  assignments.push_back(remedy.assignment);
+  for (const std::string& assignment : before) {
+    if (remedy.without.empty() || !assignment.starts_with(remedy.without + "="))
+      assignments.push_back(assignment);
+  }
+  assignments.insert(assignments.end(), remedy.assignments.begin(), remedy.assignments.end());
   return design.plan_with(resolve({{}, assignments, {}}));
 }
 
@@ -109,8 +113,8 @@ TEST(Advice, IsWhatPassesWhenItIsFollowed) {
   for (const TriedRemedy& remedy : told) {
     const PlanResult again =
         planned_as_told(design, remedy, {"slice.direction=[1,0,0]", "machine.plinth_mm=20"});
-    EXPECT_TRUE(again.refusals.empty()) << remedy.assignment << ": " << reason(again.refusals.front());
-    EXPECT_EQ(again.program.verification.deviation_mm.max, remedy.deviation_mm) << remedy.assignment;
+    EXPECT_TRUE(again.refusals.empty()) << as_options(remedy) << ": " << describe(again.refusals.front());
+    EXPECT_EQ(again.program.verification.deviation_mm.max, remedy.deviation_mm) << as_options(remedy);
     EXPECT_EQ(again.strips.size(), remedy.strips);
     EXPECT_THAT(describe(remedy), HasSubstr("passes, deviation "));
   }
@@ -125,7 +129,7 @@ TEST(Advice, OfAClosedSolidIsToTakeItsUpperFaces) {
   refused.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
   const auto told = design.advice(refused, settings);
   ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.front().assignment, "design.facing=[0, 0, 1]");
+  EXPECT_EQ(as_options(told.front()), "--set \"design.facing=[0, 0, 1]\"");
   EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
 }
 
@@ -137,11 +141,38 @@ TEST(Advice, OfADesignWithYUpIsToSayIt) {
   refused.refusals.push_back({"design", "", Limit::kLean, 0.9, 0.5});
   const auto told = design.advice(refused, settings);
   ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.front().assignment, "design.up=y");
+  EXPECT_EQ(as_options(told.front()), "--up y");
+  EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
   // The same surface with z up is not told so.
   const Design upright(Design::Kind::kVault);
   for (const SettingsChange& change : changes_by_shape(refused, upright.read(settings)))
-    ADD_FAILURE() << change.assignment;
+    ADD_FAILURE() << change.why;
+}
+
+TEST(Advice, OfAClosedSolidWithYUpIsToSayBoth) {
+  const Design design(Design::Kind::kSolidYUp);
+  const Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
+  const auto told = try_changes(refused, changes_by_shape(refused, design.read(settings)),
+                                [&](const Settings& s) { return design.plan_with(s); });
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(as_options(told.back()), "--up y --set \"design.facing=[0, 0, 1]\"");
+  EXPECT_TRUE(planned_as_told(design, told.back(), {}).refusals.empty());
+}
+
+// Planes that a blade cannot follow were given: the search finds others.
+TEST(Advice, OfPlanesThatWereGivenIsToLeaveThemOut) {
+  const Design design(Design::Kind::kVault);
+  Settings settings = in_mm();
+  settings.slice.direction = {{0, 0, 1}};
+  const PlanResult refused = design.plan_with(settings);
+  ASSERT_FALSE(refused.refusals.empty());
+  const auto told = design.advice(refused, settings);
+  ASSERT_FALSE(told.empty());
+  EXPECT_EQ(as_options(told.front()), "without slice.direction");
+  EXPECT_TRUE(planned_as_told(design, told.front(), {"slice.direction=[0,0,1]"}).refusals.empty());
 }
 
 TEST(Advice, IsNotGivenWhereNothingPasses) {
@@ -165,20 +196,22 @@ TEST(Advice, GoesOnFromANumberThatDidNotDo) {
   refused.program.settings = settings;
   refused.refusals.push_back({"S001", "", Limit::kDeviation, 2.997, 1});
   refused.refusals.back().capped = true;
-  EXPECT_THAT(reason(refused.refusals.back()), HasSubstr("deviation >= 2.997 mm"));
+  EXPECT_THAT(describe(refused.refusals.back()), HasSubstr("deviation >= 2.997 mm"));
   std::vector<double> tried;
-  const auto told = try_changes(refused, design.read(settings), [&](const Settings& s) {
-    tried.push_back(s.design.tolerance_mm);
-    PlanResult again;
-    again.program.settings = s;
-    if (s.design.tolerance_mm < 9)
-      again.refusals.push_back({"S001", "", Limit::kDeviation, 9, s.design.tolerance_mm});
-    return again;
-  });
+  const auto told =
+      try_changes(refused, likely_changes(refused, design.read(settings)), [&](const Settings& s) {
+        tried.push_back(s.design.tolerance_mm);
+        PlanResult again;
+        again.program.settings = s;
+        if (s.design.tolerance_mm < 9)
+          again.refusals.push_back({"S001", "", Limit::kDeviation, 9, s.design.tolerance_mm});
+        return again;
+      });
   // Three is where the search ended: six is tried, and then what was found with it.
   EXPECT_THAT(tried, ::testing::ElementsAre(6, 9));
   ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told.front().assignment, "design.tolerance_mm=9");
+  // A flag wins over --set: advice names the flag.
+  EXPECT_EQ(as_options(told.front()), "--tolerance 9");
 }
 
 TEST(Advice, StopsWhenTheUserDoes) {
@@ -186,7 +219,7 @@ TEST(Advice, StopsWhenTheUserDoes) {
   PlanResult refused;
   refused.program.settings = in_mm();
   refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.2, 1});
-  EXPECT_THROW((void)try_changes(refused, design.read(in_mm()),
+  EXPECT_THROW((void)try_changes(refused, likely_changes(refused, design.read(in_mm())),
                                  [](const Settings&) -> PlanResult {
                                    throw Error(ErrorKind::kInterrupted, "interrupted");
                                  }),

@@ -51,10 +51,10 @@ TEST_F(ReportSchema, AcceptsTheReportsOfPassedAndRefusedPlans) {
   result.refusals.push_back(
       {"S001", "S001R002", Limit::kDeviation, 1.2, 1, "a hint", "at (1, 2, 3)", "", {"a", "b"}});
   result.program.verification.status = VerificationStatus::kRefused;
-  result.remedies = {{"design.tolerance_mm=1.3", "measured", 1.2, 1.3, 2, "amber"}};
+  result.remedies = {{{"design.tolerance_mm=1.3"}, "", "measured", 1.2, 1.3, 2, "amber"}};
   const Json refused = Json::parse(report_json(result, std::string(64, 'a')));
   EXPECT_EQ(wrong(refused), "");
-  EXPECT_EQ(refused["remedies"][0]["set"], "design.tolerance_mm=1.3");
+  EXPECT_EQ(refused["remedies"][0]["set"][0], "design.tolerance_mm=1.3");
 }
 
 TEST_F(ReportSchema, NamesEveryFigureThatAReportHas) {

@@ -14,17 +14,28 @@
 namespace hotblade::robot {
 namespace {
 
-TEST(Limits, EveryOneHasANameOfItsOwnAUnitAndAHint) {
-  const std::set<std::string> units{"", "mm", "mm/s", "mm/s2", "rad", "rad/s", "rad/s2", "MPa", "s", "%", "degrees"};
+TEST(Limits, EveryOneHasANameOfItsOwnAndAUnit) {
+  const std::set<std::string> units{"",       "mm",  "mm/s", "mm/s2", "rad",    "rad/s",
+                                    "rad/s2", "MPa", "s",    "%",     "degrees"};
   std::set<std::string> names;
   for (const LimitInfo& i : limits()) {
     EXPECT_STRNE(i.name, "");
-    EXPECT_STRNE(i.hint, "") << i.name;
     EXPECT_TRUE(units.contains(i.unit)) << i.name << ": " << i.unit;
     EXPECT_TRUE(names.insert(i.name).second) << i.name << " stands twice";
     EXPECT_EQ(info(i.limit).limit, i.limit);
   }
   EXPECT_EQ(limits().size(), static_cast<std::size_t>(Limit::kUnknown) + 1);
+}
+
+// What would help is told when it was tried and passed; a limit says what it means.
+TEST(Limits, GiveNoAdvice) {
+  for (const LimitInfo& i : limits()) {
+    const std::string words = " " + std::string(i.meaning) + " ";
+    for (const char* advice :
+         {" more ", " larger ", " longer ", " shorter ", " thinner ", " wider ", " closer ", " lower ",
+          " raise ", " allow ", " another ", " add ", " choose ", " set ", " leave ", " check "})
+      EXPECT_EQ(words.find(advice), std::string::npos) << i.name << ": " << i.meaning;
+  }
 }
 
 TEST(Limits, CodesAreThoseOfTheProtocol) {

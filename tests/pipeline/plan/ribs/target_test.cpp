@@ -57,7 +57,9 @@ TEST(MakeTargets, RefusesKeepBelowOnAnUprightWall) {
   const TargetReport report = targets_of(wall, along_x());
   EXPECT_TRUE(report.chains.empty());
   ASSERT_EQ(report.refusals.size(), 1u);
-  EXPECT_NE(describe(report.refusals.front()).find("set design.keep to back or front"), std::string::npos);
+  EXPECT_NE(
+      describe(report.refusals.front()).find("design.keep = \"below\" says nothing about an upright surface"),
+      std::string::npos);
 }
 
 TEST(MakeTargets, LeavesOutRibsSteeperThanTheBladeCanFollow) {
