@@ -68,10 +68,12 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   const Deviation& d = v.deviation_mm;
   std::size_t ribs = 0;
   for (const StripFacts& f : result.strips) ribs += f.ribs;
-  std::cout << strip_table(result);
-  std::cout << fmt::format("strips {}, ribs {} of sections at most {:.3g} mm apart\n", result.strips.size(),
-                           ribs, result.spacing_mm);
-  std::cout << plinth_line(result);
+  if (!result.strips.empty()) {
+    std::cout << strip_table(result);
+    std::cout << fmt::format("strips {}, ribs {} of sections at most {:.3g} mm apart\n", result.strips.size(),
+                             ribs, result.spacing_mm);
+    std::cout << plinth_line(result);
+  }
   if (result.verification.cut_samples == 0) {
     std::cout << "deviation not measured: nothing is cut\n";
   } else {
@@ -107,7 +109,7 @@ void print_refusals(const PlanResult& result, const Console& console) {
 void tell_remedies(const PlanResult& result, bool asked, const Console& console) {
   if (result.refusals.empty()) return;
   for (const TriedRemedy& remedy : result.remedies)
-    console.note("tried: " + describe(remedy) + ": " + remedy.why);
+    console.note(fmt::format("tried ({}): {}", remedy.why, describe(remedy)));
   if (asked && result.remedies.empty()) console.note("tried: nothing passed of what might have helped");
   if (!asked) console.note("--advise plans the job again with what may help, and says what passed");
 }

@@ -126,9 +126,10 @@ void print_report(const Program& program, const VerifyReport& report, const Veri
   std::cout << fmt::format("samples {} of the cut, {} of the design\n", report.cut_samples,
                            report.design_samples);
   std::cout << fmt::format(
-      "deviation max {:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} "
+      "deviation max {}{:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} "
       "mm), worst at ({:.1f}, {:.1f}, {:.1f})\n",
-      d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+      report.capped ? ">= " : "", d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(),
+      d.at.z());
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   print_branches(program, report);

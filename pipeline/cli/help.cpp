@@ -37,7 +37,7 @@ std::string path_of(const CLI::App& app) {
 // The command that a word is a few letters from; empty: none is.
 std::string nearest_command(const CLI::App& app, const std::string& word) {
   std::string nearest;
-  std::size_t best = std::max<std::size_t>(2, word.size() / 3) + 1;
+  std::size_t best = (word.size() + 2) / 3 + 1;
   for (const CLI::App* command : app.get_subcommands({})) {
     const std::size_t distance = edit_distance(word, command->get_name());
     if (distance >= best) continue;

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <tuple>
 
@@ -295,6 +296,7 @@ PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
 
 // Errors that no measurement of the plan can see may be over the tolerance together with those it can.
 void judge_budget(const Settings& settings, PlanResult& result) {
+  if (result.verification.cut_samples == 0) return;
   const Verdict verdict = verdict_of(result.program);
   if (!verdict.over_budget()) return;
   if (settings.design.over_budget == OverBudget::kWarn) {
@@ -423,8 +425,12 @@ class Nearest {
   void offer(const SweptPlan& swept, const PlanResult* verified) {
     const std::vector<bool> failed = verified ? failed_strips(*verified) : std::vector<bool>{};
     const auto failing = static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
-    // What was verified says more than a part that has no strip.
-    const std::tuple rank{verified == nullptr, swept.refusals.size() + failing, swept.strips.size()};
+    // What was verified says more than a part that has no strip; then the fewer kinds of limits it breaks the
+    // better, as each takes a change of its own.
+    std::set<Limit> limits;
+    for (const Refusal& r : verified ? verified->refusals : swept.refusals) limits.insert(r.limit);
+    const std::tuple rank{verified == nullptr, limits.size(), swept.refusals.size() + failing,
+                          swept.strips.size()};
     if (rank_ && !(rank < *rank_)) return;
     rank_ = rank;
     swept_ = swept;
@@ -457,7 +463,7 @@ class Nearest {
                 "\" says nothing about an upright surface"};
   }
 
-  std::optional<std::tuple<bool, std::size_t, std::size_t>> rank_;
+  std::optional<std::tuple<bool, std::size_t, std::size_t, std::size_t>> rank_;
   SweptPlan swept_;
   std::optional<PlanResult> verified_;
 };

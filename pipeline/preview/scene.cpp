@@ -217,7 +217,9 @@ void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons) {
   scene.caption.push_back("refused: " + reasons.front().message + more);
   const auto placed = std::find_if(reasons.begin(), reasons.end(),
                                    [](const RefusedReason& reason) { return reason.at.has_value(); });
-  if (placed != reasons.end()) scene.worst = Mark{*placed->at, "what stands in the way"};
+  if (placed == reasons.end()) return;
+  scene.worst = Mark{*placed->at, "what stands in the way"};
+  if (placed != reasons.begin()) scene.caption.push_back("ringed: " + placed->message);
 }
 
 }  // namespace hotblade::pipeline::preview

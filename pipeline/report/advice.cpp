@@ -16,21 +16,21 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// The sizes of the faces' areas seen along each axis, and their areas.
-struct Normals {
-  Eigen::Vector3d sizes{0, 0, 0};
+// Whether y rather than z is up in a design: a surface that a blade sweeps from above faces upwards for the
+// most part; a solid has sides as well.
+bool faces_along_y(const surface::DesignSurface& design) {
+  const surface::TriangleMesh& mesh = design.mesh;
+  Eigen::Vector3d seen{0, 0, 0};  // areas, seen along each axis
   double area = 0;
-};
-
-Normals normals_of(const surface::TriangleMesh& mesh) {
-  Normals sum;
   for (const auto& t : mesh.triangles()) {
     const auto at = [&](std::size_t i) { return mesh.vertices()[static_cast<std::size_t>(t[i])]; };
     const Eigen::Vector3d n = (at(1) - at(0)).cross(at(2) - at(0));
-    sum.sizes += n.cwiseAbs();
-    sum.area += n.norm();
+    seen += n.cwiseAbs();
+    area += n.norm();
   }
-  return sum;
+  constexpr double kMostOfIt = 0.8, kMoreThanTheSides = 1.5;
+  if (!design.health.closed) return seen.y() > kMostOfIt * area;
+  return seen.y() > kMoreThanTheSides * std::max(seen.x(), seen.z());
 }
 
 bool refused_for(const PlanResult& result, Limit limit) {
@@ -106,23 +106,20 @@ std::vector<SettingsChange> changes_by_shape(const PlanResult& refused,
   const auto y_up = [](Settings& s) { s.design.up = "y"; };
   const std::string facing = "design.facing=[0, 0, 1]", up = "design.up=y";
   const bool solid = design.health.closed && !now.facing;
-  if (solid)
-    changes.push_back({{facing}, "", "the design is a closed solid: its upper faces alone", upper_faces});
-  // A surface that a blade sweeps from above faces upwards for the most part.
-  constexpr double kMostOfIt = 0.8;
-  const Normals normals = normals_of(design.mesh);
   const bool along_z = now.keep == Keep::kBelow || now.keep == Keep::kAbove;
-  if (along_z && now.up == "z" && normals.sizes.y() > kMostOfIt * normals.area) {
+  const bool lies = along_z && now.up == "z" && faces_along_y(design);
+  if (solid && lies) {
+    changes.push_back({{up, facing},
+                       "",
+                       "the design is a closed solid, and most of it faces along y: its upper faces alone",
+                       [=](Settings& s) {
+                         y_up(s);
+                         upper_faces(s);
+                       }});
+  } else if (solid) {
+    changes.push_back({{facing}, "", "the design is a closed solid: its upper faces alone", upper_faces});
+  } else if (lies) {
     changes.push_back({{up}, "", "most of the design faces along y: y may be up in it", y_up});
-    if (solid) {
-      changes.push_back({{up, facing},
-                         "",
-                         "the design is a closed solid, and most of it faces along y: its upper faces alone",
-                         [=](Settings& s) {
-                           y_up(s);
-                           upper_faces(s);
-                         }});
-    }
   }
   return changes;
 }

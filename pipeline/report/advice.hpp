@@ -22,7 +22,7 @@ struct SettingsChange {
 // Plans the job with other settings.
 using PlanAgain = std::function<PlanResult(const Settings&)>;
 
-// Returns the changes that the design's shape alone suggests: a closed solid, y up, and both.
+// Returns the changes that the design's shape alone suggests: a closed solid, y up, or both.
 [[nodiscard]] std::vector<SettingsChange> changes_by_shape(const PlanResult& refused,
                                                            const surface::DesignSurface& design);
 

@@ -46,7 +46,7 @@ figure,.verdict,svg,tr,.scroll{break-inside:avoid}.scroll{overflow:visible}}
 )css";
 
 // The rest would fill a page with directions nobody takes.
-constexpr std::size_t kDirectionsShown = 12;
+constexpr std::size_t kDirectionsShown = 12, kTriesShown = 12;
 
 std::string base64(const std::string& bytes) {
   std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
@@ -85,7 +85,7 @@ std::string verdict_section(const PlanResult& result) {
         place(v.deviation_mm.at));
   }
   html += fmt::format(" {:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
-  if (verdict.over_budget()) {
+  if (verdict.over_budget() && result.verification.cut_samples > 0) {
     html += fmt::format(
         " Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
         "error budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the "
@@ -102,11 +102,12 @@ std::string refusals_section(const PlanResult& result) {
       "<th>allowed</th><th class=\"l\">note</th></tr>\n";
   for (const Refusal& r : result.refusals) {
     html += fmt::format(
-        "<tr><td class=\"l\">{} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} {}</td><td>{:.4g} "
+        "<tr><td class=\"l\">{} {} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} "
+        "{}</td><td>{:.4g} "
         "{}</td>"
         "<td class=\"l\">{}</td></tr>\n",
-        escaped(r.strip), escaped(r.rib), escaped(limit_text(r)), r.capped ? "&ge; " : "", r.value,
-        escaped(unit(r)), r.bound, escaped(unit(r)), escaped(note(r)));
+        escaped(r.strip), escaped(r.rib), escaped(r.place), escaped(limit_text(r)), r.capped ? "&ge; " : "",
+        r.value, escaped(unit(r)), r.bound, escaped(unit(r)), escaped(note(r)));
   }
   return html + "</table>\n";
 }
@@ -187,7 +188,9 @@ std::string budget_section(const PlanResult& result) {
   if (v.budget_mm.empty() || result.verification.cut_samples == 0) return "";
   return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own; the sum is "
          "the "
-         "worst case, in which all add up. The verdict rests on the measured deviation.</p>\n" +
+         "worst case, in which all add up. A measured deviation over the tolerance is refused; a sum over it "
+         "makes "
+         "the verdict amber.</p>\n" +
          budget_svg(v.budget_mm, v.tolerance_mm);
 }
 
@@ -197,15 +200,47 @@ std::string vector_text(const Eigen::Vector3d& v, double digits) {
   return fmt::format("({:g}, {:g}, {:g})", r.x(), r.y(), r.z());
 }
 
+// Every try at the plan, in their order.
+std::string decisions_section(const PlanResult& result) {
+  if (result.decisions.empty()) return "";
+  std::string html =
+      "<h2>What was tried</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>ribs</th>"
+      "<th>fit mm</th><th>deviation mm</th><th class=\"l\">found</th></tr>\n";
+  const std::size_t shown = std::min(kTriesShown, result.decisions.size());
+  const auto mm = [](double value) { return value > 0 ? fmt::format("{:.3f}", value) : std::string("-"); };
+  // The last ones: the one that was taken is the last of all.
+  for (std::size_t i = result.decisions.size() - shown; i < result.decisions.size(); ++i) {
+    const Decision& d = result.decisions[i];
+    const std::string found = d.taken && d.passed ? "passes, taken" : d.passed ? "passes" : d.why;
+    html += fmt::format(
+        "<tr><td class=\"l\">{}{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
+        "class=\"l\">{}</td></tr>\n",
+        d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4),
+        d.way == "ribs" ? ", rib by rib" : "", d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm),
+        escaped(found));
+  }
+  html +=
+      "</table><p class=\"note\">Planes by their normals; slice.direction gives one, slice.fan_axis an axis.";
+  if (shown < result.decisions.size())
+    html += fmt::format(" {} earlier ones stand in report.json.", result.decisions.size() - shown);
+  return html + "</p>\n";
+}
+
+// Whether directions were ranked by what their ribs, fitted one by one, came to.
+bool ranked(const PlanResult& result) {
+  return std::any_of(result.decisions.begin(), result.decisions.end(),
+                     [](const Decision& d) { return d.way == "ribs"; });
+}
+
 std::string planes_text(const DirectionScore& d) {
   if (!d.fan) return "normal " + vector_text(d.normal, 1e4);
   return "turn about " + vector_text(d.fan->direction, 1e4) + " at " + vector_text(d.fan->point, 10) + " mm";
 }
 
 std::string ranking_section(const PlanResult& result) {
-  if (result.ranking.empty()) return "";
+  if (result.ranking.empty() || !ranked(result)) return "";
   std::string html =
-      "<h2>Directions tried</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>served</th>"
+      "<h2>Directions ranked</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>served</th>"
       "<th>score</th><th>mean |sin slope|</th><th class=\"l\">found</th></tr>\n";
   const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
   for (std::size_t i = 0; i < shown; ++i) {
@@ -233,13 +268,20 @@ std::string list_section(const std::string& title, const std::vector<std::string
   return html + "</ul>\n";
 }
 
+// What it means that a setting is absent.
+std::string absent_text(const std::string& key, const nlohmann::ordered_json& settings) {
+  if (key == "direction" && settings["slice"]["fan_axis"].is_null()) return "searched";
+  return key == "facing" ? "all faces" : "none";
+}
+
 std::string settings_section(const PlanResult& result) {
   std::string html = "<h2>Settings</h2><div class=\"settings\">\n";
   const nlohmann::ordered_json settings = to_json(result.program.settings);
   for (const auto& [section, values] : settings.items()) {
     html += "<div><b>[" + escaped(section) + "]</b>";
     for (const auto& [key, value] : values.items()) {
-      html += escaped(key) + " = " + (value.is_null() ? "searched" : escaped(value.dump())) + "<br>";
+      html += escaped(key) + " = " + (value.is_null() ? absent_text(key, settings) : escaped(value.dump())) +
+              "<br>";
     }
     html += "</div>\n";
   }
@@ -274,7 +316,7 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
   html += budget_section(result) + list_section("Warnings", result.warnings);
   html += list_section("Refusals overridden", result.program.overrides);
   html += list_section("Not checked", result.program.verification.not_checked);
-  html += ranking_section(result) + settings_section(result);
+  html += decisions_section(result) + ranking_section(result) + settings_section(result);
   return html + "</body></html>\n";
 }
 

@@ -92,7 +92,7 @@ Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
   if (report.pose >= strip.poses.size()) return refusal;
   const BladePose& pose = strip.poses[report.pose];
   refusal.rib = rib_at(strip, report.pose);
-  refusal.when = fmt::format(", in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
   refusal.at = middle_of(pose);
   return refusal;
 }

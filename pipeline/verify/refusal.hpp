@@ -20,7 +20,7 @@ struct Refusal {
   double bound = 0;     // allowed
   std::string note{};   // what else is known of it here; empty: what the limit means
   std::string place{};  // in words where it helps: `at (x, y, z)` in the design frame
-  std::string when{};   // phase and time, as they follow the limit's name: ` in phase cut at 12.00 s`
+  std::string when{};   // phase and time, as they follow the amount: ` in phase cut at 12.00 s`
   // The same for each candidate that was tried, one line each: which limit stopped which blade length.
   std::vector<std::string> details{};
   bool capped = false;                  // the value is where the search ended: it is this much or more

@@ -181,7 +181,7 @@ std::string note_of(Limit limit) {
   }
 }
 
-Refusal refusal_of(const RibCheck& c, double length, double most_sag_mm, const Settings& settings) {
+Refusal refusal_of(const RibCheck& c, double most_sag_mm, const Settings& settings) {
   return {"", "", c.limit, c.value, bound_of(c.limit, most_sag_mm, settings), note_of(c.limit)};
 }
 
@@ -343,7 +343,7 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
       report.choice = trial.choice;
       return report;
     }
-    const Refusal refusal = refusal_of(trial.furthest, length, most_sag_mm, settings);
+    const Refusal refusal = refusal_of(trial.furthest, most_sag_mm, settings);
     details.push_back(fmt::format("blade of {:.0f} mm: {}", length, describe_amount(refusal)));
     const std::size_t passed = checks_passed(trial.furthest.limit);
     if (report.rib < 0 || passed > furthest) {

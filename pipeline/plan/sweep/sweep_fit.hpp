@@ -39,6 +39,7 @@ struct SweepFitReport {
   SweepFamily family;
   double rms_mm = 0, max_mm = 0;           // over the samples, in space
   double max_offset_mm = 0;                // where: along the sweep
+  Eigen::Vector2d max_q{0, 0};             // and in the plane there
   double arc_low_mm = 0, arc_high_mm = 0;  // arc lengths from the middle that the samples lie between
   double smallest_radius_mm = 0;           // of the whole blade at the sections
   double largest_turn_rad = 0;             // of its ends

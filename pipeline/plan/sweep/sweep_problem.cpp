@@ -164,7 +164,9 @@ void SweepProblem::measure(const SweepEvaluation& evaluation, SweepFitReport& re
   for (const SweepSection& section : data_.sections) {
     for (std::size_t k = 0; k < section.samples.size(); ++k, ++i) {
       squares += evaluation.away_mm[i] * evaluation.away_mm[i];
-      if (std::abs(evaluation.away_mm[i]) == evaluation.max_mm) report.max_offset_mm = section.offset_mm;
+      if (std::abs(evaluation.away_mm[i]) != evaluation.max_mm) continue;
+      report.max_offset_mm = section.offset_mm;
+      report.max_q = section.samples[k].q;
     }
     const SweepState state = report.family.at(section.offset_mm);
     const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);

@@ -243,16 +243,20 @@ class Search {
       plan.refusals.push_back(part.refusal.value_or(Refusal{"", "", Limit::kStrips, 0, 1}));
       Refusal& refusal = plan.refusals.back();
       if (refusal.strip.empty()) refusal.strip = id;
-      if (!part.fit.extent.isEmpty()) refusal.place = place_of(tried.layout.parts[i], part.fit);
+      if (!part.fit.extent.isEmpty()) set_place(tried.layout.parts[i], part.fit, refusal);
     }
     return plan;
   }
 
-  // The middle of a part.
-  [[nodiscard]] static std::string place_of(const SweepPart& part, const PartFit& fit) {
-    const Eigen::Vector2d at = fit.extent.center();
-    const Vector3d p = part.axes.plane(at.x()).point(at.y(), fit.height_mm);
-    return fmt::format("at ({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
+  // Where a fit is farthest from the design, if that is the reason; the middle of the part otherwise.
+  static void set_place(const SweepPart& part, const PartFit& fit, Refusal& refusal) {
+    const bool farthest = refusal.limit == Limit::kDeviation || refusal.limit == Limit::kRibRadius;
+    const Eigen::Vector2d middle = fit.extent.center();
+    const Vector3d p = farthest ? part.axes.plane(fit.max_offset_mm).point(fit.max_q.x(), fit.max_q.y())
+                                : part.axes.plane(middle.x()).point(middle.y(), fit.height_mm);
+    refusal.place =
+        fmt::format("{} ({:.1f}, {:.1f}, {:.1f})", farthest ? "at" : "about", p.x(), p.y(), p.z());
+    refusal.at = p;
   }
 
   const surface::TriangleMesh& mesh_;

@@ -66,6 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{"no_curve_tool", {"curve"}, "no command was given: give one of "},
         Usage{"help_on_nothing", {"help", "pln"}, "unknown command or option: pln: did you mean plan?"},
         Usage{"help_on_no_tool", {"help", "curve", "fot"}, "did you mean fit?\n`hotblade curve --help`"},
+        Usage{"nothing_near", {"nix"}, "unknown command or option: nix: give one of check, "},
         Usage{"misspelt_global_option", {"--vesion"}, "did you mean --version?"},
         Usage{"unknown_study", {"study", "rays"}, "rays: give one of projection, zone, quadratic, arcs"},
         Usage{"no_address", {"run", "program.json"}, "--connect HOST:PORT is missing: "},

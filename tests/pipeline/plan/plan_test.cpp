@@ -125,6 +125,25 @@ TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
   EXPECT_NEAR(result.refusals.front().bound, 70.5, 0.1);
 }
 
+// A bump that no blade forms, away from the middle: it is where a picture puts its ring.
+TEST(Plan, TellsWhereAPartThatHasNoStripIsFarthestFromOne) {
+  const auto bump = grid_design("bump", 40, 40, [](double u, double v) {
+    const double r2 = std::pow(u - 0.25, 2) + std::pow(v - 0.25, 2);
+    return Eigen::Vector3d(600 * u, 500 * v, 60 * std::exp(-r2 / 0.004));
+  });
+  Settings settings = along_x();
+  settings.fit.max_splits = 0;
+  const PlanResult result = plan(bump, settings, {});
+  ASSERT_FALSE(result.refusals.empty());
+  const Refusal& refusal = result.refusals.front();
+  ASSERT_TRUE(refusal.at) << describe(refusal);
+  EXPECT_LT((refusal.at->head<2>() - Eigen::Vector2d(150, 125)).norm(), 80) << describe(refusal);
+  // Nothing is cut: there is no budget that could be over the tolerance.
+  ASSERT_EQ(result.verification.cut_samples, 0u);
+  for (const std::string& line : result.warnings)
+    EXPECT_EQ(line.find("error budget"), std::string::npos) << line;
+}
+
 TEST(Plan, RefusesAnUncutShareOverTheLimitByName) {
   // A floor that ends in a wall down, square to the sweep, which no rib plane meets.
   const auto step = grid_design("step", 3, 12, [](double u, double v) {

@@ -68,6 +68,7 @@ TEST(Refusal, MarksTheWorstPlaceInEveryPicture) {
   mark_refusal(refused, {{"S001: clearance", std::nullopt}, {"S001: radius", Eigen::Vector3d(1, 2, 3)}});
   EXPECT_EQ(refused.worst->at, Eigen::Vector3d(1, 2, 3)) << "of the first reason that has a place";
   EXPECT_THAT(refused.caption, Contains(HasSubstr("refused: S001: clearance (and 1 more)")));
+  EXPECT_THAT(refused.caption, Contains("ringed: S001: radius"));
 }
 
 TEST(Refusal, TheScaleHoldsTheWorstPlace) {

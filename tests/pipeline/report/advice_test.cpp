@@ -158,8 +158,8 @@ TEST(Advice, OfAClosedSolidWithYUpIsToSayBoth) {
   const auto told = try_changes(refused, changes_by_shape(refused, design.read(settings)),
                                 [&](const Settings& s) { return design.plan_with(s); });
   ASSERT_FALSE(told.empty());
-  EXPECT_EQ(as_options(told.back()), "--up y --set \"design.facing=[0, 0, 1]\"");
-  EXPECT_TRUE(planned_as_told(design, told.back(), {}).refusals.empty());
+  EXPECT_EQ(as_options(told.front()), "--up y --set \"design.facing=[0, 0, 1]\"");
+  EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
 }
 
 // Planes that a blade cannot follow were given: the search finds others.

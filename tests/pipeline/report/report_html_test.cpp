@@ -123,6 +123,19 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
   EXPECT_THAT(html, Not(HasSubstr("0.000 mm")));
 }
 
+TEST(ReportHtml, ListsEveryTryAndNoRankingThatWasNotMade) {
+  const PlanResult result = plan(cylinder_design(), along_x(), {});
+  ASSERT_FALSE(result.decisions.empty());
+  const std::string html = report_html(result, {}, "none");
+  EXPECT_EQ(unbalanced(html), "");
+  EXPECT_THAT(html, HasSubstr("What was tried"));
+  EXPECT_THAT(html, HasSubstr("passes, taken"));
+  // Swept plans rank no directions by ribs of their own: a table of zeros said so.
+  EXPECT_THAT(html, Not(HasSubstr("planned coarsely")));
+  EXPECT_THAT(html, HasSubstr("facing = all faces"));
+  EXPECT_THAT(html, HasSubstr("fan_axis = none"));
+}
+
 TEST(ReportHtml, SaysWhatWasTriedAndPassed) {
   PlanResult result = plan(cylinder_design(), along_x(), {});
   result.program.verification.status = VerificationStatus::kRefused;

@@ -145,7 +145,11 @@ TEST(AsCut, JsonHasWhatTheTextSays) {
   EXPECT_EQ(json["deviation_mm"]["max"].get<double>(), report.cut.deviation.max);
   EXPECT_EQ(json["budget_mm"].size(), report.budget_mm.size());
   EXPECT_EQ(json["budget_sum_mm"].get<double>(), report.budget_sum_mm());
-  EXPECT_NE(describe(report, {}).find("as cut: deviation max"), std::string::npos);
+  EXPECT_EQ(describe(report, {}).find("as cut: deviation max >= "), std::string::npos);
+  // Where the search for it ended it is that much or more.
+  AsCutReport capped = report;
+  capped.cut.capped = true;
+  EXPECT_EQ(describe(capped, {}).find("as cut: deviation max >= "), 0u);
 }
 
 }  // namespace

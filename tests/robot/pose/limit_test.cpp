@@ -32,8 +32,8 @@ TEST(Limits, GiveNoAdvice) {
   for (const LimitInfo& i : limits()) {
     const std::string words = " " + std::string(i.meaning) + " ";
     for (const char* advice :
-         {" more ", " larger ", " longer ", " shorter ", " thinner ", " wider ", " closer ", " lower ",
-          " raise ", " allow ", " another ", " add ", " choose ", " set ", " leave ", " check "})
+         {" more splits", " larger ", " longer ", " shorter ", " thinner ", " wider ", " closer ", " lower ",
+          " raise ", " allow ", " another slice", " add ", " choose ", " set ", " leave ", " check "})
       EXPECT_EQ(words.find(advice), std::string::npos) << i.name << ": " << i.meaning;
   }
 }
