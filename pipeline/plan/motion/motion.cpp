@@ -191,7 +191,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   if (!(slow.slowest_mm_s >= settings.motion.min_feed_mm_s)) {
     Refuser refuse(strip, motion);
     refuse(slow.pose, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
-           help_for(slow, motion.poses, strip.planes.turns(), settings.motion));
+           why_slow(slow, motion.poses, strip.planes.turns(), settings.motion));
   }
   check_blade(strip, settings, motion);
   return motion;

@@ -81,7 +81,7 @@ SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
   return std::isfinite(slow.slowest_mm_s) ? slow : SlowFeed{};
 }
 
-std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses, bool planes_turn,
+std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses, bool planes_turn,
                      const MotionSettings& motion) {
   // The fastest point has the feed there, or else the clamps hold the blade back.
   constexpr double kAtFeed = 0.9;

@@ -18,9 +18,9 @@ struct SlowFeed {
 // may change from pose to pose: with `same_points` the same points are looked at in both.
 [[nodiscard]] SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points);
 
-// Returns what would help a blade that is too slow there: where it turns about a place near it, another way
-// of slicing; where a limit of the clamps holds it back, that limit by name and what it would have to be.
-[[nodiscard]] std::string help_for(const SlowFeed& slow, const std::vector<BladePose>& poses,
+// Returns why a blade is too slow there: it turns about a place near it, or a limit of the clamps holds it
+// back, by name and what it would have to be.
+[[nodiscard]] std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses,
                                    bool planes_turn, const MotionSettings& motion);
 
 }  // namespace hotblade::pipeline
