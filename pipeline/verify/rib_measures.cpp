@@ -186,7 +186,7 @@ std::string describe(const FarBezier& b) {
 Refusal refusal_of(const FarBezier& b) {
   Refusal refusal{b.strip, b.rib, Limit::kRibDeviation, b.hausdorff_mm, b.limit_mm};
   refusal.when = " from its Bezier";
-  refusal.hint = "a larger tolerance, of which a Bezier may use up a tenth";
+  refusal.note = "a Bezier may use up a tenth of the tolerance";
   return refusal;
 }
 
