@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "pipeline/plan/ribs/target.hpp"
+#include "pipeline/plan/ribs/rib_fit.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/thinned.hpp"
 #include "robot/blade/blade_section.hpp"

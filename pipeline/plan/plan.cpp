@@ -17,7 +17,6 @@
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/stopwatch.hpp"
-#include "pipeline/plan/strips/strips.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
@@ -27,16 +26,13 @@
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "robot/blade/blade_section.hpp"
-#include "surface/slice/slice.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-constexpr int kMaxRefinements = 3;
-
 // Of an attempt, what is done when its ribs are fitted, when its strips are posed, and when it is verified.
-constexpr double kFitShare = 0.1, kPoseShare = 0.3, kVerifyShare = 0.9;
+constexpr double kPoseShare = 0.3, kVerifyShare = 0.9;
 
 StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   const StripPlan& plan = posed.strip;
@@ -54,12 +50,7 @@ StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
     f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
     steepest = std::max(steepest, rib.max_slope_rad);
   }
-  if (plan.separate) {
-    double own = 0;
-    for (const RibFit& rib : plan.separate->ribs) own = std::max(own, rib.deviation_mm);
-    f.joint_fit_mm = std::max(0.0, f.worst_fit_mm - own);
-  }
-  f.joint = plan.joint;
+  f.joint_fit_mm = plan.joint_fit_mm;
   f.seam = plan.seam_before;
   // The twist tilts the section, whose edges move by half its width.
   f.droop_error_mm =
@@ -97,45 +88,16 @@ void check_interrupt(const PlanHooks& hooks) {
   if (hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
 }
 
-// A strip that its blade would not get through as planned, by a shorter one where that one does.
-PosedStrip posed_shorter(PosedStrip posed, const Settings& settings) {
-  std::optional<StripPlan> next;
-  while (!posed.motion.refusals.empty() &&
-         (next = with_shorter_blade(next ? *next : posed.strip, settings))) {
-    BladeMotion motion = move_blade(*next, settings);
-    if (motion.refusals.size() < posed.motion.refusals.size()) posed = {*next, std::move(motion)};
-  }
-  return posed;
-}
-
-// A strip whose ribs were solved together may bring the blade nearer to a snap on its way from the flat arc:
-// then each rib's own fit is posed as well, and the safer of the two is taken.
-PosedStrip pose_strip(const StripPlan& strip, const Settings& settings) {
-  constexpr double kFarFromSnap = 10;  // times the smallest margin allowed
-  PosedStrip posed{strip, move_blade(strip, settings)};
-  const bool far = posed.motion.facts.smallest_margin >= kFarFromSnap * settings.blade.min_margin;
-  if (!strip.separate || (posed.motion.refusals.empty() && far)) return posed;
-  StripPlan separate = *strip.separate;
-  separate.id = strip.id;
-  separate.seam_before = strip.seam_before;
-  BladeMotion motion = move_blade(separate, settings);
-  const std::size_t was = posed.motion.refusals.size(), is = motion.refusals.size();
-  if (is < was || (is == was && motion.facts.smallest_margin > posed.motion.facts.smallest_margin)) {
-    return {std::move(separate), std::move(motion)};
-  }
-  return posed;
-}
-
 // Strips are posed side by side and handed over in their order.
-void pose_strips(const StripLayout& layout, const Settings& settings, const PlanHooks& hooks,
+void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings, const PlanHooks& hooks,
                  PlanResult& result) {
-  const std::size_t count = layout.strips.size();
+  const std::size_t count = strips.size();
   std::vector<PlannedStrip> planned(count);
   std::mutex telling;
   std::size_t told = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     check_interrupt(hooks);
-    PosedStrip posed = posed_shorter(pose_strip(layout.strips[i], settings), settings);
+    PosedStrip posed{strips[i], move_blade(strips[i], settings)};
     posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
     planned[i] = planned_strip(std::move(posed), settings);
     const std::scoped_lock lock(telling);
@@ -165,10 +127,10 @@ void measure_ribs(Program& program, gpu::Backend backend) {
   }
 }
 
-// Poses the strips of a layout, and measures what they cut.
-void pose_and_verify(const StripLayout& layout, const surface::DesignSurface& design,
+// Poses strips, and measures what they cut.
+void pose_and_verify(const std::vector<StripPlan>& strips, const surface::DesignSurface& design,
                      const Settings& settings, const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
-  pose_strips(layout, settings, hooks, result);
+  pose_strips(strips, settings, hooks, result);
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
   hooks.progress("verify", kVerifyShare);
@@ -183,56 +145,6 @@ void pose_and_verify(const StripLayout& layout, const surface::DesignSurface& de
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
   }
   watch.lap("verify");
-}
-
-// Slices, fits, poses and verifies at one rib spacing. Whether every rib found its strip and blade: what is
-// refused then is refused by the motion.
-bool plan_once(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-               Stopwatch& watch, PlanResult& result) {
-  result.program.strips.clear();
-  result.strips.clear();
-  result.warnings.clear();
-  surface::SliceOptions options;
-  options.normal = result.ranking.front().normal;
-  options.fan = result.ranking.front().fan;
-  options.spacing_mm = result.spacing_mm;
-  options.keep_tips = true;
-  const surface::RibGraph graph = slice(design, options);
-  result.warnings = graph.warnings;
-  watch.lap("slice");
-  hooks.progress("fit", kFitShare);
-  check_interrupt(hooks);
-  const StripLayout layout = lay_out_strips(make_targets(graph, settings), settings, kMostMoreStrips, [&] {
-    check_interrupt(hooks);
-    hooks.progress("fit", kFitShare);
-  });
-  result.refusals = layout.refusals;
-  result.warnings.insert(result.warnings.end(), layout.warnings.begin(), layout.warnings.end());
-  watch.lap("fit");
-  pose_and_verify(layout, design, settings, hooks, watch, result);
-  return layout.refusals.empty();
-}
-
-bool moves(const PlanResult& result) {
-  return result.refusals.empty() && result.verification.holds();
-}
-
-// Where a strip that was laid out cannot be cut, closer fits make other strips: their blades bend otherwise,
-// or more of them share the ribs. Taken when all of them can be cut.
-void plan_with_closer_fits(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
-                           Stopwatch& watch, PlanResult& result) {
-  constexpr int kTries = 2;
-  constexpr double kCloser = 0.7;
-  Settings closer = settings;
-  for (int i = 0; i < kTries; ++i) {
-    closer.fit.deviation_share *= kCloser;
-    PlanResult other = result;
-    if (!plan_once(design, closer, hooks, watch, other)) return;
-    if (!moves(other)) continue;
-    result = std::move(other);
-    settings = closer;
-    return;
-  }
 }
 
 // Limits of the whole: the deviation and the area left out.
@@ -308,74 +220,22 @@ void judge_budget(const Settings& settings, PlanResult& result) {
   result.program.verification.status = VerificationStatus::kRefused;
 }
 
-// Plans with one of the ranked directions, which is put first in the ranking.
-void plan_along(std::size_t direction, const surface::DesignSurface& design, const Settings& settings,
-                const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
-  const auto first = result.ranking.begin();
-  std::rotate(first, first + static_cast<std::ptrdiff_t>(direction),
-              first + static_cast<std::ptrdiff_t>(direction) + 1);
-  result.refinements = 0;
-  result.spacing_mm = settings.slice.spacing_mm;
-  Settings taken = settings;
-  if (plan_once(design, taken, hooks, watch, result) && !moves(result))
-    plan_with_closer_fits(design, taken, hooks, watch, result);
-  // Closer ribs help only against what happens between ribs.
-  while (result.refinements < kMaxRefinements && result.refusals.empty() && !result.program.strips.empty() &&
-         result.verification.deviation.max > settings.design.tolerance_mm) {
-    ++result.refinements;
-    result.spacing_mm /= 2;
-    plan_once(design, taken, hooks, watch, result);
-  }
-  judge(settings, result);
-}
-
-// A coarse plan does not see all that may stand against a direction: when the best one is refused, the next
-// best ones are planned, and the first that passes is taken.
-void try_others(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-                Stopwatch& watch, PlanResult& result) {
-  constexpr int kMostTries = 3;
-  if (settings.slice.direction || settings.slice.fan_axis || result.refusals.empty()) return;
-  PlanResult other = result;
-  for (int tries = 1; tries < kMostTries && !other.refusals.empty(); ++tries) {
-    other.ranking.front().refused = describe(other.refusals.front());
-    const auto next = next_direction(other.ranking);
-    if (!next) return;
-    plan_along(*next, design, settings, hooks, watch, other);
-  }
-  if (!other.refusals.empty()) return;
-  other.times = std::move(result.times);
-  result = std::move(other);
-}
-
 // What came of a try.
-Decision decision_of(const std::string& way, const PlanResult& result) {
+Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   Decision d;
-  d.way = way;
-  d.normal = result.ranking.front().normal;
-  d.fan = result.ranking.front().fan.has_value();
-  d.strips = result.strips.size();
-  for (const StripFacts& f : result.strips) {
-    d.ribs += f.ribs;
-    d.fit_mm = std::max(d.fit_mm, f.worst_fit_mm);
+  d.normal = swept.planes.normal(0);
+  d.fan = swept.planes.turns();
+  d.fit_mm = swept.deviation_mm;
+  if (!swept.refusals.empty()) {
+    d.strips = swept.strips.size() + swept.refusals.size();
+    d.why = describe(swept.refusals.front());
+    return d;
   }
+  d.strips = result.strips.size();
+  for (const StripFacts& f : result.strips) d.ribs += f.ribs;
   d.deviation_mm = result.verification.deviation.max;
   d.passed = result.refusals.empty();
   if (!d.passed) d.why = describe(result.refusals.front());
-  return d;
-}
-
-Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
-  Decision d;
-  if (!swept.refusals.empty()) {
-    d.normal = swept.planes.normal(0);
-    d.fan = swept.planes.turns();
-    d.strips = swept.strips.size() + swept.refusals.size();
-    d.why = describe(swept.refusals.front());
-  } else {
-    d = decision_of("sweep", result);
-  }
-  d.way = "sweep";
-  d.fit_mm = swept.deviation_mm;
   return d;
 }
 
@@ -385,24 +245,14 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
   result.program.strips.clear();
   result.strips.clear();
   result.warnings.clear();
-  result.refusals.clear();
-  result.refinements = 0;
-  DirectionScore direction;
-  direction.normal = swept.planes.normal(0);
-  direction.estimated = false;
-  if (swept.planes.turns()) direction.fan = surface::FanAxis{swept.planes.centre(), swept.planes.axis()};
-  direction.strips = swept.strips.size();
-  direction.deviation_mm = swept.deviation_mm;
-  result.ranking.insert(result.ranking.begin(), direction);
-  if (!swept.strips.empty()) {
-    const std::vector<RibFit>& ribs = swept.strips.front().ribs;
+  result.spacing_mm = 0;
+  for (const StripPlan& strip : swept.strips) {
+    const auto gaps = static_cast<double>(strip.ribs.size() - 1);
     result.spacing_mm =
-        (ribs.back().offset_mm - ribs.front().offset_mm) / static_cast<double>(ribs.size() - 1);
+        std::max(result.spacing_mm, (strip.ribs.back().offset_mm - strip.ribs.front().offset_mm) / gaps);
   }
-  StripLayout layout;
-  layout.strips = swept.strips;
   result.refusals = swept.refusals;
-  pose_and_verify(layout, design, settings, hooks, watch, result);
+  pose_and_verify(swept.strips, design, settings, hooks, watch, result);
   judge(settings, result);
 }
 
@@ -498,33 +348,14 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     const std::scoped_lock lock(telling);
     hooks.progress("sweep", 0);
   };
+  std::vector<PlanesTried> ranking;
   try {
-    search_sweeps(design, settings, judged, watched);
+    ranking = search_sweeps(design, settings, judged, watched);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
   if (!taken) nearest.show(design, settings, hooks, watch, result);
-}
-
-// Ribs fitted one by one, in the best directions.
-void try_ribs(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-              Stopwatch& watch, PlanResult& result) {
-  hooks.progress("direction", 0);
-  try {
-    result.ranking = rank_directions(design, settings, DirectionSearch::kBounded, [&] {
-      check_interrupt(hooks);
-      hooks.progress("direction", 0);
-    });
-  } catch (const surface::FanError& error) {
-    throw Error(ErrorKind::kNotCuttable, error.what());
-  }
-  watch.lap("direction");
-  hooks.progress("slice", 0);
-  check_interrupt(hooks);
-  plan_along(0, design, settings, hooks, watch, result);
-  try_others(design, settings, hooks, watch, result);
-  result.decisions.push_back(decision_of("ribs", result));
-  result.decisions.back().taken = true;
+  result.ranking = std::move(ranking);
 }
 
 }  // namespace
@@ -544,18 +375,10 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.settings = settings;
   Stopwatch watch(result.times);
   PlanProgress progress(hooks.progress);
-  constexpr double kSweepsEnd = 0.95, kDirectionsEnd = 0.55;
-  PlanHooks sweeps = hooks, ribs = hooks;
+  constexpr double kSweepsEnd = 0.95;
+  PlanHooks sweeps = hooks;
   sweeps.progress = [&](const std::string& stage, double) { progress.step(stage, kSweepsEnd); };
-  ribs.progress = [&](const std::string& stage, double share) {
-    stage == "direction" ? progress.step(stage, kDirectionsEnd) : progress.attempt(stage, share);
-  };
-  // A family has one blade on both sides of a window.
-  if (settings.slice.gaps == Gaps::kApart) {
-    try_ribs(design, settings, ribs, watch, result);
-  } else {
-    try_sweeps(design, settings, sweeps, watch, result);
-  }
+  try_sweeps(design, settings, sweeps, watch, result);
   result.strips_lower_bound = strips_lower_bound(result.verification.area_mm2, settings);
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/direction/direction.hpp"
 #include "pipeline/plan/motion/motion.hpp"
+#include "pipeline/plan/sweep/sweep_layout.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/verify.hpp"
 
@@ -25,9 +25,8 @@ struct StripFacts {
   std::size_t ribs = 0, projected_ribs = 0;
   double blade_length_mm = 0, smallest_margin = 0;  // the margin at the ribs and over the motion
   double worst_fit_mm = 0, worst_bezier_mm = 0, largest_lambda_residual = 0;
-  double joint_fit_mm = 0;  // of worst_fit_mm, what solving the ribs together added to their own fits
-  JointFitReport joint;
-  SeamFacts seam;  // largest, to the strip before along the ribs
+  double joint_fit_mm = 0;  // of the fit, what fitting the strips together at their seams added to its own
+  SeamFacts seam;           // largest, to the strips before that it meets
   MotionFacts motion;
   double deviation_max_mm = 0;
   double droop_error_mm = 0;  // what droop and twist move the surface where it is steepest
@@ -56,7 +55,6 @@ struct PlannedStrip {
 
 // One try at the plan, in the order they were made.
 struct Decision {
-  std::string way;  // "ribs": fitted one by one; "sweep": each strip one family (plan/sweep/sweep_search.hpp)
   Eigen::Vector3d normal{0, 0, 0};  // of the planes, of a fan the middle one
   bool fan = false;
   std::size_t strips = 0, ribs = 0;
@@ -86,12 +84,11 @@ struct StageTime {
 struct PlanResult {
   Program program;  // strips that could be planned; verification says passed or refused
   std::vector<StripFacts> strips;
-  std::vector<DirectionScore> ranking;
+  std::vector<PlanesTried> ranking;  // in the order of what the Beziers of their sections say
   std::vector<Refusal> refusals;
   std::vector<std::string> warnings;
   VerifyReport verification;
-  double spacing_mm = 0;  // of the ribs in the end
-  int refinements = 0;    // times the spacing was halved
+  double spacing_mm = 0;  // largest between the ribs of a strip
   std::vector<Decision> decisions;
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;   // what was tried and passed
@@ -107,9 +104,7 @@ struct PlanHooks {
 };
 
 // Returns the plan of a design whose health was checked (no blockers). Throws Error (kNotCuttable) when
-// slice.fan_axis does not go with the design. Rib spacing is halved, at most three times, while the deviation
-// between the ribs is over the tolerance. What is refused with its ribs fitted one by one is tried with each
-// strip as one swept family.
+// slice.fan_axis does not go with the design.
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
                               const PlanHooks& hooks);
 

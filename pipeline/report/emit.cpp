@@ -89,8 +89,6 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"margin_mm_min", f.motion.smallest_margin_mm()},
           {"snap_margin_mm_min", f.motion.smallest_fold_mm},
           {"straight_margin_mm_min", f.motion.smallest_straight_mm},
-          {"clamp_acceleration_before_joint_fit_mm_s2", f.joint.acceleration_before_mm_s2},
-          {"clamp_acceleration_mm_s2", f.joint.acceleration_after_mm_s2},
           {"duration_s", f.motion.duration_s},
           {"cut_s", f.motion.cut_s},
           {"feed_slowest_mm_s", f.motion.slowest_feed_mm_s},
@@ -104,23 +102,19 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
           {"rib_facts", ribs}};
 }
 
-Json ranking_json(const std::vector<DirectionScore>& ranking) {
+Json ranking_json(const std::vector<PlanesTried>& ranking) {
   Json list = Json::array();
-  for (const DirectionScore& d : ranking) {
-    Json axis;
-    if (d.fan) axis = {{"point", vector_json(d.fan->point)}, {"direction", vector_json(d.fan->direction)}};
-    list.push_back({{"normal", vector_json(d.normal)},
+  for (const PlanesTried& d : ranking) {
+    Json axis, fit;
+    if (d.planes.turns())
+      axis = {{"point", vector_json(d.planes.centre())}, {"direction", vector_json(d.planes.axis())}};
+    if (d.fit_mm) fit = *d.fit_mm;
+    list.push_back({{"normal", vector_json(d.planes.normal(0))},
                     {"fan_axis", axis},
-                    {"strips", d.strips},
-                    {"estimated", d.estimated},
-                    {"deviation_mm", d.deviation_mm},
-                    {"raggedness", d.raggedness},
-                    {"steepness", d.steepness},
-                    {"slope_sine_mean", d.mean_sine},
-                    {"slope_sine_max", d.max_sine},
-                    {"covered_share", d.covered_share},
-                    {"score", d.score},
-                    {"refused", d.refused}});
+                    {"parts_along_sweep", d.along_sweep},
+                    {"parts_along_ribs", d.along_ribs},
+                    {"missed_mm", std::isfinite(d.missed_mm) ? Json(d.missed_mm) : Json()},
+                    {"fit_mm", fit}});
   }
   return list;
 }
@@ -128,8 +122,7 @@ Json ranking_json(const std::vector<DirectionScore>& ranking) {
 Json decisions_json(const std::vector<Decision>& decisions) {
   Json list = Json::array();
   for (const Decision& d : decisions) {
-    list.push_back({{"way", d.way},
-                    {"normal", vector_json(d.normal)},
+    list.push_back({{"normal", vector_json(d.normal)},
                     {"fan", d.fan},
                     {"strips", d.strips},
                     {"ribs", d.ribs},
@@ -276,7 +269,6 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   for (const auto& [name, mm] : v.budget_mm) report["budget_mm"][name] = mm;
   report["budget_sum_mm"] = budget_sum_mm(v.budget_mm);
   report["rib_spacing_mm"] = result.spacing_mm;
-  report["spacing_halved"] = result.refinements;
   report["strips_lower_bound"] = result.strips_lower_bound;
   report["decisions"] = decisions_json(result.decisions);
   report["refusals"] = Json::array();

@@ -145,8 +145,7 @@ std::string figures_section(const PlanResult& result) {
   html += figure((result.verification.capped ? "&ge; " : "") + deviation(d.max), "largest deviation");
   html += figure(deviation(d.p99), "deviation of 99 % of the samples");
   html += figure(fmt::format("{}", result.strips.size()), "strips (blocks of foam)");
-  html += figure(fmt::format("{}", ribs),
-                 fmt::format("ribs, of sections at most {:.3g} mm apart", result.spacing_mm));
+  html += figure(fmt::format("{}", ribs), fmt::format("ribs, at most {:.3g} mm apart", result.spacing_mm));
   html += figure(duration(total_duration_s(result)), "time on the machine");
   html += figure(fmt::format("{:.1f} l", foam_l), "foam in all blocks");
   return html + "</div>\n";
@@ -213,10 +212,10 @@ std::string decisions_section(const PlanResult& result) {
     const Decision& d = result.decisions[i];
     const std::string found = d.taken && d.passed ? "passes, taken" : d.passed ? "passes" : d.why;
     html += fmt::format(
-        "<tr><td class=\"l\">{}{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
+        "<tr><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l\">{}</td></tr>\n",
         d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4),
-        d.way == "ribs" ? ", rib by rib" : "", d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm),
+        d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm),
         escaped(found));
   }
   html +=
@@ -226,36 +225,27 @@ std::string decisions_section(const PlanResult& result) {
   return html + "</p>\n";
 }
 
-// Whether directions were ranked by what their ribs, fitted one by one, came to.
-bool ranked(const PlanResult& result) {
-  return std::any_of(result.decisions.begin(), result.decisions.end(),
-                     [](const Decision& d) { return d.way == "ribs"; });
-}
-
-std::string planes_text(const DirectionScore& d) {
-  if (!d.fan) return "normal " + vector_text(d.normal, 1e4);
-  return "turn about " + vector_text(d.fan->direction, 1e4) + " at " + vector_text(d.fan->point, 10) + " mm";
+std::string planes_text(const surface::PlaneFamily& planes) {
+  if (!planes.turns()) return "normal " + vector_text(planes.normal(0), 1e4);
+  return "turn about " + vector_text(planes.axis(), 1e4) + " at " + vector_text(planes.centre(), 10) + " mm";
 }
 
 std::string ranking_section(const PlanResult& result) {
-  if (result.ranking.empty() || !ranked(result)) return "";
+  if (result.ranking.empty()) return "";
   std::string html =
-      "<h2>Directions ranked</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>served</th>"
-      "<th>score</th><th>mean |sin slope|</th><th class=\"l\">found</th></tr>\n";
+      "<h2>Directions ranked</h2><table><tr><th class=\"l\">planes</th><th>parts along sweep x ribs</th>"
+      "<th>missed by elastica, from Beziers mm</th><th>cheap fit mm</th></tr>\n";
   const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
   for (std::size_t i = 0; i < shown; ++i) {
-    const DirectionScore& d = result.ranking[i];
-    html += fmt::format(
-        "<tr><td class=\"l\">{}</td><td>{}</td><td>{:.2f} %</td><td>{:.3f}</td><td>{:.2f}</td>"
-        "<td class=\"l\">{}</td></tr>\n",
-        planes_text(d), d.strips, 100 * d.covered_share, d.score, d.mean_sine,
-        !d.refused.empty() ? escaped("planned, refused: " + d.refused)
-        : d.estimated      ? "estimated: no better than this"
-                           : "planned coarsely");
+    const PlanesTried& d = result.ranking[i];
+    html += fmt::format("<tr><td class=\"l\">{}</td><td>{} x {}</td><td>{:.2f}</td><td>{}</td></tr>\n",
+                        planes_text(d.planes), d.along_sweep, d.along_ribs, d.missed_mm,
+                        d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : "none");
   }
   html +=
-      "</table><p class=\"note\">The first one is taken; slice.direction fixes another, slice.fan_axis an "
-      "axis.";
+      "</table><p class=\"note\">The best fits are turned a little and fitted closely; slice.direction fixes "
+      "the "
+      "planes, slice.fan_axis an axis.";
   if (shown < result.ranking.size())
     html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
   return html + "</p>\n";

@@ -45,14 +45,13 @@ struct SliceSettings {
   std::optional<std::array<double, 3>> direction;  // normal of the rib planes, design frame; absent: searched
   // The line that rib planes turn about instead: a point of it (mm) and its direction, design frame.
   std::optional<std::array<double, 6>> fan_axis;
-  double spacing_mm = 20;  // largest distance between the sections that ribs are chosen from
+  double spacing_mm = 0;  // largest distance between the ribs of a strip; 0: as few ribs as the fit takes
   Gaps gaps = Gaps::kBridge;
 };
 
 struct FitSettings {
   double lambda_threshold = 0.22;  // ribs whose Bezier is above are projected (the paper's best class)
   double deviation_share = 0.5;    // of the tolerance that one rib's elastica may deviate from its target
-  double between_share = 0.1;  // of the tolerance that the surface between ribs may be farther off than they
   int max_splits = 12;         // along a rib
 };
 

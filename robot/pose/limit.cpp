@@ -43,6 +43,7 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
      "no blade follows what is as steep"},
     {Limit::kFacing, "turn of the design's normals within a rib plane", "degrees",
      "no blade forms what faces back"},
+    {Limit::kGap, "gap in the design within a strip that keeps to one side", "mm", ""},
     {Limit::kStrips, "strips", "", "no part of the design could be planned"},
     {Limit::kRibDeviation, "deviation of an elastica", "mm", ""},
     {Limit::kRibRadius, "radius of a rib (bending stress over yield strength and safety)", "mm",

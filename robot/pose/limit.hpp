@@ -38,6 +38,7 @@ enum class Limit : std::uint8_t {
   kWasteSide,
   kSlope,
   kFacing,
+  kGap,
   kStrips,
   kRibDeviation,
   kRibRadius,

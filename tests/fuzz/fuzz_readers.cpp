@@ -60,7 +60,10 @@ void read_design(const std::string& text, const fs::path& file) {
   std::ofstream(file, std::ios::binary) << text;
   try {
     const surface::DesignSurface design = surface::read_obj(file, {"mm", 'z'});
-    if (design.health.blockers.empty()) (void)surface::slice(design, {});
+    if (!design.health.blockers.empty() || design.mesh.triangles().empty()) return;
+    const std::vector<double> offsets{-10, 0, 0.5, 10};
+    (void)surface::slice(design.mesh, surface::parallel_about(design.mesh, Eigen::Vector3d::UnitX()),
+                         offsets);
   } catch (const surface::MeshError&) {
   } catch (const surface::FileError&) {
   }

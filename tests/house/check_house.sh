@@ -50,14 +50,13 @@ pipeline/program: elastica/* surface/* robot/* pipeline/settings
 pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
-pipeline/plan/strips: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
-pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips
-pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips pipeline/plan/direction
-pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips pipeline/plan/direction pipeline/plan/sweep
+pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
+pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
+pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep
 pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
-pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/strips pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
+pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
 '

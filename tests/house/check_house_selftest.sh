@@ -18,7 +18,7 @@ printf '#include "surface/read/mesh.hpp"\n#include <CGAL/Surface_mesh.h>\n' > "$
 printf '#include "elastica/kernels/curve.h"\n' > "$tree/gpu/mesh/near.cpp"
 printf '#include "elastica/curve/curve.hpp"\n' > "$tree/robot/pose/pose.cpp"
 printf '#include "robot/pose/pose.hpp"\n#include "gpu/mesh/near.hpp"\n' > "$tree/pipeline/plan/plan.cpp"
-printf '#include "pipeline/plan/ribs/target.hpp"\n' > "$tree/pipeline/plan/motion/motion.cpp"
+printf '#include "pipeline/plan/ribs/rib_fit.hpp"\n' > "$tree/pipeline/plan/motion/motion.cpp"
 printf '#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>\n' > "$tree/surface/read/half_edges.hpp"
 printf '#include "surface/read/half_edges.hpp"\n' > "$tree/surface/slice/march.cpp"
 printf 'elastica/curve/curve.hpp\nsurface/read/half_edges.hpp\n' > "$tree/headers.txt"

@@ -9,6 +9,7 @@
 
 #include "elastica/blade/blade_batch.hpp"
 #include "pipeline/plan/ribs/strip_plan.hpp"
+#include "pipeline/verify/refusal.hpp"
 
 namespace hotblade::pipeline {
 

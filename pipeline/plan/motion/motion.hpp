@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/plan/ribs/strip_plan.hpp"
+#include "pipeline/verify/refusal.hpp"
 
 namespace hotblade::pipeline {
 

@@ -1,5 +1,6 @@
 #include "pipeline/plan/motion/strip_block.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace hotblade::pipeline {
@@ -72,6 +73,29 @@ Pose on_table(const std::vector<RibFit>& ribs, const RibAxes& axes, const Settin
   const double plinth = settings.machine.plinth_mm > 0 ? settings.machine.plinth_mm : kUsualPlinthMm;
   design_to_cell.p = Eigen::Vector3d(0, 0, plinth) - design_to_cell.q.toRotationMatrix() * foot;
   return design_to_cell;
+}
+
+StripPlan make_strip_plan(const RibAxes& axes, const std::vector<RibFit>& ribs, const BladeChoice& blade,
+                          const Settings& settings) {
+  StripPlan strip;
+  static_cast<RibAxes&>(strip) = axes;
+  strip.ribs = ribs;
+  strip.blade_length_mm = blade.length_mm;
+  strip.share_a = blade.share_a;
+  strip.smallest_margin = blade.smallest_margin;
+  strip.largest_curvature_per_mm = blade.largest_curvature_per_mm;
+  strip.smallest_clearance_mm = blade.smallest_clearance_mm;
+  strip.block = block_around(ribs, axes, settings.stock);
+  strip.design_to_cell = on_table(ribs, axes, settings);
+  return strip;
+}
+
+bool fits_stock(const StripPlan& strip, const Settings& settings) {
+  const auto& edges = settings.stock.max_size_mm;
+  Eigen::Vector3d size = strip.block.size_mm, most(edges[0], edges[1], edges[2]);
+  std::sort(size.begin(), size.end());
+  std::sort(most.begin(), most.end());
+  return (size.array() <= most.array()).all();
 }
 
 }  // namespace hotblade::pipeline

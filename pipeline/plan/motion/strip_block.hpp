@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "pipeline/plan/ribs/rib_axes.hpp"
-#include "pipeline/plan/ribs/rib_fit.hpp"
+#include "pipeline/plan/motion/blade.hpp"
+#include "pipeline/plan/ribs/strip_plan.hpp"
 
 namespace hotblade::pipeline {
 
@@ -20,5 +20,12 @@ inline constexpr double kUsualPlinthMm = 150;
 // Returns the design's place in the cell: the ribs' middle plane level, the sweep downwards, the ribs' x
 // kept, the block's bottom on the plinth and its middle above the table's.
 [[nodiscard]] Pose on_table(const std::vector<RibFit>& ribs, const RibAxes& axes, const Settings& settings);
+
+// Returns the strip of some ribs and the blade chosen for them, in its block on the table; without a name.
+[[nodiscard]] StripPlan make_strip_plan(const RibAxes& axes, const std::vector<RibFit>& ribs,
+                                        const BladeChoice& blade, const Settings& settings);
+
+// Tells whether the strip's block is within stock.max_size_mm, turned any way.
+[[nodiscard]] bool fits_stock(const StripPlan& strip, const Settings& settings);
 
 }  // namespace hotblade::pipeline

@@ -1,13 +1,11 @@
 // One strip before motion: its ribs in common axes, the block they are cut from, and the blade that cuts it.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "pipeline/plan/ribs/joint_fit.hpp"
+#include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
-#include "pipeline/plan/ribs/seams.hpp"
 #include "pipeline/program/program.hpp"
 
 namespace hotblade::pipeline {
@@ -16,6 +14,11 @@ namespace hotblade::pipeline {
 struct FormedPart {
   double offset_mm = 0;
   DesignPart part;
+};
+
+// What stands between the surfaces of two strips at their seam.
+struct SeamFacts {
+  double gap_mm = 0, kink_deg = 0;
 };
 
 // One strip before motion: ribs in common axes, the block, and the blade that cuts it.
@@ -27,10 +30,8 @@ struct StripPlan : RibAxes {
   double share_a = 0.5;  // share of the extension that lies before the rib's start, on clamp A's side
   Block block;
   Pose design_to_cell;
-  JointFitReport joint;  // the ribs solved together, before and after
-  // The same strip with each rib on its own best fit, where the ribs were solved together.
-  std::shared_ptr<const StripPlan> separate;
-  SeamFacts seam_before;  // to the strip before, along the ribs; zeros where there is none
+  double joint_fit_mm = 0;  // what fitting it together with its neighbours added to its largest deviation
+  SeamFacts seam_before;    // largest, to the strips before that it meets; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
 
   // Returns what is formed at an offset: between sections no less than what the ones around it form, and

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/plan/direction/body_axes.hpp"
-#include "pipeline/plan/ribs/target.hpp"
+#include "pipeline/plan/direction/fan_axes.hpp"
+#include "pipeline/plan/ribs/rib_fit.hpp"
 
 namespace hotblade::pipeline {
 
@@ -41,6 +41,29 @@ double too_steep_share(const WasteSurface& surface, const surface::PlaneFamily& 
   return all > 0 ? steep / all : 1;
 }
 
+namespace {
+
+// The fan about an axis, where its planes turn by more than parallel ones could be tilted for.
+std::optional<surface::PlaneFamily> fan_that_turns(const surface::TriangleMesh& mesh,
+                                                   const surface::FanAxis& axis) {
+  constexpr double kLeastTurnRad = 0.1;
+  try {
+    surface::PlaneFamily planes = surface::fan_about(mesh, axis);
+    double low = 0, high = 0;
+    for (const Vector3d& p : mesh.vertices()) {
+      const double angle = planes.angle(planes.offset(p));
+      low = std::min(low, angle);
+      high = std::max(high, angle);
+    }
+    if (high - low < kLeastTurnRad) return std::nullopt;
+    return planes;
+  } catch (const surface::FanError&) {
+    return std::nullopt;  // it runs through the design
+  }
+}
+
+}  // namespace
+
 std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh,
                                                const SliceSettings& settings) {
   if (settings.direction) {
@@ -64,6 +87,9 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
   }
   std::vector<surface::PlaneFamily> planes;
   for (const Vector3d& n : apart) planes.push_back(surface::parallel_about(mesh, n));
+  for (const surface::FanAxis& axis : fan_axes(mesh, body, long_sides(mesh))) {
+    if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
+  }
   return planes;
 }
 

@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_layout.hpp"
 
+#include "pipeline/plan/sweep/section_beziers.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 
 #include <tbb/parallel_for.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -73,9 +75,11 @@ bool layout_before(const Layout& a, const Layout& b) {
   return std::pair(a.badness_mm, a.named) < std::pair(b.badness_mm, b.named);
 }
 
-SweepLayouts::SweepLayouts(WasteSurface surface, std::vector<surface::PlaneFamily> planes,
-                           const Settings& settings, const PartFitter& fitter)
-    : surface_(std::make_shared<WasteSurface>(std::move(surface))),
+SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surface,
+                           std::vector<surface::PlaneFamily> planes, const Settings& settings,
+                           const PartFitter& fitter)
+    : mesh_(mesh),
+      surface_(std::make_shared<WasteSurface>(std::move(surface))),
       all_planes_(std::move(planes)),
       settings_(settings),
       fitter_(fitter) {
@@ -322,7 +326,7 @@ Layout SweepLayouts::balanced(Layout best) const {
   return best;
 }
 
-std::vector<Layout> SweepLayouts::ranked(std::size_t parts) const {
+std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTried>& tried) const {
   // Splits beyond those that the length asks for are the user's to allow.
   const auto may = [&](const SweepGrid& least, const SweepGrid& grid) {
     return grid.along_sweep >= least.along_sweep && grid.along_ribs >= least.along_ribs &&
@@ -331,6 +335,8 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts) const {
   struct Asked {
     std::size_t planes, named;
     SweepGrid grid;
+    double missed_mm = 0;
+    bool fitted = false;
   };
   std::vector<Asked> asked;
   std::size_t named = 0;
@@ -339,14 +345,36 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts) const {
     for (std::size_t s = 1; s <= parts; ++s) {
       if (parts % s != 0) continue;
       const SweepGrid grid{s, parts / s, {}, {}};
-      if (may(least, grid)) asked.push_back({n, named, grid});
+      if (may(least, grid)) asked.push_back({n, named, grid, 0, false});
       ++named;
     }
   }
+  std::vector<SectionQuestion> questions;
+  for (const Asked& a : asked) questions.push_back({a.planes, a.grid.along_ribs});
+  const std::vector<double> misses = elastica_misses_mm(mesh_, planes_, questions);
+  for (std::size_t i = 0; i < asked.size(); ++i) asked[i].missed_mm = misses[i];
+  std::stable_sort(asked.begin(), asked.end(),
+                   [](const Asked& a, const Asked& b) { return a.missed_mm < b.missed_mm; });
+  // As many of each way to split: splits along the sweep make no section easier to follow. The forty panels
+  // of a seed take one strip more with six and the same with all.
+  constexpr std::size_t kFitted = 10;
+  std::map<std::size_t, std::size_t> taken;  // by parts along the sweep
+  for (Asked& a : asked) a.fitted = taken[a.grid.along_sweep]++ < kFitted;
   std::vector<Layout> all(asked.size());
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
-    all[i] = fitted(planes_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort());
+    if (asked[i].fitted)
+      all[i] = fitted(planes_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort());
   });
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    const Asked& a = asked[i];
+    tried.push_back({planes_[a.planes], a.grid.along_sweep, a.grid.along_ribs, a.missed_mm});
+    if (!a.fitted) continue;
+    double largest = 0;
+    for (const PartFit& fit : all[i].fits)
+      largest = std::max(largest, fit.holds() ? fit.max_mm : kHopeless_mm);
+    if (largest < kHopeless_mm) tried.back().fit_mm = largest;
+  }
+  std::erase_if(all, [](const Layout& layout) { return layout.parts.empty(); });
   std::sort(all.begin(), all.end(), layout_before);
   constexpr std::size_t kBalanced = 6;
   tbb::parallel_for(std::size_t{0}, std::min(kBalanced, all.size()),
@@ -372,7 +400,9 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
   constexpr double kSharedTurn_rad = 1;  // that parts share their parent's axes up to
   const Box& box = fit.extent;
   if (box.isEmpty()) return {};
-  const bool too_large = why && (why->limit == Limit::kRibLength || why->limit == Limit::kBlockEdge);
+  const bool parted = why && why->limit == Limit::kGap && fit.gap;
+  const bool too_large =
+      parted || (why && (why->limit == Limit::kRibLength || why->limit == Limit::kBlockEdge));
   const auto split = [&](bool across_ribs, double share) {
     std::vector<FittedPart> two;
     for (const double side : {1.0, -1.0}) {
@@ -395,6 +425,11 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
     return std::max(two[0].fit.badness_mm, two[1].fit.badness_mm);
   };
   std::vector<FittedPart> best;
+  // Strips that part at a gap meet in its middle.
+  if (parted) {
+    const double at = 0.5 * (fit.gap->low_mm + fit.gap->high_mm);
+    return split(true, std::clamp((at - box.min().y()) / box.sizes().y(), 0.0, 1.0));
+  }
   for (const bool across_ribs : {false, true}) {
     const double size = box.sizes()[across_ribs ? 1 : 0];
     if (size < kLeastMm || (across_ribs && !too_large && part.rib_splits >= settings_.fit.max_splits))

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,14 @@ struct FittedPart {
 // Above what a fit that holds can come to.
 inline constexpr double kHopeless_mm = 1e6;
 
+// Planes as they were ranked.
+struct PlanesTried {
+  surface::PlaneFamily planes;
+  std::size_t along_sweep = 1, along_ribs = 1;  // parts
+  double missed_mm = 0;                         // by elastica, as the Beziers of the sections say
+  std::optional<double> fit_mm{};  // of cheap fits of all parts; none: not fitted, or a part has no fit
+};
+
 struct Layout {
   surface::PlaneFamily planes;
   std::size_t named = 0;  // place among the layouts: decides between equals
@@ -42,8 +51,8 @@ struct Layout {
 class SweepLayouts {
  public:
   // Of the planes, those that little of the design is too steep for, or all where there are none.
-  SweepLayouts(WasteSurface surface, std::vector<surface::PlaneFamily> planes, const Settings& settings,
-               const PartFitter& fitter);
+  SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surface,
+               std::vector<surface::PlaneFamily> planes, const Settings& settings, const PartFitter& fitter);
 
   // Axes of the whole design.
   [[nodiscard]] RibAxes axes(const surface::PlaneFamily& planes) const;
@@ -51,9 +60,10 @@ class SweepLayouts {
   // The fewest parts that blocks and blades allow, in any of these planes.
   [[nodiscard]] std::size_t fewest_parts() const;
 
-  // All planes and the ways to split them into so many even parts, or balanced ones for the best of them, by
-  // cheap fits, the best first.
-  [[nodiscard]] std::vector<Layout> ranked(std::size_t parts) const;
+  // The planes and the ways to split them into so many even parts, or balanced ones for the best of them:
+  // what the Beziers of their sections let one hope for (section_beziers.hpp) by cheap fits, the best first.
+  // `tried` is told of all.
+  [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
 
   // A design of many parts, in the planes that take the fewest: rows of one depth, each cut into parts of one
   // arc length, with axes of their own.
@@ -89,6 +99,7 @@ class SweepLayouts {
   [[nodiscard]] Layout balanced(Layout best) const;
   void fit_parts(Layout& layout, const SweepEffort& effort, const Layout* start) const;
 
+  const surface::TriangleMesh& mesh_;
   std::shared_ptr<const WasteSurface> surface_;
   std::vector<surface::PlaneFamily> all_planes_, planes_;
   const Settings& settings_;

@@ -86,6 +86,7 @@ std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
     return Refusal{"", "", Limit::kFacing, kDegrees * data.turn_rad, kDegrees * kMostTurnRad};
   if (data.steepest_rad > kMaxSlopeRad)
     return Refusal{"", "", Limit::kSlope, kDegrees * data.steepest_rad, kDegrees * kMaxSlopeRad};
+  if (data.gap) return Refusal{"", "", Limit::kGap, data.gap->width_mm(), settings_.blade.kerf_mm};
   const auto& most = settings_.stock.max_size_mm;
   const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
   for (Eigen::Index i = 2; i >= 0; --i) {
@@ -101,8 +102,8 @@ double PartFitter::hopelessness(const SweepData& data) const {
   const auto& most = settings_.stock.max_size_mm;
   const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
   return kAboveAll + kPerRad * std::max(0.0, data.turn_rad - kMostTurnRad) +
-         kPerRad * std::max(0.0, data.steepest_rad - kMaxSlopeRad) + (size - held).cwiseMax(0).sum() +
-         std::max(0.0, data.high.x() - data.low.x() - longest_rib_mm());
+         kPerRad * std::max(0.0, data.steepest_rad - kMaxSlopeRad) + (data.gap ? data.gap->width_mm() : 0) +
+         (size - held).cwiseMax(0).sum() + std::max(0.0, data.high.x() - data.low.x() - longest_rib_mm());
 }
 
 SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort& effort) const {
@@ -135,6 +136,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     fit.extent = {Vector2d(data.first_mm, data.low.x()), Vector2d(data.last_mm, data.high.x())};
     fit.height_mm = 0.5 * (data.low.y() + data.high.y());
     fit.turn_rad = data.turn_rad;
+    fit.gap = data.gap;
   }
   fit.refusal = refusal_of(data);
   fit.badness_mm = hopelessness(data);
@@ -266,13 +268,18 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   const std::vector<SweepFitReport> fits = fit_together(joined, seams);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     PartPlan& plan = plans[i];
+    const double alone_mm = plan.fit.max_mm;
     static_cast<SweepFitReport&>(plan.fit) = fits[i];
     weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joined[i].data);
     plan.fit.badness_mm = badness(plan.fit, parts[i].axes.planes.turns());
     SweptStrip made = make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit,
                                        plan.fit.formed_by.get(), settings_);
     plan.strip = std::move(made.strip);
-    if (!plan.strip) plan.refusal = made.refusal;
+    if (plan.strip) {
+      plan.strip->joint_fit_mm = std::max(0.0, plan.fit.max_mm - alone_mm);
+    } else {
+      plan.refusal = made.refusal;
+    }
   });
   for (const PartSeam& seam : seams) {
     std::optional<StripPlan>& strip = plans[seam.second].strip;

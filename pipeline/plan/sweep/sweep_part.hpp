@@ -50,6 +50,7 @@ struct PartFit : SweepFitReport {
   Eigen::AlignedBox<double, 2> extent;  // of the part along the sweep and along the ribs
   double height_mm = 0;                 // of its middle, along y
   double turn_rad = 0;                  // SweepData
+  std::optional<SweepGap> gap;          // SweepData
 
   [[nodiscard]] bool holds() const { return !refusal.has_value(); }
 };

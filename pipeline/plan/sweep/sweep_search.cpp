@@ -26,8 +26,10 @@ class Search {
       : mesh_(design.mesh),
         settings_(settings),
         fitter_(settings, watch),
-        layouts_(waste_surface(design.mesh, waste_side), sweep_planes(design.mesh, settings.slice), settings,
-                 fitter_) {}
+        layouts_(design.mesh, waste_surface(design.mesh, waste_side),
+                 sweep_planes(design.mesh, settings.slice), settings, fitter_) {}
+
+  [[nodiscard]] const std::vector<PlanesTried>& tried_planes() const { return tried_planes_; }
 
   void run(const JudgeSweep& judge) {
     // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
@@ -55,7 +57,7 @@ class Search {
       // One failing strip split costs no more strips than even parts do.
       if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1 && settle(nearest, judge, 1))
         return;
-      const std::vector<Layout> ranked = layouts_.ranked(parts);
+      const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
       if (hopeless.layout.parts.empty() && !ranked.empty()) hopeless = {ranked.front(), {}, {}, {}, {}};
       for (const Layout& layout : near) {
@@ -261,16 +263,20 @@ class Search {
 
   const surface::TriangleMesh& mesh_;
   const Settings& settings_;
+  std::vector<PlanesTried> tried_planes_;
   PartFitter fitter_;
   SweepLayouts layouts_;
 };
 
 }  // namespace
 
-void search_sweeps(const surface::DesignSurface& design, const Settings& settings, const JudgeSweep& judge,
-                   const WatchSweeps& watch) {
+std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
+                                       const JudgeSweep& judge, const WatchSweeps& watch) {
   const double side = waste_side(design.mesh, settings.design.keep);
-  if (side != 0) Search(design, side, settings, watch).run(judge);
+  if (side == 0) return {};
+  Search search(design, side, settings, watch);
+  search.run(judge);
+  return search.tried_planes();
 }
 
 }  // namespace hotblade::pipeline

@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/plan/sweep/sweep_part.hpp"
+#include "pipeline/plan/sweep/sweep_layout.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -33,10 +33,10 @@ struct SweepVerdict {
 using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;
 
 // Hands plans over until one is taken, or all are left: fewer parts first, then smaller deviations. Those
-// with parts that have no strip are handed over with the reasons, and are not to be taken. The same input
-// gives the same plans, whatever the number of threads. Throws surface::FanError where `slice.fan_axis` does
-// not go with the design.
-void search_sweeps(
+// with parts that have no strip are handed over with the reasons, and are not to be taken. Returns the planes
+// that were ranked on the way. The same input gives the same plans, whatever the number of threads. Throws
+// surface::FanError where `slice.fan_axis` does not go with the design.
+std::vector<PlanesTried> search_sweeps(
     const surface::DesignSurface& design, const Settings& settings, const JudgeSweep& judge,
     const WatchSweeps& watch = [](double) {});
 

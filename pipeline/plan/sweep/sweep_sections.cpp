@@ -192,6 +192,7 @@ class Slicer {
     std::sort(offsets_.begin(), offsets_.end());
     offsets_.erase(std::unique(offsets_.begin(), offsets_.end()), offsets_.end());
     thinned_.assign(offsets_.size(), Thinned(options_.sample_mm));
+    runs_.resize(options_.gap_mm ? offsets_.size() : 0);
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       if (in_reach(t)) cut(t);
     }
@@ -200,6 +201,7 @@ class Slicer {
       if (!samples.empty()) data_.sections.push_back({offsets_[k], std::move(samples)});
     }
     add_border();
+    for (std::size_t k = 0; k < runs_.size(); ++k) find_gap(offsets_[k], runs_[k]);
     return std::move(data_);
   }
 
@@ -358,13 +360,37 @@ class Slicer {
   void cut(std::size_t t) {
     const Triangle corners = triangle(t);
     const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
+    if (options_.gap_mm) add_edges(corners, low, high);
     const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low);
     for (auto at = from; at != offsets_.end() && *at < high; ++at)
-      cut(corners, surface_.triangles[t], *at, thinned_[static_cast<std::size_t>(at - offsets_.begin())]);
+      cut(corners, surface_.triangles[t], static_cast<std::size_t>(at - offsets_.begin()));
   }
 
-  void cut(const Triangle& corners, const std::array<int, 3>& indices, double offset,
-           Thinned& section) const {
+  // Edges that lie in a section's plane are no gap, on whichever side of it rounding puts them.
+  void add_edges(const Triangle& corners, double low, double high) {
+    constexpr double kInPlaneMm = 1e-3;
+    const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - kInPlaneMm);
+    for (auto at = from; at != offsets_.end() && *at <= high + kInPlaneMm; ++at) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const MovedVertex &a = corners[c], &b = corners[(c + 1) % 3];
+        const bool in_plane =
+            std::abs(a.at.z() - *at) <= kInPlaneMm && std::abs(b.at.z() - *at) <= kInPlaneMm;
+        if (!in_plane) continue;
+        add_run({{a.at.head<2>(), 1, false}, a.world}, {{b.at.head<2>(), 1, false}, b.world},
+                static_cast<std::size_t>(at - offsets_.begin()));
+      }
+    }
+  }
+
+  void add_run(const SectionPoint& a, const SectionPoint& b, std::size_t k) {
+    if (const auto run = share_behind(a, b, options_.gap_behind_mm))
+      runs_[k].emplace_back(
+          std::minmax({between(a, b, run->first).sample.q.x(), between(a, b, run->second).sample.q.x()}));
+  }
+
+  void cut(const Triangle& corners, const std::array<int, 3>& indices, std::size_t k) {
+    const double offset = offsets_[k];
+    Thinned& section = thinned_[k];
     std::array<SectionPoint, 2> ends;
     std::size_t found = 0;
     for (std::size_t c = 0; c < 3 && found < 2; ++c) {
@@ -376,19 +402,31 @@ class Slicer {
         section.add_border(ends[found].sample);
       ++found;
     }
-    if (found == 2) add_between(ends[0], ends[1], section);
+    if (found == 2) add_between(ends[0], ends[1], k);
   }
 
-  // What of a piece of a section lies behind the seams, and where it meets them.
-  void add_between(const SectionPoint& a, const SectionPoint& b, Thinned& section) const {
+  // The share of a piece of a section that lies behind all seams by so much.
+  [[nodiscard]] std::optional<std::pair<double, double>> share_behind(const SectionPoint& a,
+                                                                      const SectionPoint& b,
+                                                                      double mm) const {
     double first = 0, last = 1;
     for (const SweepSeam& seam : options_.seams) {
-      const double from = behind(seam, a.world), to = behind(seam, b.world);
-      if (from < 0 && to < 0) return;
+      const double from = behind(seam, a.world) - mm, to = behind(seam, b.world) - mm;
+      if (from < 0 && to < 0) return std::nullopt;
       if (from < 0) first = std::max(first, from / (from - to));
       if (to < 0) last = std::min(last, from / (from - to));
     }
-    if (first > last) return;
+    if (first > last) return std::nullopt;
+    return std::pair(first, last);
+  }
+
+  // What of a piece of a section lies behind the seams, and where it meets them.
+  void add_between(const SectionPoint& a, const SectionPoint& b, std::size_t k) {
+    Thinned& section = thinned_[k];
+    if (options_.gap_mm) add_run(a, b, k);
+    const auto share = share_behind(a, b, 0);
+    if (!share) return;
+    const auto [first, last] = *share;
     for (const double end : {first, last}) {
       if (end == 0 || end == 1) continue;
       SweepSample sample = between(a, b, end).sample;
@@ -403,12 +441,25 @@ class Slicer {
     }
   }
 
+  // What no run of a section covers, between its ends.
+  void find_gap(double offset, std::vector<std::pair<double, double>>& runs) {
+    std::sort(runs.begin(), runs.end());
+    for (std::size_t i = 1; i < runs.size(); ++i) {
+      const SweepGap gap{offset, runs[i - 1].second, runs[i].first};
+      if (gap.width_mm() >= *options_.gap_mm && (!data_.gap || gap.width_mm() > data_.gap->width_mm()))
+        data_.gap = gap;
+      runs[i].second = std::max(runs[i].second, runs[i - 1].second);
+    }
+  }
+
   const WasteSurface& surface_;
   const RibAxes& axes_;
   SweepSectionOptions options_;
   std::vector<MovedVertex> vertices_;
   std::vector<double> offsets_;
   std::vector<Thinned> thinned_;
+  std::vector<std::vector<std::pair<double, double>>>
+      runs_;                            // in x, of each section, where gaps are looked for
   std::vector<double> steeps_, turns_;  // sines of slopes and MovedVertex::turn of all that is measured
   SweepData data_;
 };

@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -67,12 +68,23 @@ struct SweepSectionOptions {
   std::vector<SweepSeam> seams = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
   const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
+  // Gaps within sections are looked for from this width on, this far behind the seams; nothing: they are not
+  // looked for.
+  std::optional<double> gap_mm = {};
+  double gap_behind_mm = 0;
+};
+
+// A gap in the design within a section, as of a window or between two arms.
+struct SweepGap {
+  double offset_mm = 0, low_mm = 0, high_mm = 0;  // in x
+  [[nodiscard]] double width_mm() const { return high_mm - low_mm; }
 };
 
 struct SweepData {
   RibAxes axes;
   std::vector<SweepSection> sections;                      // ascending
   std::vector<std::pair<double, Eigen::Vector2d>> border;  // the border's points: offset, q
+  std::optional<SweepGap> gap;                             // the widest, where gaps are looked for
   // Of 98 of a hundred vertices: the design's slope against the planes, and the angle in them between its
   // normals and y.
   double steepest_rad = 0, turn_rad = 0;

@@ -6,7 +6,6 @@
 
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
-#include "pipeline/plan/strips/share_strip.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -65,15 +64,12 @@ std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family
 
 // Evenly spaced by arc length along the polyline through the feet.
 std::vector<Vector2d> even_points(const std::vector<Foot>& feet) {
-  RibTarget line;
+  std::vector<Vector2d> line;
   for (const Foot& foot : feet) {
-    const double step = line.points.empty() ? 0 : (foot.q - line.points.back()).norm();
-    if (!line.points.empty() && !(step > 0)) continue;
-    line.s.push_back(line.points.empty() ? 0 : line.s.back() + step);
-    line.points.push_back(foot.q);
+    if (line.empty() || foot.q != line.back()) line.push_back(foot.q);
   }
-  if (line.points.size() < 2) return {};
-  return resample(line, 0, 1, kRibSamples);
+  if (line.size() < 2) return {};
+  return evenly_spaced(line, kRibSamples);
 }
 
 class StripMaker {
@@ -118,7 +114,13 @@ class StripMaker {
  private:
   [[nodiscard]] double rib_offset(int rib) const {
     const SweepFamily& f = fit_.family;
-    return f.first_mm + (f.last_mm - f.first_mm) * rib / (f.count() - 1);
+    return f.first_mm + (f.last_mm - f.first_mm) * rib / (rib_count() - 1);
+  }
+
+  // As many as the family has coefficients, or more where they shall be closer.
+  [[nodiscard]] int rib_count() const {
+    const double most = settings_.slice.spacing_mm, extent = fit_.family.last_mm - fit_.family.first_mm;
+    return std::max(fit_.family.count(), most > 0 ? 1 + static_cast<int>(std::ceil(extent / most)) : 0);
   }
 
   [[nodiscard]] DesignPart part_of(double low_mm, double high_mm) const {
@@ -130,7 +132,7 @@ class StripMaker {
     constexpr int kSections = 64;
     constexpr double kSampleMm = 10;
     SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_);
-    for (int i = 0; i < fit_.family.count(); ++i) options.extra_mm.push_back(rib_offset(i));
+    for (int i = 0; i < rib_count(); ++i) options.extra_mm.push_back(rib_offset(i));
     const SweepData data = sweep_sections(surface_, axes_, options);
     double reach = 0;
     for (const SweepSection& section : data.sections) {
@@ -165,7 +167,6 @@ class StripMaker {
     rib.elastica = from_mid_state(fit_.family.mid_state(offset_mm, length_mm_));
     for (const elastica::CurvePoint& p : sample(rib.elastica, kRibSamples))
       rib.course.push_back(p.position());
-    rib.weights.assign(kRibSamples, 1.0 / kRibSamples);
     const std::size_t k = nearest(offset_mm);
     rib.max_slope_rad = slopes_[k];
     rib.own = {0.5, 0.5};
@@ -181,7 +182,7 @@ class StripMaker {
 
   [[nodiscard]] std::vector<RibFit> make_ribs() const {
     std::vector<RibFit> ribs;
-    for (int i = 0; i < fit_.family.count(); ++i) ribs.push_back(make_rib(rib_offset(i)));
+    for (int i = 0; i < rib_count(); ++i) ribs.push_back(make_rib(rib_offset(i)));
     return ribs;
   }
 
@@ -247,6 +248,9 @@ SweepSectionOptions section_options(const Settings& settings, const std::vector<
                                     double sample_mm, const SweepSag* sag) {
   SweepSectionOptions options{
       settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, seams, {}, sag};
+  // A slit narrower than what the blade melts is cut away anyhow.
+  if (settings.slice.gaps == Gaps::kApart) options.gap_mm = settings.blade.kerf_mm;
+  options.gap_behind_mm = kSeamOverlapMm;
   for (SweepSeam& seam : options.seams) seam.at_mm += kSeamOverlapMm;
   return options;
 }

@@ -17,10 +17,10 @@ struct SweptStrip {
 };
 
 // As many ribs as the family has coefficients, evenly spaced: their interpolating spline is the family itself
-// (SweepBasis). All are equally long, about the family's middles, and reach past what they form; the first
-// and the last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` is
-// what the data was moved by. The blade is the shortest of the list that the family serves
-// (plan/motion/blade.hpp).
+// (SweepBasis). More, and near it to a hundredth of a millimetre, where slice.spacing_mm asks for closer
+// ones. All are equally long, about the family's middles, and reach past what they form; the first and the
+// last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` is what the
+// data was moved by. The blade is the shortest of the list that the family serves (plan/motion/blade.hpp).
 [[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
                                           const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
                                           const SweepSag* sag, const Settings& settings);

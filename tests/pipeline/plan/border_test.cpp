@@ -115,13 +115,12 @@ double mesh_error_mm(const Outline& outline) {
   return kRadius - std::sqrt(kRadius * kRadius - 0.25 * longest * longest);
 }
 
-// Ribs may be as far off as the facets, the surface between them half of that more.
+// Ribs may be as far off as the facets.
 PlanResult plan_outline(const Outline& outline) {
   Settings settings;
   settings.design.units = "mm";
   settings.slice.direction = {{0, 1, 0}};
   settings.fit.deviation_share = mesh_error_mm(outline) / settings.design.tolerance_mm;
-  settings.fit.between_share = 0.5 * settings.fit.deviation_share;
   return plan(design_of(outline), settings, {});
 }
 

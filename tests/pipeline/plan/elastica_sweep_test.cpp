@@ -84,15 +84,13 @@ double mesh_error_mm(const Swept& p, int nu, int nv) {
 
 enum class Direction { kGiven, kSearched };
 
-// The plan of a surface turned in space; ribs may be as far off as the facets are high, and the surface
-// between them by half as much.
+// The plan of a surface turned in space; ribs may be as far off as the facets are high.
 PlanResult plan_swept(const Swept& p, int nu, int nv, double mesh_error, const Eigen::Quaterniond& turn,
                       Direction direction = Direction::kGiven) {
   Settings settings;
   settings.design.units = "mm";
   settings.design.keep = Keep::kBack;
   settings.fit.deviation_share = mesh_error / settings.design.tolerance_mm;
-  settings.fit.between_share = 0.5 * settings.fit.deviation_share;
   const Vector3d sweep = turn * Vector3d::UnitX();
   if (direction == Direction::kGiven) settings.slice.direction = {{sweep.x(), sweep.y(), sweep.z()}};
   const auto design = grid_design("swept", nu, nv, [&](double u, double v) -> Vector3d {
@@ -157,7 +155,7 @@ TEST_P(ElasticaSweep, ComesBackAlongADirectionThatIsSearchedFor) {
     ASSERT_EQ(result.strips.size(), 1u);
     EXPECT_EQ(result.verification.uncut_mm2, 0);
     EXPECT_LE(result.verification.deviation.max, 2 * error);
-    EXPECT_FALSE(result.ranking.front().fan);
+    EXPECT_FALSE(result.decisions.back().fan);
   }
 }
 

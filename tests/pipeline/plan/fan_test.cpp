@@ -59,7 +59,6 @@ Settings fan_settings(const Placed& place) {
   settings.design.keep = Keep::kBack;
   // Close fits instead of calm ones.
   settings.fit.deviation_share = 0.03;
-  settings.fit.between_share = 0.01;
   const Vector3d p = place(Vector3d(0, 0, 120)), d = place.turn * Vector3d(0, 0, 3);
   settings.slice.fan_axis = {{p.x(), p.y(), p.z(), d.x(), d.y(), d.z()}};
   return settings;
@@ -212,7 +211,6 @@ TEST(FanPlan, ProgramsReadBackAndVerifyTheSame) {
 TEST(FanPlan, AnAxisFarAwayPlansAsParallelPlanesDo) {
   const auto design = cylinder_design();
   Settings settings = along_x();
-  settings.slice.gaps = Gaps::kApart;  // ribs one by one, as fans have them
   const PlanResult parallel = plan(design, settings, {});
   settings.slice.direction.reset();
   settings.slice.fan_axis = {{150, 9e5, 0, 0, 0, 1}};

@@ -114,7 +114,6 @@ struct Change {
 };
 
 const std::string kAlongX = "slice.direction=[1, 0, 0]";
-const std::string kApart = "slice.gaps=apart";
 const std::string kFan = "slice.fan_axis=[60, 0, -400, 0, 1, 0]";
 
 const std::vector<Change>& changes() {
@@ -127,16 +126,15 @@ const std::vector<Change>& changes() {
       {"design.facing_max_deg", "10", {kAlongX, "design.facing=[0, 0, 1]"}},
       {"design.stitch_mm", "0.1", {kAlongX}, Design::kTorn},
       {"design.tolerance_mm", "0.02", {kAlongX}, Design::kDome},
-      {"design.max_uncut_share", "1", {kAlongX, kApart, "blade.yield_strength_mpa=100"}, Design::kWindow},
+      {"design.max_uncut_share", "1", {kAlongX, "blade.yield_strength_mpa=100"}, Design::kDome},
       {"design.over_budget", "refuse", {kAlongX, "machine.clamp_error_mm=2"}},
       {"slice.direction", "[1, 0.2, 0]", {kAlongX}},
       {"slice.fan_axis", "[60, 0, -400, 0, 1, 0]"},
-      {"slice.spacing_mm", "5", {kAlongX, kApart}, Design::kWindow},
+      {"slice.spacing_mm", "5", {kAlongX}},
       {"slice.gaps", "apart", {kAlongX}, Design::kWindow},
       {"fit.lambda_threshold", "0", {kAlongX}},
       {"fit.deviation_share", "0.01", {kAlongX}, Design::kBump},
-      {"fit.between_share", "0.001", {kFan, kApart}, Design::kDome},
-      {"fit.max_splits", "0", {kAlongX, kApart, "fit.deviation_share=0.2"}, Design::kBump},
+      {"fit.max_splits", "0", {kAlongX, "design.tolerance_mm=0.02"}, Design::kBump},
       {"blade.free_lengths_mm", "[700]", {kAlongX}},
       {"blade.width_mm", "20", {kAlongX}},
       {"blade.thickness_mm", "0.3", {kAlongX}},

@@ -7,6 +7,7 @@
 
 #include "surface/slice/slice.hpp"
 #include "tests/surface/meshes.hpp"
+#include "tests/surface/slice/even_sections.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -36,16 +37,9 @@ double total_length(const std::vector<std::vector<Kernel::Point_3>>& polylines) 
 void expect_same_sections(const TriangleSoup& mesh, const Eigen::Vector3d& normal, double inset) {
   const CgalMesh cgal_mesh = to_cgal(mesh);
   const CGAL::Polygon_mesh_slicer<CgalMesh, Kernel> slicer(cgal_mesh);
-  SliceOptions options;
-  options.normal = normal;
-  options.spacing_mm = 10;
-  options.end_inset_mm = inset;
-  options.min_piece_mm = 0;
-  const RibGraph graph = slice(from_mesh(mesh), options);
+  const EvenSections graph = even_sections(mesh, normal, 10, inset);
   const Eigen::Vector3d n = graph.planes.normal(0);
   for (const Section& section : graph.sections) {
-    // The first and the last may be taken a little further in (surface/slice/end_planes.hpp).
-    if (&section == &graph.sections.front() || &section == &graph.sections.back()) continue;
     std::vector<std::vector<Kernel::Point_3>> polylines;
     const double height = n.dot(graph.planes.centre()) + section.offset_mm;
     slicer(Kernel::Plane_3(n.x(), n.y(), n.z(), -height), std::back_inserter(polylines));

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "surface/slice/event_planes.hpp"
 #include "surface/slice/ring.hpp"
 #include "surface/slice/slice.hpp"
 #include "tests/surface/meshes.hpp"
+#include "tests/surface/slice/even_sections.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -18,18 +18,6 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-SliceOptions about(const FanAxis& axis, double spacing = 20, double inset = 0.05) {
-  SliceOptions options;
-  options.fan = axis;
-  options.spacing_mm = spacing;
-  options.end_inset_mm = inset;
-  return options;
-}
-
-const SectionPiece& rib(const RibGraph& graph, const RibRef& ref) {
-  return graph.sections[static_cast<std::size_t>(ref.section)].pieces[static_cast<std::size_t>(ref.piece)];
-}
 
 Vector3d on_torus(double a, double b) {
   const double out = 500 + 100 * std::cos(b);
@@ -71,33 +59,37 @@ TEST(PlaneFamily, RefusesAxesThatAreNone) {
   EXPECT_THROW((void)PlaneFamily::fan({{0, 0, 0}, {0, 0, 1}}, {1, 0, 0}, 0), std::logic_error);
 }
 
+std::vector<double> lengths(const Section& section) {
+  std::vector<double> all;
+  for (const SectionPiece& piece : section.pieces) all.push_back(piece.length_mm);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 TEST(SliceFan, SectionsOfATorusAreItsTubesCircles) {
   const int around = 360;
-  const RibGraph g = slice(from_mesh(pipe_bend(1.2, 240, around)), about({{0, 0, 0}, {0, 0, 1}}, 40));
-  ASSERT_EQ(g.chains.size(), 2u);  // the loops are cut open
-  ASSERT_EQ(g.chains[0].ribs.size(), g.sections.size());
+  const EvenSections g = even_sections(pipe_bend(1.2, 240, around), FanAxis{{0, 0, 0}, {0, 0, 1}}, 40);
   EXPECT_EQ(g.sections.size(), 19u);  // 1.2 rad at 600 mm: 720 mm less the insets
-  for (std::size_t i = 0; i < g.sections.size(); ++i) {
-    const double length = rib(g, g.chains[0].ribs[i]).length_mm + rib(g, g.chains[1].ribs[i]).length_mm;
+  for (const Section& section : g.sections) {
+    ASSERT_EQ(section.pieces.size(), 1u);
+    EXPECT_TRUE(section.pieces[0].closed);
     // The polygon's own length; faces between the mesh's angles lie up to 0.5 (0.005 / 2)^2 of the radius
     // nearer to the axis, which flattens the circle by as little.
     const double polygon = 2 * around * 100 * std::sin(pi / around);
-    EXPECT_NEAR(length, polygon, 1e-5 * polygon);
-    EXPECT_NEAR(length, 200 * pi, 2e-5 * 200 * pi);
+    EXPECT_NEAR(section.pieces[0].length_mm, polygon, 1e-5 * polygon);
   }
 }
 
 TEST(SliceFan, PointsLieOnTheirHalfPlanes) {
-  const RibGraph g = slice(from_mesh(gutter_bend(2.5, 60, 24, 1.2)), about({{0, 0, 0}, {0, 0, 1}}, 35));
-  ASSERT_EQ(g.chains.size(), 1u);
+  const EvenSections g = even_sections(gutter_bend(2.5, 60, 24, 1.2), FanAxis{{0, 0, 0}, {0, 0, 1}}, 35);
+  ASSERT_GT(g.sections.size(), 30u);
   for (const Section& section : g.sections) {
     const Vector3d n = g.planes.normal(section.offset_mm),
                    out = g.planes.turned(Vector3d::UnitX(), section.offset_mm);
     for (const SectionPiece& piece : section.pieces) {
-      for (const SectionPoint& q : piece.points) {
-        EXPECT_NEAR(n.dot(q.p), 0, 1e-10);
-        EXPECT_GT(out.dot(q.p), 400);
-        EXPECT_NEAR(q.normal.norm(), 1, 1e-12);
+      for (const Vector3d& q : piece.points) {
+        EXPECT_NEAR(n.dot(q), 0, 1e-10);
+        EXPECT_GT(out.dot(q), 400);
       }
     }
   }
@@ -109,14 +101,13 @@ TEST(SliceFan, EndsOnTheBorderRulingsOfACone) {
     const double a = 1.5 * s, out = 300 + 200 * t;
     return Vector3d(out * std::cos(a), out * std::sin(a), 250 * t);
   };
-  const RibGraph g = slice(from_mesh(grid(400, 8, cone)), about({{0, 0, -50}, {0, 0, 1}}, 50, 1e-6));
-  ASSERT_EQ(g.chains.size(), 1u);
-  EXPECT_EQ(g.chains[0].ribs.size(), g.sections.size());
-  for (const RibRef& ref : g.chains[0].ribs) {
-    const auto& points = rib(g, ref).points;
-    EXPECT_NEAR(rib(g, ref).length_mm, std::hypot(200, 250), 1e-3);
-    EXPECT_NEAR(std::min(points.front().p.z(), points.back().p.z()), 0, 1e-9);
-    EXPECT_NEAR(std::max(points.front().p.z(), points.back().p.z()), 250, 1e-9);
+  const EvenSections g = even_sections(grid(400, 8, cone), FanAxis{{0, 0, -50}, {0, 0, 1}}, 50, 1e-6);
+  for (const Section& section : g.sections) {
+    ASSERT_EQ(section.pieces.size(), 1u);
+    const auto& points = section.pieces[0].points;
+    EXPECT_NEAR(section.pieces[0].length_mm, std::hypot(200, 250), 1e-3);
+    EXPECT_NEAR(std::min(points.front().z(), points.back().z()), 0, 1e-9);
+    EXPECT_NEAR(std::max(points.front().z(), points.back().z()), 250, 1e-9);
   }
   EXPECT_NEAR(g.sections.back().offset_mm - g.sections.front().offset_mm, 1.5 * 500 - 2e-6, 1e-6);
 }
@@ -124,7 +115,7 @@ TEST(SliceFan, EndsOnTheBorderRulingsOfACone) {
 TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
   const TriangleSoup mesh = gutter_bend(1.5, 50, 20, 1.0);
   const FanAxis axis{{30, -20, 0}, {0.1, 0.05, 1}};
-  const RibGraph straight = slice(from_mesh(mesh), about(axis, 45));
+  const EvenSections straight = even_sections(mesh, axis, 45);
   for (int k = 0; k < 8; ++k) {
     // About the axis itself too, so that the design comes to lie across any angle's end.
     const Eigen::AngleAxisd turn(0.8 * k,
@@ -132,15 +123,9 @@ TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
     const Vector3d shift(100 * k, -300, 50);
     TriangleSoup moved = mesh;
     for (Vector3d& p : moved.vertices) p = turn * p + shift;
-    const RibGraph g = slice(from_mesh(moved), about({turn * axis.point + shift, turn * axis.direction}, 45));
+    const EvenSections g =
+        even_sections(moved, FanAxis{turn * axis.point + shift, turn * axis.direction}, 45);
     ASSERT_EQ(g.sections.size(), straight.sections.size());
-    ASSERT_EQ(g.chains.size(), straight.chains.size());
-    const auto lengths = [](const Section& section) {
-      std::vector<double> all;
-      for (const SectionPiece& piece : section.pieces) all.push_back(piece.length_mm);
-      std::sort(all.begin(), all.end());
-      return all;
-    };
     for (std::size_t i = 0; i < g.sections.size(); ++i) {
       EXPECT_NEAR(g.sections[i].offset_mm, straight.sections[i].offset_mm, 1e-7);
       EXPECT_THAT(lengths(g.sections[i]),
@@ -151,38 +136,13 @@ TEST(SliceFan, DoesNotDependOnWhereTheDesignLies) {
 
 TEST(SliceFan, AnAxisFarAwayGivesParallelPlanes) {
   const TriangleSoup mesh = dome(400, 150, 30);
-  SliceOptions options;
-  options.normal = Vector3d::UnitX();
-  const RibGraph parallel = slice(from_mesh(mesh), options);
+  const EvenSections parallel = even_sections(mesh, Vector3d(Vector3d::UnitX()));
   // The planes at both ends are tilted by 150 mm over 10 km.
-  const RibGraph fan = slice(from_mesh(mesh), about({{0, 1e7, 0}, {0, 0, 1}}));
+  const EvenSections fan = even_sections(mesh, FanAxis{{0, 1e7, 0}, {0, 0, 1}});
   ASSERT_EQ(fan.sections.size(), parallel.sections.size());
-  ASSERT_EQ(fan.chains.size(), 1u);
   for (std::size_t i = 0; i < fan.sections.size(); ++i) {
-    const SectionPiece &a = rib(fan, fan.chains[0].ribs[i]), &b = rib(parallel, parallel.chains[0].ribs[i]);
-    EXPECT_NEAR(a.length_mm, b.length_mm, 0.02);
+    EXPECT_NEAR(fan.sections[i].pieces.at(0).length_mm, parallel.sections[i].pieces.at(0).length_mm, 0.02);
     EXPECT_NEAR(fan.sections[i].offset_mm, parallel.sections[i].offset_mm, 0.02);
-  }
-}
-
-TEST(SliceFan, StripsReachUpToAWindowsAngles) {
-  const auto panel = [](double s, double t) {
-    const double a = 0.9 * s, out = 400 + 300 * t;
-    return Vector3d(out * std::cos(a), out * std::sin(a), 0);
-  };
-  const TriangleSoup mesh =
-      grid(45, 30, panel, [](int i, int j) { return !(i >= 15 && i < 30 && j >= 10 && j < 20); });
-  const RibGraph g = slice(from_mesh(mesh), about({{0, 0, 0}, {0, 0, 1}}, 25));
-  ASSERT_EQ(g.chains.size(), 4u);  // before, two beside it, behind
-  const double from = 700 * (0.3 - 0.45), to = 700 * (0.6 - 0.45);
-  for (const Chain& c : g.chains) {
-    const double first = g.sections[static_cast<std::size_t>(c.ribs.front().section)].offset_mm,
-                 last = g.sections[static_cast<std::size_t>(c.ribs.back().section)].offset_mm;
-    for (const double end : {first, last}) {
-      const double away =
-          std::min({std::abs(end - from), std::abs(end - to), std::abs(end + 315), std::abs(end - 315)});
-      EXPECT_LT(away, 0.06) << end;
-    }
   }
 }
 
@@ -190,7 +150,7 @@ TEST(SliceFan, AnAxisThroughOrNextToTheDesignIsRefusedWithThePlace) {
   const auto plate = [](double s, double t) { return Vector3d(200 * s, 100 * t, 0); };
   const DesignSurface design = from_mesh(grid(20, 10, plate));
   const auto refusal = [&](const FanAxis& axis) {
-    return message_of<FanError>([&] { (void)slice(design, about(axis)); });
+    return message_of<FanError>([&] { (void)fan_about(design.mesh, axis); });
   };
   EXPECT_THAT(refusal({{100, 50, 9}, {0, 0, 1}}), AllOf(HasSubstr("face at (90.000, 40.000, 0.000) mm"),
                                                         HasSubstr("at least 1 mm"), HasSubstr("fan_axis")));
@@ -242,25 +202,18 @@ TEST(CutOpen, KeepsTheAreaAndLeavesNoFaceAcrossTheCut) {
   }
 }
 
-TEST(SliceFan, ADesignRoundTheAxisIsOneChainFromCutToCut) {
+TEST(SliceFan, ADesignRoundTheAxisIsCutFromCutToCut) {
   for (const int around : {300, 301}) {
-    const RibGraph g = slice(from_mesh(conical_ring(around, 6)), about({{0, 0, 0}, {0, 0, 1}}, 60, 0.05));
-    ASSERT_EQ(g.chains.size(), 1u);
-    EXPECT_EQ(g.chains[0].ribs.size(), g.sections.size());
+    const EvenSections g = even_sections(conical_ring(around, 6), FanAxis{{0, 0, 0}, {0, 0, 1}}, 60, 0.05);
     EXPECT_NEAR(g.sections.front().offset_mm, -500 * pi + 0.05, 1e-5);
     EXPECT_NEAR(g.sections.back().offset_mm, 500 * pi - 0.05, 1e-5);
-    for (const RibRef& ref : g.chains[0].ribs) {
+    for (const Section& section : g.sections) {
+      ASSERT_EQ(section.pieces.size(), 1u);
       // Rulings of the cone; facets of 0.021 rad lie within 0.03 mm of it.
-      EXPECT_NEAR(rib(g, ref).length_mm, std::hypot(200, 250), 0.02);
-      EXPECT_FALSE(rib(g, ref).closed);
+      EXPECT_NEAR(section.pieces[0].length_mm, std::hypot(200, 250), 0.02);
+      EXPECT_FALSE(section.pieces[0].closed);
     }
   }
-}
-
-TEST(SliceFan, RefusesAnAxisThatIsNotFinite) {
-  const DesignSurface design = from_mesh(gutter_bend(1, 8, 8, 1.0));
-  EXPECT_THROW((void)slice(design, about({{0, 0, INFINITY}, {0, 0, 1}})), std::logic_error);
-  EXPECT_THROW((void)slice(design, about({{0, 0, 0}, {0, 0, 0}})), std::logic_error);
 }
 
 }  // namespace

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "pipeline/plan/strips/strips.hpp"
-#include "surface/slice/slice.hpp"
+#include "pipeline/plan/sweep/sweep_search.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -20,13 +19,14 @@ struct Planned {
 
 const Planned& planned() {
   static const Planned p = [] {
-    surface::SliceOptions options;
-    options.normal = Eigen::Vector3d::UnitX();
     const Settings settings = along_x();
-    const StripLayout layout =
-        lay_out_strips(make_targets(slice(cylinder_design(), options), settings), settings);
-    if (layout.strips.size() != 1) throw std::runtime_error("the cylinder makes one strip");
-    return Planned{layout.strips.front(), move_blade(layout.strips.front(), settings)};
+    std::vector<StripPlan> strips;
+    (void)search_sweeps(cylinder_design(), settings, [&](const SweptPlan& swept) -> SweepVerdict {
+      strips = swept.strips;
+      return {true, {}};
+    });
+    if (strips.size() != 1) throw std::runtime_error("the cylinder makes one strip");
+    return Planned{strips.front(), move_blade(strips.front(), settings)};
   }();
   return p;
 }

@@ -141,15 +141,16 @@ double largest_distance(const SweptPlan& plan, const Eigen::Isometry3d& turn) {
               .normalized();
       double nearest = 1e300;
       for (const StripPlan& strip : plan.strips) {
-        const double sine = std::abs(n.dot(strip.sweep));
-        const Vector3d t = p + 0.5 * (1 + 8 * sine) * n - strip.planes.centre();
-        const double offset = t.dot(strip.sweep);
+        const double sine = std::abs(n.dot(strip.planes.normal(strip.planes.offset(p))));
+        const Vector3d t = p + 0.5 * (1 + 8 * sine) * n;
+        const double offset = strip.planes.offset(t);
+        const Frame plane = strip.plane(offset);
+        const Vector2d at((t - plane.origin).dot(plane.x), (t - plane.origin).dot(plane.y));
         if (offset < strip.ribs.front().offset_mm || offset > strip.ribs.back().offset_mm) continue;
         const elastica::Elastica e = RibSpline(strip.ribs).at(offset);
         const std::vector<elastica::CurvePoint> points = sample(e, 3000);
         for (const elastica::CurvePoint& q : points)
-          nearest = std::min(nearest, std::sqrt(1 - sine * sine) *
-                                          (q.position() - Vector2d(t.dot(strip.x), t.dot(strip.y))).norm());
+          nearest = std::min(nearest, std::sqrt(1 - sine * sine) * (q.position() - at).norm());
       }
       worst = std::max(worst, nearest);
     }
