@@ -70,8 +70,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   for (const StripFacts& f : result.strips) ribs += f.ribs;
   if (!result.strips.empty()) {
     std::cout << strip_table(result);
-    std::cout << fmt::format("strips {}, ribs {}, at most {:.3g} mm apart\n", result.strips.size(),
-                             ribs, result.spacing_mm);
+    std::cout << fmt::format("strips {}, ribs {}, at most {:.3g} mm apart\n", result.strips.size(), ribs,
+                             result.spacing_mm);
     std::cout << plinth_line(result);
   }
   if (result.verification.cut_samples == 0) {

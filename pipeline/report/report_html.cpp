@@ -214,9 +214,8 @@ std::string decisions_section(const PlanResult& result) {
     html += fmt::format(
         "<tr><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l\">{}</td></tr>\n",
-        d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4),
-        d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm),
-        escaped(found));
+        d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4), d.strips, d.ribs, mm(d.fit_mm),
+        mm(d.deviation_mm), escaped(found));
   }
   html +=
       "</table><p class=\"note\">Planes by their normals; slice.direction gives one, slice.fan_axis an axis.";

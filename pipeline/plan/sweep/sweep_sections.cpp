@@ -366,15 +366,15 @@ class Slicer {
       cut(corners, surface_.triangles[t], static_cast<std::size_t>(at - offsets_.begin()));
   }
 
-  // Edges that lie in a section's plane are no gap, on whichever side of it rounding puts them.
+  // Edges that run along a section's plane, nearer to it than a gap is wide, are no gap: rounding and the
+  // blade's droop put them on this side of it or on that.
   void add_edges(const Triangle& corners, double low, double high) {
-    constexpr double kInPlaneMm = 1e-3;
-    const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - kInPlaneMm);
-    for (auto at = from; at != offsets_.end() && *at <= high + kInPlaneMm; ++at) {
+    const double near = *options_.gap_mm;
+    const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - near);
+    for (auto at = from; at != offsets_.end() && *at <= high + near; ++at) {
       for (std::size_t c = 0; c < 3; ++c) {
         const MovedVertex &a = corners[c], &b = corners[(c + 1) % 3];
-        const bool in_plane =
-            std::abs(a.at.z() - *at) <= kInPlaneMm && std::abs(b.at.z() - *at) <= kInPlaneMm;
+        const bool in_plane = std::abs(a.at.z() - *at) <= near && std::abs(b.at.z() - *at) <= near;
         if (!in_plane) continue;
         add_run({{a.at.head<2>(), 1, false}, a.world}, {{b.at.head<2>(), 1, false}, b.world},
                 static_cast<std::size_t>(at - offsets_.begin()));
