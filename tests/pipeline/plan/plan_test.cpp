@@ -102,7 +102,7 @@ TEST(Plan, KeepsStripsApartAtAWindowWhereAskedTo) {
   ASSERT_EQ(apart.program.strips.size(), 2u);
   EXPECT_LT(apart.strips.at(1).seam.gap_mm, 0.05);
   EXPECT_EQ(apart.verification.uncut_mm2, 0);
-  // Each rib keeps to its side of the window's middle, x = 0 within the overlap of 8 mm and its band.
+  // Each rib keeps to its side of the window's middle, x = -5, but for the overlap of 8 mm and half a band.
   for (const Strip& strip : apart.program.strips) {
     double low = 1e9, high = -1e9;
     for (const Rib& rib : strip.ribs) {
@@ -112,7 +112,7 @@ TEST(Plan, KeepsStripsApartAtAWindowWhereAskedTo) {
         high = std::max(high, x);
       }
     }
-    EXPECT_TRUE(low > -20 || high < 20) << low << " to " << high;
+    EXPECT_TRUE(low > -30 || high < 30) << low << " to " << high;
   }
 }
 
@@ -254,7 +254,7 @@ TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {
   const PlanResult result = plan(half_tube(), settings, {});
   // One strip does not get out; two, less bent, do.
   const bool said = std::any_of(result.decisions.begin(), result.decisions.end(), [](const Decision& d) {
-    return d.why.find("raise motion.lead_mm to stock.clearance_mm") != std::string::npos;
+    return d.why.find("motion.lead_mm ends nearer behind the block") != std::string::npos;
   });
   EXPECT_TRUE(said);
 }
