@@ -123,7 +123,7 @@ std::vector<FanAxis> revolution_axes(const surface::TriangleMesh& mesh, const Bo
     Eigen::Matrix<double, 6, 1> motion;
     motion << c, point.cross(c);
     constexpr double kMost = 0.25;  // a mean slope of 14 degrees
-    if (motion.dot(form.along * motion) > kMost * kMost * motion.dot(form.whole * motion)) continue;
+    if (!(motion.dot(form.along * motion) <= kMost * kMost * motion.dot(form.whole * motion))) continue;
     axes.push_back(seen_from(body, mesh, {body.centre + form.size_mm * point, c}));
   }
   return axes;
@@ -137,6 +137,8 @@ std::vector<FanAxis> fan_axes(const surface::TriangleMesh& mesh, const BodyAxes&
   const auto add = [&](const FanAxis& found) {
     constexpr double kSameRad = 0.035, kSamePlace = 0.02;
     const FanAxis axis = seen_from(body, mesh, found);
+    // A single facet's normals say of no axis where it is.
+    if (!axis.point.allFinite() || !axis.direction.allFinite()) return;
     const bool known = std::any_of(axes.begin(), axes.end(), [&](const FanAxis& other) {
       return axis.direction.cross(other.direction).norm() < kSameRad &&
              (axis.point - other.point).norm() < kSamePlace * size;

@@ -90,7 +90,7 @@ TEST_F(BladeLimits, AMarginThatNoBladeKeepsIsRefusedWithWhatStoppedEachLength) {
   const Ended ended = plan(arc(400, 0.6), {"blade.min_margin=1000", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(ended.err,
-              ContainsRegex("S001.* at \\(.*stability margin \\(snap-through\\) [0-9.]+ \\(limit 1000\\)"));
+              ContainsRegex("S001.* about \\(.*stability margin \\(snap-through\\) [0-9.]+ \\(limit 1000\\)"));
   EXPECT_EQ(refusal()["details"].size(), 6u);
 }
 
@@ -99,7 +99,7 @@ TEST_F(BladeLimits, AClampInsideTheStockIsRefusedByItsClearance) {
                                            "motion.approach_mm=200", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
   EXPECT_THAT(ended.err,
-              ContainsRegex("S001 at \\(.*clamp clearance to the stock [0-9.]+ mm \\(limit 137.5 mm\\)"));
+              ContainsRegex("S001 about \\(.*clamp clearance to the stock [0-9.]+ mm \\(limit 137.5 mm\\)"));
 }
 
 TEST_F(BladeLimits, VerifyRefusesAProgramWhoseBladeWouldYieldInItsSteel) {
