@@ -89,8 +89,9 @@ TEST_F(BladeLimits, AWavyRibThatWouldSnapThroughIsRefusedByItsMargin) {
 TEST_F(BladeLimits, AMarginThatNoBladeKeepsIsRefusedWithWhatStoppedEachLength) {
   const Ended ended = plan(arc(400, 0.6), {"blade.min_margin=1000", "fit.max_splits=0"});
   EXPECT_EQ(ended.code, 4);
-  EXPECT_THAT(ended.err,
-              ContainsRegex("S001.* about \\(.*stability margin \\(snap-through\\) [0-9.]+ \\(limit 1000\\)"));
+  EXPECT_THAT(
+      ended.err,
+      ContainsRegex("S001.* about \\(.*stability margin \\(snap-through\\) [0-9.]+ \\(limit 1000\\)"));
   EXPECT_EQ(refusal()["details"].size(), 6u);
 }
 

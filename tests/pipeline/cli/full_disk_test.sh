@@ -23,12 +23,20 @@ code=$(ended limited 64 "$program" dryrun "$work/cut/program.json" --log "$work/
 grep -q 'execution.jsonl: the log cannot be written (File too large)' "$work/said.txt" ||
   fail "dryrun says: $(tail -1 "$work/said.txt")"
 
-port=$((20000 + RANDOM % 20000))
-"$program" sim --listen "127.0.0.1:$port" --time-scale max --log "$work/sim.jsonl" 2> "$work/sim.txt" & sim=$!
-for ((i = 0; i < 100; ++i)); do
-  (exec 3<> "/dev/tcp/127.0.0.1/$port") 2> /dev/null && break
-  sleep 0.1
+# A port that somebody else holds already is given up for another one.
+answers() { (exec 3<> "/dev/tcp/127.0.0.1/$port") 2> /dev/null; }
+for ((try = 0; try < 5; ++try)); do
+  port=$((12000 + RANDOM % 20000))
+  "$program" sim --listen "127.0.0.1:$port" --time-scale max --log "$work/sim.jsonl" 2> "$work/sim.txt" & sim=$!
+  for ((i = 0; i < 50; ++i)); do
+    answers && break 2
+    kill -0 "$sim" 2> /dev/null || break
+    sleep 0.1
+  done
+  kill "$sim" 2> /dev/null || true
+  wait "$sim" || true
 done
+answers || { echo "FAILED: no simulator listens: $(cat "$work/sim.txt")"; exit 1; }
 run=("$program" run "$work/cut/program.json" --connect "127.0.0.1:$port" --yes)
 for log in "" "--log-file=$work/run.log"; do
   code=$(ended limited 0 "${run[@]}" $log)
