@@ -138,9 +138,8 @@ void expect_same_strips(const PlanResult& is, const PlanResult& was, double mm) 
   }
 }
 
-// The joint fit of a strip ends when a step would lower its sum of squares by less than 1e-8 of it, and so
-// its distances by 1e-4 of themselves: 1e-5 mm of the 0.12 mm that ribs deviate here, to whichever side
-// rounding sends it. What rounding itself moves the design by is far less: 6e-11 mm at 1e6 mm.
+// Fits take the same steps from the same data, so what is left is rounding, as the steps carry it on: 6e-11
+// mm of the design's coordinates at 1e6 mm.
 constexpr double kRoundingMm = 1e-5;
 
 TEST(PlanInvariance, TheSampleIsCutInSeveralStrips) {
