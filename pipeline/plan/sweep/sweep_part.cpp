@@ -254,8 +254,8 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   }
   const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr));
   if (seams.empty()) return plans;
-  watch_(share_);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    watch_(share_);
     const PartFit& fit = plans[i].fit;
     const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm);
     SweepData data = sweep_sections(
@@ -267,6 +267,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   });
   const std::vector<SweepFitReport> fits = fit_together(joined, seams);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
+    watch_(share_);
     PartPlan& plan = plans[i];
     const double alone_mm = plan.fit.max_mm;
     static_cast<SweepFitReport&>(plan.fit) = fits[i];
