@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/forecast.hpp"
 #include "pipeline/program/read_design.hpp"
@@ -186,7 +187,8 @@ std::optional<Forecast> forecast_of(DesignSurface& design, const Settings& setti
   }
 }
 
-Exit check(const DesignOptions& options, bool as_json) {
+Exit check(const DesignOptions& options, bool as_json, const Console& console) {
+  const EndsOnSignal ends(console, "interrupted: not measured to the end");
   const Settings settings = resolve_design(options);
   DesignSurface design = read_design(options.file, settings.design);
   const std::string crossings = surface::self_crossings_text(design);
@@ -198,7 +200,7 @@ Exit check(const DesignOptions& options, bool as_json) {
 
 }  // namespace
 
-void add_check(CLI::App& app, const Console&, Action& action) {
+void add_check(CLI::App& app, const Console& console, Action& action) {
   auto options = std::make_shared<DesignOptions>();
   auto as_json = std::make_shared<bool>(false);
   auto* command = app.add_subcommand("check", "Measure the health of a design: can it be sliced?");
@@ -206,8 +208,9 @@ void add_check(CLI::App& app, const Console&, Action& action) {
   command->add_flag("--json", *as_json, "Print JSON instead of a table");
   command->footer(
       "Exit code 3 when the design cannot be sliced.\nExample: hotblade check vault.obj --units mm");
-  command->callback(
-      [options, as_json, &action] { action = [options, as_json] { return check(*options, *as_json); }; });
+  command->callback([options, as_json, &console, &action] {
+    action = [options, as_json, &console] { return check(*options, *as_json, console); };
+  });
 }
 
 }  // namespace hotblade::pipeline

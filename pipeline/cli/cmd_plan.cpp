@@ -9,9 +9,11 @@
 #include <future>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/read_design.hpp"
@@ -140,6 +142,8 @@ PlanResult plan_again(const std::string& file, const Settings& settings, const P
   return result;
 }
 
+constexpr const char* kInterrupted = "interrupted: nothing was written";
+
 Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const auto start = std::chrono::steady_clock::now();
   DesignOptions design_options = arguments.design;
@@ -152,7 +156,9 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
                                   static_cast<std::size_t>(threads));
 
   console.report_progress("read", 0);
+  std::optional<EndsOnSignal> ends(std::in_place, console, kInterrupted);
   surface::DesignSurface design = read_design(design_options.file, settings.design);
+  ends.reset();
   const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
   console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
                            design.health.triangles, size.x(), size.y(), size.z(), settings.design.units,
@@ -162,12 +168,12 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   refuse_blocked(design, design_options.file);
   const fs::path directory = output_directory(arguments);
   OutputSet output(directory, arguments.force);
+  ends.emplace(console, kInterrupted, [&output] { return output.abandon(); });
 
   PlanHooks hooks;
   hooks.progress = [&console](const std::string& stage, double share) {
     console.report_progress(stage, share);
   };
-  hooks.stop = [] { return interrupted(); };
   hooks.backend = backend_named(arguments.backend);
   // Sheets that cross do not stop a plan; they are looked for beside it.
   std::future<std::string> crossings =

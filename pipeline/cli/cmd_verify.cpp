@@ -12,6 +12,7 @@
 
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/as_cut.hpp"
@@ -186,6 +187,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
+  const EndsOnSignal ends(console, "interrupted: not measured to the end");
   if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
   const Program program = read_program(arguments.program);
   const fs::path design_file = find_design(arguments, program);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@ class App;
 namespace hotblade::pipeline {
 
 // What every command shares. Everything here goes to stderr (stdout carries results only), and every line but
-// the progress to the log file too, when there is one. One thread at a time.
+// the progress to the log file too, when there is one. From any thread.
 struct Console {
   bool quiet = false;
   int verbose = 0;
@@ -37,9 +38,11 @@ struct Console {
 
  private:
   void write(const std::string& line, bool show) const;
+  void close_bar() const;
   mutable double shown_ = -1;
   mutable std::string shown_stage_;
   mutable bool bar_open_ = false;
+  mutable std::mutex mutex_;
 };
 
 // More threads than this are a slip of the keyboard.
@@ -67,8 +70,8 @@ void add_export(CLI::App& app, const Console& console, Action& action);
 void add_completion(CLI::App& app, const Console& console, Action& action);
 void add_ribs(CLI::App& app, const Console& console, Action& action);
 
-// Whether SIGINT or SIGTERM has come; long work asks, and ends with Exit::kInterrupted. A second signal ends
-// the program at once.
+// Whether SIGINT or SIGTERM has come: who moves a machine or writes asks, and ends with Exit::kInterrupted;
+// other work is ended (ends_on_signal.hpp). A second signal ends the program at once.
 [[nodiscard]] bool interrupted();
 
 // Splits argv, runs one command, prints errors; returns the exit code.

@@ -66,6 +66,7 @@ std::string painted(const std::string& text, Paint paint, int descriptor) {
 void Console::report_progress(const std::string& stage, double fraction) const {
   const bool json = progress == "json";
   if (quiet || (!json && !shows_bar(*this))) return;
+  const std::scoped_lock lock(mutex_);
   if (!(fraction >= shown_)) fraction = std::max(shown_, 0.0);
   fraction = std::clamp(fraction, 0.0, 1.0);
   const bool reached_end = fraction >= 1 && shown_ < 1;
@@ -81,18 +82,24 @@ void Console::report_progress(const std::string& stage, double fraction) const {
   }
   draw_bar(stage, fraction);
   bar_open_ = true;
-  if (fraction >= 1) end_progress();
+  if (fraction >= 1) close_bar();
 }
 
 void Console::end_progress() const {
+  const std::scoped_lock lock(mutex_);
+  close_bar();
+}
+
+void Console::close_bar() const {
   if (!bar_open_) return;
   std::fputc('\n', stderr);
   bar_open_ = false;
 }
 
 void Console::write(const std::string& line, bool show) const {
+  const std::scoped_lock lock(mutex_);
   if (show) {
-    end_progress();
+    close_bar();
     std::fprintf(stderr, "%s\n", marked(line, STDERR_FILENO).c_str());
   }
   if (!log_file.empty()) std::ofstream(log_file, std::ios::app | std::ios::binary) << line << '\n';

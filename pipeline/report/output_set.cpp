@@ -152,6 +152,7 @@ std::string draft_prefix(const fs::path& place) {
 }  // namespace
 
 OutputSet::OutputSet(const fs::path& directory, bool force) : directory_(directory) {
+  made_ = !is_there(directory);
   ensure_directory(directory);
   place_ = fs::canonical(directory);
   if (::access(place_.c_str(), W_OK | X_OK) != 0) {
@@ -168,6 +169,7 @@ OutputSet::OutputSet(const fs::path& directory, bool force) : directory_(directo
 OutputSet::~OutputSet() {
   std::error_code ignored;
   if (!draft_.empty()) fs::remove_all(draft_, ignored);
+  if (made_ && !begun_) (void)::rmdir(place_.c_str());  // not where something is in it
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
@@ -200,6 +202,8 @@ void OutputSet::recover() {
 }
 
 const fs::path& OutputSet::draft() {
+  const std::scoped_lock lock(mutex_);
+  if (given_up_) fail(directory_, "given up");
   if (!draft_.empty()) return draft_;
   const fs::path draft =
       (whole_ ? place_.parent_path() : place_) / fmt::format("{}{}", draft_prefix(place_), ::getpid());
@@ -226,8 +230,26 @@ void OutputSet::link_others() const {
   }
 }
 
+bool OutputSet::abandon() {
+  const std::scoped_lock lock(mutex_);
+  if (begun_) return false;
+  given_up_ = true;
+  // Others may be writing: what they add while it is removed goes with the next try.
+  constexpr int kMostTries = 1000;
+  std::error_code ignored;
+  for (int i = 0; i < kMostTries && !draft_.empty() && is_there(draft_); ++i) fs::remove_all(draft_, ignored);
+  // Not where something is in it.
+  if (made_) (void)::rmdir(place_.c_str());
+  return true;
+}
+
 void OutputSet::commit() {
   (void)draft();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (given_up_) fail(directory_, "given up");
+    begun_ = true;
+  }
   if (!whole_) return commit_one_by_one();
   link_others();
   sync_directory(draft_ / kRibs);

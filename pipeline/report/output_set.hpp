@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 
 namespace hotblade::pipeline {
 
@@ -30,6 +31,11 @@ class OutputSet {
   // Without it, nothing of the directory has changed. Throws Error (kFile), and the older set stays.
   void commit();
 
+  // Takes back what was begun, from any thread: the draft, and the directory where it was made for the set
+  // and is empty. What is written to the draft after that fails. False, and nothing is done, once `commit`
+  // has begun.
+  [[nodiscard]] bool abandon();
+
  private:
   void lock();
   void recover();
@@ -38,7 +44,11 @@ class OutputSet {
 
   std::filesystem::path directory_, place_, draft_;  // as asked for; with links followed; beside or inside
   int descriptor_ = -1;
-  bool whole_ = true;  // the directory can be exchanged
+  bool whole_ = true;   // the directory can be exchanged
+  bool made_ = false;   // the directory, by us
+  std::mutex mutex_;    // of what follows, and of the draft's making
+  bool begun_ = false;  // the exchange
+  bool given_up_ = false;
 };
 
 }  // namespace hotblade::pipeline
