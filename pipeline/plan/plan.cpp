@@ -84,10 +84,6 @@ DesignData design_data(const surface::DesignSurface& design, const Settings& set
           design.health.bbox_mm};
 }
 
-void check_interrupt(const PlanHooks& hooks) {
-  if (hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
-}
-
 // Strips are posed side by side and handed over in their order.
 void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings, const PlanHooks& hooks,
                  PlanResult& result) {
@@ -96,7 +92,6 @@ void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings,
   std::mutex telling;
   std::size_t told = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    check_interrupt(hooks);
     PosedStrip posed{strips[i], move_blade(strips[i], settings)};
     posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
     planned[i] = planned_strip(std::move(posed), settings);
@@ -134,7 +129,6 @@ void pose_and_verify(const std::vector<StripPlan>& strips, const surface::Design
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
   hooks.progress("verify", kVerifyShare);
-  check_interrupt(hooks);
   VerifyOptions verify_options;
   verify_options.tolerance_mm = settings.design.tolerance_mm;
   verify_options.max_uncut_share = settings.design.max_uncut_share;
@@ -223,6 +217,8 @@ void judge_budget(const Settings& settings, PlanResult& result) {
 // What came of a try.
 Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   Decision d;
+  d.way = swept.way;
+  d.fits = swept.fits;
   d.normal = swept.planes.normal(0);
   d.fan = swept.planes.turns();
   d.fit_mm = swept.deviation_mm;
@@ -326,7 +322,6 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   hooks.progress("sweep", 0);
   const auto judged = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
-    check_interrupt(hooks);
     PlanResult other = result;
     const bool whole = swept.refusals.empty();
     if (whole) plan_swept(swept, design, settings, hooks, watch, other);
@@ -344,7 +339,6 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   };
   std::mutex telling;
   const auto watched = [&](double) {
-    check_interrupt(hooks);
     const std::scoped_lock lock(telling);
     hooks.progress("sweep", 0);
   };

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/plan/motion/motion.hpp"
-#include "pipeline/plan/sweep/sweep_layout.hpp"
+#include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/verify.hpp"
 
@@ -55,6 +55,8 @@ struct PlannedStrip {
 
 // One try at the plan, in the order they were made.
 struct Decision {
+  SweepWay way = SweepWay::kEven;
+  std::vector<SweptFit> fits;       // of its parts
   Eigen::Vector3d normal{0, 0, 0};  // of the planes, of a fan the middle one
   bool fan = false;
   std::size_t strips = 0, ribs = 0;
@@ -95,11 +97,10 @@ struct PlanResult {
   std::vector<StageTime> times;
 };
 
-// `progress` is told the stage and the share of the whole done; `stop` is asked between stages and ends the
-// plan with Error (kInterrupted).
+// `progress` is told the stage and the share of the whole done, by one thread at a time; what it throws ends
+// the plan.
 struct PlanHooks {
   std::function<void(const std::string&, double)> progress = [](const std::string&, double) {};
-  std::function<bool()> stop = [] { return false; };
   gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
 };
 

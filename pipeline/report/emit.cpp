@@ -122,8 +122,17 @@ Json ranking_json(const std::vector<PlanesTried>& ranking) {
 Json decisions_json(const std::vector<Decision>& decisions) {
   Json list = Json::array();
   for (const Decision& d : decisions) {
-    list.push_back({{"normal", vector_json(d.normal)},
+    Json fits = Json::array();
+    for (const SweptFit& f : d.fits) {
+      fits.push_back({{"coefficients", f.coefficients},
+                      {"calm", f.calm},
+                      {"blade_length_mm", f.blade_length_mm},
+                      {"fit_mm", std::isfinite(f.fit_mm) ? Json(f.fit_mm) : Json()}});
+    }
+    list.push_back({{"way", name(d.way)},
+                    {"normal", vector_json(d.normal)},
                     {"fan", d.fan},
+                    {"fits", fits},
                     {"strips", d.strips},
                     {"ribs", d.ribs},
                     {"fit_mm", d.fit_mm},

@@ -199,11 +199,26 @@ std::string vector_text(const Eigen::Vector3d& v, double digits) {
   return fmt::format("({:g}, {:g}, {:g})", r.x(), r.y(), r.z());
 }
 
+const char* way_text(SweepWay way) {
+  switch (way) {
+    case SweepWay::kEven:
+      return "of the whole";
+    case SweepWay::kRows:
+      return "rows of blocks";
+    case SweepWay::kSplit:
+      return "split where the one before fails";
+    case SweepWay::kCalmer:
+      return "calmer where the one before fails";
+  }
+  return "";
+}
+
 // Every try at the plan, in their order.
 std::string decisions_section(const PlanResult& result) {
   if (result.decisions.empty()) return "";
   std::string html =
-      "<h2>What was tried</h2><table><tr><th class=\"l\">planes</th><th>strips</th><th>ribs</th>"
+      "<h2>What was tried</h2><table><tr><th class=\"l\">parts</th><th "
+      "class=\"l\">planes</th><th>strips</th><th>ribs</th>"
       "<th>fit mm</th><th>deviation mm</th><th class=\"l\">found</th></tr>\n";
   const std::size_t shown = std::min(kTriesShown, result.decisions.size());
   const auto mm = [](double value) { return value > 0 ? fmt::format("{:.3f}", value) : std::string("-"); };
@@ -212,10 +227,10 @@ std::string decisions_section(const PlanResult& result) {
     const Decision& d = result.decisions[i];
     const std::string found = d.taken && d.passed ? "passes, taken" : d.passed ? "passes" : d.why;
     html += fmt::format(
-        "<tr><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
+        "<tr><td class=\"l\">{}</td><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l\">{}</td></tr>\n",
-        d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4), d.strips, d.ribs, mm(d.fit_mm),
-        mm(d.deviation_mm), escaped(found));
+        way_text(d.way), d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4), d.strips, d.ribs,
+        mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
   }
   html +=
       "</table><p class=\"note\">Planes by their normals; slice.direction gives one, slice.fan_axis an axis.";

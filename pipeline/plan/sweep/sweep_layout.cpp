@@ -25,8 +25,6 @@ using Box = Eigen::AlignedBox<double, 2>;
 // A part's points move by half a band and its sag to where they are formed, and the part goes on past its
 // seams by kSeamOverlapMm.
 constexpr double kReachMm = 60;
-// A family's deviation grows with about the cube of its width.
-constexpr double kNarrowing = 0.3;
 // Share of the area that may be too steep for planes: the 98 of a hundred vertices that sections are judged
 // by.
 constexpr double kLittle = 0.02;
@@ -66,13 +64,13 @@ double excess_of(const PartFit& fit) {
 }  // namespace
 
 void Layout::add(FittedPart part) {
-  badness_mm = std::max(badness_mm, part.fit.badness_mm);
+  cost_mm = std::max(cost_mm, part.fit.cost_mm);
   parts.push_back(std::move(part.part));
   fits.push_back(std::move(part.fit));
 }
 
 bool layout_before(const Layout& a, const Layout& b) {
-  return std::pair(a.badness_mm, a.named) < std::pair(b.badness_mm, b.named);
+  return std::pair(a.cost_mm, a.named) < std::pair(b.cost_mm, b.named);
 }
 
 SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surface,
@@ -163,7 +161,7 @@ void SweepLayouts::fit_parts(Layout& layout, const SweepEffort& effort, const La
   tbb::parallel_for(std::size_t{0}, layout.parts.size(), [&](std::size_t i) {
     layout.fits[i] = fitter_.fit(layout.parts[i], effort, start ? &start->fits[i] : nullptr);
   });
-  for (const PartFit& fit : layout.fits) layout.badness_mm = std::max(layout.badness_mm, fit.badness_mm);
+  for (const PartFit& fit : layout.fits) layout.cost_mm = std::max(layout.cost_mm, fit.cost_mm);
 }
 
 Layout SweepLayouts::in_rows() const {
@@ -299,12 +297,12 @@ std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& 
 // Parts that are hard to follow made narrower and the others wider, as long as that helps the worst.
 Layout SweepLayouts::balanced(Layout best) const {
   constexpr int kRounds = 5;
-  if (best.parts.size() == 1 || best.badness_mm >= kHopeless_mm) return best;
+  if (best.parts.size() == 1 || best.cost_mm >= kHopeless_mm) return best;
   for (int round = 0; round < kRounds; ++round) {
     SweepGrid grid = best.grid;
     std::vector<double> along(grid.along_sweep, 0), across(grid.along_ribs, 0);
     for (std::size_t i = 0; i < best.fits.size(); ++i) {
-      const double bad = std::max(best.fits[i].badness_mm, 1e-3 * best.badness_mm);
+      const double bad = std::max(best.fits[i].cost_mm, 1e-3 * best.cost_mm);
       double& s = along[i / grid.along_ribs];
       double& r = across[i % grid.along_ribs];
       s = std::max(s, bad);
@@ -313,14 +311,14 @@ Layout SweepLayouts::balanced(Layout best) const {
     const auto narrowed = [&](const std::vector<double>& before, const std::vector<double>& bad) {
       std::vector<double> shares = shares_of(before, bad.size());
       double sum = 0;
-      for (std::size_t i = 0; i < bad.size(); ++i) sum += shares[i] *= std::pow(bad[i], -kNarrowing);
+      for (std::size_t i = 0; i < bad.size(); ++i) sum += shares[i] *= narrowing(bad[i]);
       for (double& share : shares) share /= sum;
       return shares;
     };
     grid.sweep_shares = narrowed(grid.sweep_shares, along);
     grid.rib_shares = narrowed(grid.rib_shares, across);
     Layout other = fitted(best.planes, best.named, grid, cheap_effort());
-    if (!(other.badness_mm < best.badness_mm)) return best;
+    if (!(other.cost_mm < best.cost_mm)) return best;
     best = std::move(other);
   }
   return best;
@@ -389,7 +387,7 @@ FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
     SweepPart part = best.part;
     part.axes = sweep_axes(*part.surface, planes);
     PartFit fit = fitter_.fit(part, cheap_effort());
-    if (fit.badness_mm < best.fit.badness_mm) best = {std::move(part), std::move(fit)};
+    if (fit.cost_mm < best.fit.cost_mm) best = {std::move(part), std::move(fit)};
   }
   return best;
 }
@@ -421,8 +419,8 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
     }
     return two;
   };
-  const auto badness = [](const std::vector<FittedPart>& two) {
-    return std::max(two[0].fit.badness_mm, two[1].fit.badness_mm);
+  const auto worst = [](const std::vector<FittedPart>& two) {
+    return std::max(two[0].fit.cost_mm, two[1].fit.cost_mm);
   };
   std::vector<FittedPart> best;
   // Strips that part at a gap meet in its middle.
@@ -435,13 +433,12 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
     if (size < kLeastMm || (across_ribs && !too_large && part.rib_splits >= settings_.fit.max_splits))
       continue;
     std::vector<FittedPart> two = split(across_ribs, 0.5);
-    if (badness(two) < kHopeless_mm) {
-      const double first = std::pow(two[0].fit.badness_mm, -kNarrowing),
-                   second = std::pow(two[1].fit.badness_mm, -kNarrowing);
+    if (worst(two) < kHopeless_mm) {
+      const double first = narrowing(two[0].fit.cost_mm), second = narrowing(two[1].fit.cost_mm);
       std::vector<FittedPart> other = split(across_ribs, first / (first + second));
-      if (badness(other) < badness(two)) two = std::move(other);
+      if (worst(other) < worst(two)) two = std::move(other);
     }
-    if (best.empty() || badness(two) < badness(best)) best = std::move(two);
+    if (best.empty() || worst(two) < worst(best)) best = std::move(two);
   }
   return best;
 }

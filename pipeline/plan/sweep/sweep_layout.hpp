@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/plan/sweep/sweep_cost.hpp"
 #include "pipeline/plan/sweep/sweep_part.hpp"
 
 namespace hotblade::pipeline {
@@ -24,9 +25,6 @@ struct FittedPart {
   PartFit fit;
 };
 
-// Above what a fit that holds can come to.
-inline constexpr double kHopeless_mm = 1e6;
-
 // Planes as they were ranked.
 struct PlanesTried {
   surface::PlaneFamily planes;
@@ -41,7 +39,7 @@ struct Layout {
   SweepGrid grid;
   std::vector<SweepPart> parts = {};
   std::vector<PartFit> fits = {};
-  double badness_mm = 0;  // of the worst part
+  double cost_mm = 0;  // of the worst part
 
   void add(FittedPart part);
 };

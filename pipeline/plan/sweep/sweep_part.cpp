@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/plan/sweep/sweep_cost.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -96,14 +97,17 @@ std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
 }
 
 // By how much a part is too much for one strip.
-double PartFitter::hopelessness(const SweepData& data) const {
-  constexpr double kAboveAll = 1e6, kPerRad = 1e3;
-  if (data.sections.empty()) return 2 * kAboveAll;
+double PartFitter::cost_of(const SweepData& data) const {
   const auto& most = settings_.stock.max_size_mm;
   const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
-  return kAboveAll + kPerRad * std::max(0.0, data.turn_rad - kMostTurnRad) +
-         kPerRad * std::max(0.0, data.steepest_rad - kMaxSlopeRad) + (data.gap ? data.gap->width_mm() : 0) +
-         (size - held).cwiseMax(0).sum() + std::max(0.0, data.high.x() - data.low.x() - longest_rib_mm());
+  UnfollowedPart part;
+  part.empty = data.sections.empty();
+  part.turn_rad = std::max(0.0, data.turn_rad - kMostTurnRad);
+  part.slope_rad = std::max(0.0, data.steepest_rad - kMaxSlopeRad);
+  part.gap_mm = data.gap ? data.gap->width_mm() : 0;
+  part.block_mm = (size - held).cwiseMax(0).sum();
+  part.rib_mm = std::max(0.0, data.high.x() - data.low.x() - longest_rib_mm());
+  return cost_mm(part);
 }
 
 SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort& effort) const {
@@ -139,7 +143,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     fit.gap = data.gap;
   }
   fit.refusal = refusal_of(data);
-  fit.badness_mm = hopelessness(data);
+  fit.cost_mm = cost_of(data);
   if (!fit.holds()) return fit;
   SweepFitOptions options = options_for(data, effort);
   // The rib's length is not known before it is fitted: its width first, then what the fit says.
@@ -164,7 +168,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
   }
   fit.blade_length_mm = options.blade_length_mm;
   weigh(fit, {options.blade_length_mm, 0.5 * options.blade_length_mm}, data);
-  fit.badness_mm = badness(fit, part.axes.planes.turns());
+  fit.cost_mm = cost_of(fit, part.axes.planes.turns());
   return fit;
 }
 
@@ -175,13 +179,18 @@ void PartFitter::weigh(PartFit& fit, const SweepBlade& blade, const SweepData& d
   fit.sag_mm = fit.sag->moved_mm(fit.arc_low_mm, fit.arc_high_mm, data.steepest_rad);
 }
 
-double PartFitter::badness(const PartFit& fit, bool turns) const {
-  constexpr double kPerMm = 0.1, kUnstable = 2;  // the latter in tolerances: a split may well cure it
-  const bool stable = std::isfinite(fit.sag_mm) && fit.margin >= settings_.blade.min_margin;
-  const double unknown = turns ? 1 : robot::kSagUnknownShare;
-  const double sag = stable ? unknown * fit.sag_mm : kUnstable * settings_.design.tolerance_mm;
-  const double sharp = 1 - fit.smallest_radius_mm * max_curvature_per_mm(settings_.blade);
-  return fit.max_mm + sag + kPerMm * fit.clamp_depth_mm + 100 * std::max(0.0, sharp);
+double PartFitter::cost_of(const PartFit& fit, bool turns) const {
+  FollowedPart part;
+  part.deviation_mm = fit.max_mm;
+  part.sag_mm = fit.sag_mm;
+  part.unknown_share = turns ? 1 : robot::kSagUnknownShare;
+  part.margin = fit.margin;
+  part.least_margin = settings_.blade.min_margin;
+  part.clamp_depth_mm = fit.clamp_depth_mm;
+  part.radius_mm = fit.smallest_radius_mm;
+  part.least_radius_mm = 1 / max_curvature_per_mm(settings_.blade);
+  part.tolerance_mm = settings_.design.tolerance_mm;
+  return cost_mm(part);
 }
 
 // A strip whose blade is not the one that its sections were moved for is fitted once more.
@@ -272,7 +281,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     const double alone_mm = plan.fit.max_mm;
     static_cast<SweepFitReport&>(plan.fit) = fits[i];
     weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joined[i].data);
-    plan.fit.badness_mm = badness(plan.fit, parts[i].axes.planes.turns());
+    plan.fit.cost_mm = cost_of(plan.fit, parts[i].axes.planes.turns());
     SweptStrip made = make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit,
                                        plan.fit.formed_by.get(), settings_);
     plan.strip = std::move(made.strip);

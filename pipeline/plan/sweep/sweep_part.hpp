@@ -46,7 +46,7 @@ struct PartFit : SweepFitReport {
   std::optional<Refusal> refusal;             // why there is none
   // The deviation, with what of the sag is not known and what the blade's limits are missed by; where there
   // is no fit, by how much the part is too large or too curved for one, above anything a fit may have.
-  double badness_mm = 0;
+  double cost_mm = 0;
   Eigen::AlignedBox<double, 2> extent;  // of the part along the sweep and along the ribs
   double height_mm = 0;                 // of its middle, along y
   double turn_rad = 0;                  // SweepData
@@ -98,10 +98,10 @@ class PartFitter {
   [[nodiscard]] Refusal unreached(double rib_mm) const;
   void explain(const SweepPart& part, PartPlan& plan) const;
   [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
-  [[nodiscard]] double hopelessness(const SweepData& data) const;
+  [[nodiscard]] double cost_of(const SweepData& data) const;
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
   void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
-  [[nodiscard]] double badness(const PartFit& fit, bool turns) const;
+  [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
   [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const;
 
   const Settings& settings_;

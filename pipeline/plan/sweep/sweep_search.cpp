@@ -46,7 +46,7 @@ class Search {
       return;
     }
     if (fewest > kMostEven) {
-      Tried tried{layouts_.in_rows(), {}, {}, {}, {}};
+      Tried tried{layouts_.in_rows(), SweepWay::kRows, {}, {}, {}, {}};
       if (!look_at(tried, judge)) (void)settle(tried, judge, kMostRounds);
       return;
     }
@@ -59,9 +59,10 @@ class Search {
         return;
       const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
-      if (hopeless.layout.parts.empty() && !ranked.empty()) hopeless = {ranked.front(), {}, {}, {}, {}};
+      if (hopeless.layout.parts.empty() && !ranked.empty())
+        hopeless = {ranked.front(), SweepWay::kEven, {}, {}, {}, {}};
       for (const Layout& layout : near) {
-        Tried tried{layout, {}, {}, {}, {}};
+        Tried tried{layout, SweepWay::kEven, {}, {}, {}, {}};
         if (look_at(tried, judge)) return;
         if (better(tried, nearest)) nearest = std::move(tried);
       }
@@ -75,6 +76,7 @@ class Search {
   // A layout with the plans of its parts, and what of it failed.
   struct Tried {
     Layout layout;
+    SweepWay way = SweepWay::kEven;
     std::vector<PartPlan> plans;   // each of its own
     std::vector<PartPlan> joined;  // fitted together at their seams
     std::vector<bool> failed;
@@ -100,8 +102,8 @@ class Search {
 
   static bool better(const Tried& a, const Tried& b) {
     if (b.layout.parts.empty()) return true;
-    return std::pair(a.layout.parts.size() + a.failing(), a.layout.badness_mm) <
-           std::pair(b.layout.parts.size() + b.failing(), b.layout.badness_mm);
+    return std::pair(a.layout.parts.size() + a.failing(), a.layout.cost_mm) <
+           std::pair(b.layout.parts.size() + b.failing(), b.layout.cost_mm);
   }
 
   // Plans the parts that have none yet and has the whole judged; whether it is taken.
@@ -156,6 +158,7 @@ class Search {
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);
+      tried.way = SweepWay::kCalmer;
       any = true;
     }
     return any;
@@ -172,6 +175,7 @@ class Search {
                             tried.plans.empty() ? tried.layout.fits[i].refusal : tried.plans[i].refusal);
     });
     Tried next;
+    next.way = SweepWay::kSplit;
     next.layout.planes = tried.layout.planes;
     next.layout.named = tried.layout.named;
     for (std::size_t i = 0; i < count; ++i) {
@@ -199,11 +203,11 @@ class Search {
     const double tolerance = settings_.design.tolerance_mm;
     std::vector<Layout> best;
     for (const Layout& layout : ranked) {
-      if (best.size() < kBest && layout.badness_mm <= kNear * tolerance) best.push_back(layout);
+      if (best.size() < kBest && layout.cost_mm <= kNear * tolerance) best.push_back(layout);
     }
     tbb::parallel_for(std::size_t{0}, best.size(), [&](std::size_t i) { best[i] = turned(best[i]); });
     constexpr double kHopeful = 1.5;  // tolerances
-    std::erase_if(best, [&](const Layout& layout) { return !(layout.badness_mm <= kHopeful * tolerance); });
+    std::erase_if(best, [&](const Layout& layout) { return !(layout.cost_mm <= kHopeful * tolerance); });
     std::sort(best.begin(), best.end(), layout_before);
     return best;
   }
@@ -213,7 +217,7 @@ class Search {
   [[nodiscard]] Layout turned(const Layout& from) const {
     constexpr std::size_t kFew = 4;
     Layout best = layouts_.fitted(from.planes, from.named, from.grid, close_effort(), &from);
-    if (!(best.badness_mm < kHopeless_mm)) return from;
+    if (!(best.cost_mm < kHopeless_mm)) return from;
     if (settings_.slice.direction || from.planes.turns() || from.parts.size() > kFew) return best;
     for (const double degrees : {6.0, 3.0, 1.5}) {
       const RibAxes middle = layouts_.axes(best.planes);
@@ -222,7 +226,7 @@ class Search {
           const Vector3d n = Eigen::AngleAxisd(side * degrees * std::numbers::pi / 180, axis) * middle.sweep;
           Layout other = layouts_.fitted(surface::parallel_about(mesh_, n), from.named, from.grid,
                                          close_effort(), &best);
-          if (other.badness_mm < best.badness_mm) best = std::move(other);
+          if (other.cost_mm < best.cost_mm) best = std::move(other);
         }
       }
     }
@@ -231,12 +235,14 @@ class Search {
 
   [[nodiscard]] static SweptPlan plan_of(const Tried& tried) {
     SweptPlan plan;
+    plan.way = tried.way;
     plan.planes = tried.layout.planes;
     for (std::size_t i = 0; i < tried.joined.size(); ++i) {
       const PartPlan& part = tried.joined[i];
       const std::string id = fmt::format("S{:03}", i + 1);
       if (std::isfinite(part.fit.max_mm)) plan.deviation_mm = std::max(plan.deviation_mm, part.fit.max_mm);
       plan.sag_mm = std::max(plan.sag_mm, part.fit.sag_mm);
+      plan.fits.push_back({part.fit.family.count(), part.calm, part.fit.blade_length_mm, part.fit.max_mm});
       if (part.strip) {
         plan.strips.push_back(*part.strip);
         plan.strips.back().id = id;
@@ -269,6 +275,20 @@ class Search {
 };
 
 }  // namespace
+
+const char* name(SweepWay way) {
+  switch (way) {
+    case SweepWay::kEven:
+      return "even";
+    case SweepWay::kRows:
+      return "rows";
+    case SweepWay::kSplit:
+      return "split";
+    case SweepWay::kCalmer:
+      return "calmer";
+  }
+  return "";
+}
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
                                        const JudgeSweep& judge, const WatchSweeps& watch) {

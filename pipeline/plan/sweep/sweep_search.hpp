@@ -16,8 +16,26 @@
 
 namespace hotblade::pipeline {
 
+// How a layout came about.
+enum class SweepWay {
+  kEven,    // even or balanced parts of the whole
+  kRows,    // rows of blocks
+  kSplit,   // what failed of the try before, split at its place
+  kCalmer,  // what failed of the try before, fitted more calmly
+};
+[[nodiscard]] const char* name(SweepWay way);
+
+// The settings that a part was fitted with.
+struct SweptFit {
+  int coefficients = 0;  // of each function of the sweep
+  double calm = 0;       // SweepFitOptions
+  double blade_length_mm = 0, fit_mm = 0;
+};
+
 // A layout with its parts fitted closely.
 struct SweptPlan {
+  SweepWay way = SweepWay::kEven;
+  std::vector<SweptFit> fits;  // of the parts in their order, those that are refused among them
   surface::PlaneFamily planes;
   double deviation_mm = 0;        // largest of the fits, at their samples
   double sag_mm = 0;              // what weight moves the cut, at most, as the fits tell
