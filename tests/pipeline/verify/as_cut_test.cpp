@@ -8,30 +8,13 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/run/dryrun.hpp"
 #include "pipeline/settings/error.hpp"
+#include "tests/pipeline/executed.hpp"
 #include "tests/pipeline/plan_design.hpp"
-#include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
-// A planned cylinder, executed by a simulator.
-struct Executed {
-  testing::TemporaryDirectory directory;
-  StripJobs work;
-  std::filesystem::path log;
-
-  explicit Executed(Program program) : log(directory / "execution.jsonl") {
-    const auto file = directory / "program.json";
-    std::ofstream(file) << to_json(program);
-    work = read_strip_jobs(file, true);
-    DryRunOptions options;
-    options.log_file = log;
-    options.limits = planned_limits(work.program);
-    options.blade = planned_blade(work.program);
-    const DryRunReport report = dry_run(work.jobs, options);
-    EXPECT_TRUE(report.holds()) << report.strips.back().stream.message;
-  }
-};
+using testing::Executed;
 
 const Program& cylinder_program() {
   static const Program program = plan(cylinder_design(), along_x(), {}).program;

@@ -11,9 +11,12 @@
 #include "pipeline/program/read_design.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/way_home.hpp"
 
 namespace hotblade::pipeline {
 namespace {
+
+using testing::Travelled;
 
 const std::filesystem::path kSamples = std::filesystem::path(hotblade::testing::source_dir()) / "samples";
 
@@ -28,53 +31,10 @@ Program planned_sample(const std::string& name) {
   return planned(read_design(kSamples / (name + ".obj"), settings.design), settings);
 }
 
-// Clamps between two waypoints as the controller moves them.
-Pose between(const Pose& p, const Pose& q, double u) {
-  return {(1 - u) * p.p + u * q.p, p.q.slerp(u, q.q)};
-}
-
-struct Travelled {
-  double seconds = 0, clearance_mm = 1e9, bent_mm = 0;
-};
-
-// The whole blade on its way, by points seen from clamp A: the blade keeps its shape. Distances to the stock
-// by Eigen's box.
-Travelled measure(const Strip& strip, double width_mm) {
-  Travelled found;
-  const Frame& f = strip.block.frame;
-  Eigen::Matrix3d axes;
-  axes << f.x, f.y, f.normal();
-  const Eigen::AlignedBox3d box(Eigen::Vector3d::Zero(), strip.block.size_mm);
-  std::vector<Eigen::Vector3d> seen;  // from clamp A
-  for (std::size_t i = 1; i < strip.poses.size(); ++i) {
-    const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
-    if (q.phase != StripPhase::kTravel) continue;
-    found.seconds += q.t - p.t;
-    if (seen.empty()) {
-      for (const auto& point : elastica::sample(p.blade, 1000)) {
-        for (const double side : {-0.5, 0.5}) {
-          const Eigen::Vector3d at = p.frame.point(point.x, point.y) + side * width_mm * p.frame.normal();
-          seen.push_back(p.a.q.conjugate() * (at - p.a.p));
-        }
-      }
-    }
-    for (const double u : {0.25, 0.5, 0.75, 1.0}) {
-      const Pose a = between(p.a, q.a, u), b = between(p.b, q.b, u);
-      const Eigen::Vector3d end = 0.5 * (seen.end()[-1] + seen.end()[-2]);
-      found.bent_mm = std::max(found.bent_mm, (a.p + a.q * end - b.p).norm());
-      for (const Eigen::Vector3d& s : seen) {
-        const Eigen::Vector3d local = axes.transpose() * (a.p + a.q * s - f.origin);
-        found.clearance_mm = std::min(found.clearance_mm, box.exteriorDistance(local));
-      }
-    }
-  }
-  return found;
-}
-
 // `around_mm`: how far from the stock the way may keep; of a fan more, whose planes see it tilted.
 void expect_clear_way_home(const Program& program, double around_mm = 70) {
   for (const Strip& strip : program.strips) {
-    const Travelled found = measure(strip, program.blade.width_mm);
+    const Travelled found = testing::measured_way_home(strip, program.blade.width_mm);
     EXPECT_GT(found.seconds, 1) << strip.id;
     EXPECT_GE(found.clearance_mm, 40) << strip.id;
     EXPECT_LT(found.clearance_mm, 40 + around_mm) << strip.id;  // around the stock, not around the table
