@@ -13,6 +13,8 @@ install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT progr
 install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT program
   FILES_MATCHING PATTERN "*.obj" PATTERN "*.toml" PATTERN "README.md")
 
+install(DIRECTORY data/arms DESTINATION ${CMAKE_INSTALL_DATADIR}/hotblade COMPONENT program)
+
 get_property(elastica_rooms GLOBAL PROPERTY HOTBLADE_ROOMS_OF_elastica)
 install(TARGETS hotblade_elastica ${elastica_rooms} hotblade_options EXPORT hotblade
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)

@@ -59,6 +59,7 @@ using Action = std::function<Exit()>;
 void add_check(CLI::App& app, const Console& console, Action& action);
 void add_plan(CLI::App& app, const Console& console, Action& action);
 void add_verify(CLI::App& app, const Console& console, Action& action);
+void add_cell(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);
 void add_curve(CLI::App& app, const Console& console, Action& action);
 void add_study(CLI::App& app, const Console& console, Action& action);

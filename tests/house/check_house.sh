@@ -15,7 +15,7 @@ header_list=${2:-}
 cd "$root"
 
 readonly rooms='elastica surface gpu robot pipeline'
-readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml)'
+readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml|tinyxml2)'
 readonly max_lines=600
 
 # Headers that only sources may include: the half-edge mesh is a template of OpenMesh, which the reader, the repair and
@@ -43,9 +43,11 @@ gpu/curve: elastica/kernels gpu/kernels gpu/backend
 robot/pose: elastica/*
 robot/blade: elastica/* robot/pose
 robot/wire: elastica/* robot/pose robot/blade
-robot/controller: elastica/* robot/pose robot/blade robot/wire
+robot/arm: elastica/* robot/pose
+robot/controller: elastica/* robot/pose robot/blade robot/wire robot/arm
 robot/client: elastica/* robot/pose robot/blade robot/wire
 pipeline/settings: elastica/* robot/pose robot/blade
+pipeline/cell: elastica/* robot/pose robot/arm pipeline/settings
 pipeline/program: elastica/* surface/* robot/* pipeline/settings
 pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
@@ -58,7 +60,7 @@ pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
 '
 
 declare -A may
