@@ -20,6 +20,7 @@ std::vector<ExportedFile> exported(const Program& program, const ExportArguments
   if (arguments.format == "obj") return {as_cut_obj(program, arguments.sample_mm)};
   if (arguments.format == "ply") return {as_cut_ply(program, arguments.sample_mm)};
   if (arguments.format == "csv") return waypoint_csv(program);
+  if (arguments.format == "joints") return joints_csv(program);
   if (arguments.format == "compas") return waypoint_compas(program);
   if (arguments.format == "rapid") return rapid_programs(program);
   return krl_programs(program);
@@ -51,8 +52,8 @@ void add_export(CLI::App& app, const Console&, Action& action) {
   command->add_option("program", arguments->program, "A program.json")->required()->type_name("FILE");
   command->add_option("--format", arguments->format, "What to write")
       ->required()
-      ->check(CLI::IsMember({"obj", "ply", "csv", "compas", "rapid", "krl"}))
-      ->type_name("obj|ply|csv|compas|rapid|krl");
+      ->check(CLI::IsMember({"obj", "ply", "csv", "joints", "compas", "rapid", "krl"}))
+      ->type_name("obj|ply|csv|joints|compas|rapid|krl");
   command->add_option("-o,--output", arguments->output, "Directory for the files")
       ->required()
       ->type_name("DIR");

@@ -11,10 +11,12 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
+#include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/advice.hpp"
@@ -30,7 +32,7 @@ namespace fs = std::filesystem;
 
 struct PlanArguments {
   DesignOptions design;
-  std::string tolerance_mm, output, backend = "auto";
+  std::string tolerance_mm, output, backend = "auto", cell;
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false, no_pictures = false, advise = false,
        json = false;
@@ -65,6 +67,23 @@ std::string plinth_line(const PlanResult& result) {
                      high_text == low_text ? "" : " to " + high_text);
 }
 
+// Which arm holds which clamp, how, and what is left to its limits.
+std::string arms_table(const Program& program) {
+  if (!program.cell) return "";
+  std::string text = fmt::format("cell {}\n{:<6}{:>6}{:>6}{:>9}{:>20}{:>20}\n", program.cell->name, "strip",
+                                 "a", "b", "raised", "joint margin", "wrist");
+  for (const Strip& strip : program.strips) {
+    const StripArms& arms = *strip.arms;
+    const double degrees = 1 / robot::kDegree_rad;
+    text += fmt::format("{:<6}{:>6}{:>6}{:>6.0f} mm{:>20}{:>20}\n", strip.id, arms.a.arm, arms.b.arm,
+                        arms.raise_mm,
+                        fmt::format("{:.1f} deg {} J{}", arms.joint_margin_rad.value * degrees,
+                                    arms.joint_margin_rad.arm, arms.joint_margin_rad.joint),
+                        fmt::format("{:.1f} deg {}", arms.wrist_rad.value * degrees, arms.wrist_rad.arm));
+  }
+  return text;
+}
+
 void print_summary(const PlanResult& result, const fs::path& directory, const Emitted& emitted) {
   const Verification& v = result.program.verification;
   const Deviation& d = v.deviation_mm;
@@ -74,7 +93,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
     std::cout << strip_table(result);
     std::cout << fmt::format("strips {}, ribs {}, at most {:.3g} mm apart\n", result.strips.size(), ribs,
                              result.spacing_mm);
-    std::cout << plinth_line(result);
+    std::cout << plinth_line(result) << arms_table(result.program);
   }
   if (result.verification.cut_samples == 0) {
     std::cout << "deviation not measured: nothing is cut\n";
@@ -128,12 +147,33 @@ void refuse_warnings(PlanResult& result) {
   result.program.verification.status = VerificationStatus::kRefused;
 }
 
+// Gives a plan its arms, or refuses it by what stands in their way. A plan that is refused already keeps its
+// own reasons.
+void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
+  if (!cell || !result.refusals.empty()) return;
+  ArmedProgram armed = with_arms(result.program, *cell);
+  result.program = std::move(armed.program);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    if (const auto& arms = result.program.strips[i].arms) result.strips[i].plinth_mm += arms->raise_mm;
+  }
+  result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
+  result.refusals = std::move(armed.report.refusals);
+  Verification& v = result.program.verification;
+  if (!result.refusals.empty()) v.status = VerificationStatus::kRefused;
+  // Reach was looked at here, and nothing else of the arms.
+  for (std::string& item : v.not_checked) {
+    if (item == kArmsNotChecked)
+      item = "arm collision; the arms' approach from park, cables, load and torque; jerk of the joints";
+  }
+}
+
 // The same job with other settings, judged alike.
 PlanResult plan_again(const std::string& file, const Settings& settings, const PlanHooks& hooks,
-                      bool strict) {
+                      const std::optional<robot::Cell>& cell, bool strict) {
   const surface::DesignSurface design = read_design(file, settings.design);
   refuse_blocked(design, file);
   PlanResult result = plan(design, settings, hooks);
+  hold_in_cell(result, cell);
   if (!strict) return result;
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (const std::string text = surface::self_crossings_text(design); !text.empty())
@@ -151,6 +191,8 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     design_options.sources.flags.push_back({"--tolerance", "design.tolerance_mm", arguments.tolerance_mm});
   }
   const Settings settings = resolve_design(design_options);
+  std::optional<robot::Cell> cell;
+  if (!arguments.cell.empty()) cell = read_cell(arguments.cell);
   const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
@@ -179,6 +221,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   std::future<std::string> crossings =
       std::async(std::launch::async, [&] { return surface::self_crossings_text(design); });
   PlanResult result = plan(design, settings, hooks);
+  hold_in_cell(result, cell);
   if (const std::string text = crossings.get(); !text.empty()) {
     console.warn("warning: " + text);
     design.health.warnings.push_back(text);
@@ -190,7 +233,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     // What the shape alone suggests is tried unasked: it is the likeliest reason of all.
     const auto changes = arguments.advise ? likely_changes(result, design) : changes_by_shape(result, design);
     result.remedies = try_changes(result, changes, [&](const Settings& changed) {
-      return plan_again(design_options.file, changed, hooks, arguments.strict);
+      return plan_again(design_options.file, changed, hooks, cell, arguments.strict);
     });
   }
   console.report_progress("emit", 0.95);
@@ -228,6 +271,10 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
       ->type_name("MM");
   command->add_option("-o,--output", arguments->output, "Directory for the results (default: NAME_cut)")
       ->type_name("DIR");
+  command
+      ->add_option("--cell", arguments->cell,
+                   "Two arms to hold the plan against: a TOML file, two_irb4600 or two_kr50")
+      ->type_name("CELL");
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
       ->check(CLI::Range(1, kMostThreads));
   add_backend_option(*command, arguments->backend);

@@ -4,8 +4,10 @@
 
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "pipeline/export/robot_programs.hpp"
+#include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 
@@ -57,6 +59,31 @@ std::vector<ExportedFile> waypoint_csv(const Program& program) {
                      pose_cells(path[i].b));
     }
     files.push_back({strip.id + ".csv", text});
+  }
+  return files;
+}
+
+std::vector<ExportedFile> joints_csv(const Program& program) {
+  if (!program.cell) throw Error(ErrorKind::kBadInput, "the program has no joints: plan it with --cell");
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  std::vector<ExportedFile> files;
+  for (const Strip& strip : program.strips) {
+    std::string text = "index,t_s,phase,heat";
+    for (const char clamp : {'a', 'b'}) {
+      for (std::size_t i = 1; i <= kArmJoints; ++i) text += fmt::format(",{}{}_deg", clamp, i);
+    }
+    text += "\n";
+    const std::vector<robot::Waypoint> path = waypoints(strip);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const BladePose& pose = strip.poses[i];
+      fmt::format_to(std::back_inserter(text), "{},{:.6f},{},{}", i, kMicrosecond * path[i].t_us,
+                     name(pose.phase), pose.heat ? 1 : 0);
+      for (const ArmJoints* joints : {&pose.joints->a, &pose.joints->b}) {
+        for (const double q : *joints) fmt::format_to(std::back_inserter(text), ",{:.9f}", q * kDegrees);
+      }
+      text += "\n";
+    }
+    files.push_back({strip.id + "_joints.csv", text});
   }
   return files;
 }

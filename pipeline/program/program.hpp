@@ -12,6 +12,7 @@
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/program/block.hpp"
 #include "pipeline/program/frame.hpp"
+#include "pipeline/program/program_arms.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "robot/blade/blade.hpp"
 #include "robot/pose/pose.hpp"
@@ -71,6 +72,7 @@ struct BladePose {
   std::optional<double> margin_mm;            // the clamps may err this far; absent: not computed
   std::optional<PoseLoads> loads;             // absent: not computed
   std::optional<int> rib;                     // index of the rib that this pose cuts
+  std::optional<ClampJoints> joints{};        // of the arms; in every pose of a program or in none
 };
 
 // Returns the middle of a pose's blade, in foam of the part there, in the design frame.
@@ -84,6 +86,7 @@ struct Strip {
   Block block;  // `stock` in program files
   std::vector<Rib> ribs;
   std::vector<BladePose> poses;
+  std::optional<StripArms> arms{};  // absent: no cell was given
 };
 
 // How far the cut is from the design, mm; `at` is the place of the largest.
@@ -124,6 +127,7 @@ struct Program {
   std::vector<Strip> strips;
   Verification verification;
   std::vector<std::string> overrides;  // what was refused and run all the same; empty: nothing
+  std::optional<ProgramCell> cell{};   // absent: no cell was given
 };
 
 // Returns the canonical JSON text: fixed key order, shortest round-trip numbers, one pose or rib a line.

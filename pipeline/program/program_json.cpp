@@ -129,6 +129,45 @@ void write_blade(Text& out, const robot::BladeSet& blade) {
   out.field(",\"density_kg_m3\":", blade.density_kg_m3).raw("},\n");
 }
 
+void write_cell(Text& out, const ProgramCell& cell) {
+  out.string_field("\"cell\": {\"name\":", cell.name).string_field(",\"sha256\":", cell.sha256);
+  out.raw(",\"arms\":").lines(cell.arms, [](Text& text, const ProgramArm& arm) {
+    text.string_field("{\"id\":", arm.id).string_field(",\"model\":", arm.model);
+    text.string_field(",\"files_sha256\":", arm.files_sha256).raw(",\"base\":").pose(arm.base);
+    text.raw(",\"jaw\":").pose(arm.jaw).raw(",\"joints\":").list(arm.joints, [&](const ProgramJoint& joint) {
+      text.string_field("{\"name\":", joint.name).field(",\"min\":", joint.min_rad);
+      text.field(",\"max\":", joint.max_rad).field(",\"speed\":", joint.speed_rad_s);
+      text.field(",\"acceleration\":", joint.acceleration_rad_s2)
+          .field(",\"jerk\":", joint.jerk_rad_s3)
+          .raw("}");
+    });
+    text.raw("}");
+  });
+  out.raw("},\n");
+}
+
+void write_held(Text& out, const HeldClamp& held) {
+  const auto number = [&](int n) { out.raw(std::to_string(n)); };
+  out.string_field("{\"arm\":", held.arm).raw(",\"branch\":").list(held.branch, number);
+  out.raw(held.flip ? ",\"flip\":true" : ",\"flip\":false")
+      .raw(",\"turns\":")
+      .list(held.turns, number)
+      .raw("}");
+}
+
+void write_arms(Text& out, const StripArms& arms) {
+  write_held(out.raw("\"arms\":{\"a\":"), arms.a);
+  write_held(out.raw(",\"b\":"), arms.b);
+  const auto nearest = [&](const char* key, const StripArms::Nearest& n, bool joint) {
+    out.field(key, n.value).string_field(",", n.arm);
+    if (joint) out.raw(",").raw(std::to_string(n.joint));
+    out.field(",", n.t).raw("]");
+  };
+  nearest(",\"joint_margin_rad\":[", arms.joint_margin_rad, true);
+  nearest(",\"wrist_rad\":[", arms.wrist_rad, false);
+  out.field(",\"place\":{\"raise_mm\":", arms.raise_mm).raw("}},\n");
+}
+
 void write_rib(Text& out, const Rib& rib) {
   const auto point = [&](const Eigen::Vector2d& p) { out.vector(p); };
   out.string_field("{\"id\":", rib.id).raw(",\"frame\":").frame(rib.frame);
@@ -156,13 +195,20 @@ void write_pose(Text& out, const BladePose& pose) {
   out.raw(",\"a\":").pose(pose.a).raw(",\"b\":").pose(pose.b).field(",\"margin\":", pose.margin);
   out.raw(",\"margin_mm\":").optional(pose.margin_mm);
   if (pose.loads) write_loads(out.raw(",\"loads\":"), *pose.loads);
-  out.raw(",\"rib\":").optional(pose.rib).raw("}");
+  out.raw(",\"rib\":").optional(pose.rib);
+  if (pose.joints) {
+    const auto number = [&](double angle) { out.number(angle); };
+    out.raw(",\"joints\":{\"a\":").list(pose.joints->a, number);
+    out.raw(",\"b\":").list(pose.joints->b, number).raw("}");
+  }
+  out.raw("}");
 }
 
 void write_strip(Text& out, const Strip& strip) {
   out.string_field("{\"id\":", strip.id).field(",\"blade_length_mm\":", strip.blade_length_mm);
   out.raw(",\"design_to_cell\":").pose(strip.design_to_cell).raw(",\"stock\":{\"frame\":");
   out.frame(strip.block.frame).raw(",\"size_mm\":").vector(strip.block.size_mm).raw("},\n");
+  if (strip.arms) write_arms(out, *strip.arms);
   out.raw("\"ribs\":").lines(strip.ribs, write_rib).raw(",\n");
   out.raw("\"poses\":").lines(strip.poses, write_pose).raw("}");
 }
@@ -192,6 +238,7 @@ ProgramFrame program_frame(const Program& program) {
   write_design(before, program.design);
   write_settings(before, program.settings);
   write_blade(before, program.blade);
+  if (program.cell) write_cell(before, *program.cell);
   before.raw("\"strips\": [\n");
   after.raw("],\n");
   write_verification(after, program.verification);

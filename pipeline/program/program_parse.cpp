@@ -10,10 +10,12 @@
 #include <utility>
 
 #include "pipeline/program/json_node.hpp"
+#include "pipeline/program/parse_arms.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/program_limits.hpp"
 #include "pipeline/program/program_scan.hpp"
 #include "pipeline/program/program_settings.hpp"
+#include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/blade/blade_section.hpp"
 
@@ -214,17 +216,19 @@ PoseLoads loads_of(const JsonNode& node) {
   return loads;
 }
 
-// Loads may be left out: they follow from the shape and the blade.
-void expect_pose_keys(const JsonNode& node, bool loads) {
+// Loads and joints may be left out: loads follow from the shape and the blade, and joints need a cell.
+void expect_pose_keys(const JsonNode& node, bool loads, bool joints) {
   std::vector<const char*> keys{"t", "phase", "heat",   "frame",     "blade", "foam",
                                 "a", "b",     "margin", "margin_mm", "rib"};
   if (loads) keys.push_back("loads");
+  if (joints) keys.push_back("joints");
   node.expect_keys(keys);
 }
 
 BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   const bool has_loads = node.json().is_object() && node.json().contains("loads");
-  expect_pose_keys(node, has_loads);
+  const bool has_joints = node.json().is_object() && node.json().contains("joints");
+  expect_pose_keys(node, has_loads, has_joints);
   BladePose out;
   out.t = number(node, "t", kTime);
   out.phase = named(node.field("phase"), kStripPhases);
@@ -246,6 +250,10 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   if (has_loads) {
     const JsonNode loads = node.field("loads");
     out.loads = loads_of(loads);
+  }
+  if (has_joints) {
+    const JsonNode joints = node.field("joints");
+    out.joints = joints_of(joints);
   }
   const JsonNode rib = node.field("rib");
   if (rib.is_null()) return out;
@@ -287,7 +295,10 @@ std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
 
 // All of a strip but its poses.
 Strip strip_head_of(const JsonNode& node, const robot::BladeSet& blade, std::set<std::string>& ids) {
-  node.expect_keys(std::array{"id", "blade_length_mm", "design_to_cell", "stock", "ribs", "poses"});
+  std::vector<const char*> keys{"id", "blade_length_mm", "design_to_cell", "stock", "ribs", "poses"};
+  const bool has_arms = node.json().is_object() && node.json().contains("arms");
+  if (has_arms) keys.push_back("arms");
+  node.expect_keys(keys);
   const auto expect_new = [&](const JsonNode& owner, const std::string& id) {
     const JsonNode field = owner.field("id");
     if (id.empty()) field.fail("is empty");
@@ -299,6 +310,10 @@ Strip strip_head_of(const JsonNode& node, const robot::BladeSet& blade, std::set
   strip.blade_length_mm = blade_length_of(node.field("blade_length_mm"), blade);
   strip.design_to_cell = pose(node.field("design_to_cell"));
   strip.block = block_of(node.field("stock"));
+  if (has_arms) {
+    const JsonNode arms = node.field("arms");
+    strip.arms = strip_arms_of(arms);
+  }
   const JsonNode ribs = node.field("ribs");
   const std::size_t rib_count = ribs.items(1);
   for (std::size_t i = 0; i < rib_count; ++i) {
@@ -389,8 +404,11 @@ class StripTaker {
 Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::string& file_name,
                    std::size_t least_strips) {
   expect_format(root, file_name);
-  root.expect_keys(std::array{"format", "version", "created_by", "design", "settings", "blade", "strips",
-                              "verification", "overrides"});
+  std::vector<const char*> keys{"format", "version", "created_by",   "design",   "settings",
+                                "blade",  "strips",  "verification", "overrides"};
+  const bool has_cell = root.json().is_object() && root.json().contains("cell");
+  if (has_cell) keys.push_back("cell");
+  root.expect_keys(keys);
   Program program;
   program.created_by = text(root, "created_by");
   program.design = design_of(root.field("design"));
@@ -407,6 +425,11 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::s
   }
   program.verification = verification_of(root.field("verification"));
   program.overrides = strings(root.field("overrides"));
+  if (has_cell) {
+    const JsonNode cell = root.field("cell");
+    program.cell = cell_of(cell);
+  }
+  expect_joints(program, file_name);
   return program;
 }
 

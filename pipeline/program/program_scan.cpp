@@ -136,6 +136,13 @@ void scan_foam(Scanner& in, double blade_length_mm, BladePose& pose) {
   pose.foam = {{foam[0], foam[1]}};
 }
 
+ArmJoints scan_joints(Scanner& in, std::string_view key) {
+  const Eigen::Matrix<double, kArmJoints, 1> values = in.vector<kArmJoints>(key);
+  ArmJoints joints;
+  std::copy(values.data(), values.data() + kArmJoints, joints.begin());
+  return joints;
+}
+
 BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
   BladePose pose;
   pose.t = in.field("{\"t\":", kTime);
@@ -160,6 +167,13 @@ BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
   if (in.next_is(",\"loads\":")) pose.loads = scan_loads(in);
   in.skip(",\"rib\":");
   if (!in.next_is("null")) pose.rib = static_cast<int>(in.index(ribs));
+  if (in.next_is(",\"joints\":")) {
+    ClampJoints joints;
+    joints.a = scan_joints(in, "{\"a\":");
+    joints.b = scan_joints(in, ",\"b\":");
+    in.skip("}");
+    pose.joints = joints;
+  }
   in.skip("}");
   return pose;
 }

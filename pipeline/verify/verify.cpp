@@ -387,7 +387,7 @@ std::vector<std::string> not_checked() {
           "melt-back of a slow or held blade",
           "how much softer hot steel hangs than the blade that is measured: a fifth of its sag stands in the "
           "budget",
-          "arm reach and arm collision",
+          kArmsNotChecked,
           "thermal spring-back",
           "plinth outside the kept side",
           "jerk of the clamps"};

@@ -67,6 +67,13 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
     {Limit::kDeviationWithSag, "deviation with the sag of the blade under its weight", "mm", ""},
     {Limit::kUncutShare, "uncut share of the area", "%", ""},
     {Limit::kBudget, "error budget", "mm", ""},
+    {Limit::kArmReach, "distance of an arm's wrist from its shoulder", "mm", "the arm does not reach so far"},
+    {Limit::kJointAngle, "joint angle of an arm", "degrees", ""},
+    {Limit::kWristAngle, "angle between axes 4 and 6 of an arm", "degrees", "the arm is next to singular"},
+    {Limit::kElbowAngle, "angle of an arm's elbow from stretched", "degrees", "the arm is next to singular"},
+    {Limit::kShoulderDistance, "distance of an arm's wrist from axis 1", "mm", "the arm is next to singular"},
+    {Limit::kJointSpeed, "joint speed of an arm", "rad/s", ""},
+    {Limit::kJointAcceleration, "joint acceleration of an arm", "rad/s2", ""},
     {Limit::kWarnings, "warnings with --strict", "", ""},
 
     {Limit::kUnknown, "unknown limit", "", "", 0, "unknown limit"},

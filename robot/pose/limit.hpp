@@ -60,6 +60,13 @@ enum class Limit : std::uint8_t {
   kDeviationWithSag,
   kUncutShare,
   kBudget,
+  kArmReach,
+  kJointAngle,
+  kWristAngle,
+  kElbowAngle,
+  kShoulderDistance,
+  kJointSpeed,
+  kJointAcceleration,
   kWarnings,
   // A code that this table does not know.
   kUnknown,

@@ -52,6 +52,7 @@ pipeline/program: elastica/* surface/* robot/* pipeline/settings
 pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
+pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify
 pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
 pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
 pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep
@@ -60,7 +61,7 @@ pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
 '
 
 declare -A may

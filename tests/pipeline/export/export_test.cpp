@@ -12,8 +12,10 @@
 #include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
 #include "pipeline/export/waypoint_files.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "surface/read/design_surface.hpp"
+#include "tests/pipeline/program/armed_vault.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -55,6 +57,38 @@ Eigen::Quaterniond from_kuka(double a_deg, double b_deg, double c_deg) {
   return Eigen::AngleAxisd(a_deg * kDegree, Eigen::Vector3d::UnitZ()) *
          Eigen::AngleAxisd(b_deg * kDegree, Eigen::Vector3d::UnitY()) *
          Eigen::AngleAxisd(c_deg * kDegree, Eigen::Vector3d::UnitX());
+}
+
+TEST(JointsCsv, HoldsEveryJointInDegrees) {
+  const Program program = testing::with_joints();
+  const std::vector<ExportedFile> files = joints_csv(program);
+  ASSERT_EQ(files.size(), 2U);
+  EXPECT_EQ(files[1].name, "S002_joints.csv");
+  std::istringstream lines(files[1].text);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line,
+            "index,t_s,phase,heat,a1_deg,a2_deg,a3_deg,a4_deg,a5_deg,a6_deg,b1_deg,b2_deg,b3_deg,b4_deg,b5_"
+            "deg,b6_deg");
+  std::size_t i = 0;
+  for (; std::getline(lines, line); ++i) {
+    const BladePose& pose = program.strips[1].poses.at(i);
+    std::istringstream cells(line);
+    std::vector<std::string> found;
+    for (std::string cell; std::getline(cells, cell, ',');) found.push_back(cell);
+    ASSERT_EQ(found.size(), 16U);
+    EXPECT_NEAR(std::stod(found[1]), pose.t, 1e-6);
+    for (std::size_t k = 0; k < kArmJoints; ++k) {
+      constexpr double kDegrees = 180 / std::numbers::pi;
+      EXPECT_NEAR(std::stod(found[4 + k]), pose.joints->a[k] * kDegrees, 1e-6);
+      EXPECT_NEAR(std::stod(found[10 + k]), pose.joints->b[k] * kDegrees, 1e-6);
+    }
+  }
+  EXPECT_EQ(i, program.strips[1].poses.size());
+}
+
+TEST(JointsCsv, NeedsAProgramWithJoints) {
+  EXPECT_THROW((void)joints_csv(two_strips()), Error);
 }
 
 TEST(KukaAngles, TurnBackToTheOrientationAlsoWhereAxesFallTogether) {

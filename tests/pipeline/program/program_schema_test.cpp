@@ -12,6 +12,7 @@
 
 #include "pipeline/program/program.hpp"
 #include "tests/paths.hpp"
+#include "tests/pipeline/program/armed_vault.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline {
@@ -44,6 +45,13 @@ Json vault() {
 
 TEST_F(ProgramSchema, AcceptsAGeneratedProgram) {
   EXPECT_TRUE(accepts(vault()));
+}
+
+TEST_F(ProgramSchema, AcceptsAProgramWithArms) {
+  Json program = Json::parse(to_json(testing::with_joints()));
+  EXPECT_TRUE(accepts(program));
+  program["strips"][0]["arms"]["a"]["branch"][0] = 2;
+  EXPECT_FALSE(accepts(program));
 }
 
 TEST_F(ProgramSchema, RefusesABrokenProgram) {

@@ -1,0 +1,232 @@
+#include "pipeline/plan/arms/arms.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "pipeline/cell/cell_file.hpp"
+#include "pipeline/plan/arms/strip_arms.hpp"
+#include "pipeline/program/strip_jobs.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using robot::kDegree_rad;
+
+// Between two heights that are tried: a tenth of what a block stands high.
+constexpr double kRaiseStep_mm = 100;
+// Margins below which a program is warned of.
+constexpr double kSmallJoint_rad = 10 * kDegree_rad, kSmallWrist_rad = 10 * kDegree_rad;
+
+std::string sha256_hex(const std::string& bytes) {
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned length = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1)
+    throw std::runtime_error("SHA-256 failed");
+  std::string hex;
+  for (unsigned i = 0; i < length; ++i) hex += fmt::format("{:02x}", digest[i]);
+  return hex;
+}
+
+// Of the description and of every mesh's corners.
+std::string files_sha256(const robot::CellArm& arm) {
+  std::string bytes = arm.model_text;
+  for (const robot::Body& body : arm.model.bodies) {
+    for (const robot::Shape& shape : body.shapes) {
+      const auto* mesh = std::get_if<robot::Mesh>(&shape.solid);
+      if (mesh == nullptr) continue;
+      for (const auto& triangle : mesh->triangles) {
+        for (const Eigen::Vector3d& corner : triangle) {
+          std::array<char, 3 * sizeof(double)> raw;
+          std::memcpy(raw.data(), corner.data(), raw.size());
+          bytes.append(raw.data(), raw.size());
+        }
+      }
+    }
+  }
+  return sha256_hex(bytes);
+}
+
+ProgramCell cell_data(const robot::Cell& cell) {
+  ProgramCell data;
+  data.name = cell.name;
+  for (std::size_t i = 0; i < data.arms.size(); ++i) {
+    const robot::CellArm& from = cell.arms[i];
+    ProgramArm& arm = data.arms[i];
+    arm.id = from.id;
+    arm.model = from.model_file;
+    arm.files_sha256 = files_sha256(from);
+    arm.base = from.base;
+    const Eigen::Isometry3d jaw = robot::jaw_in_flange(from.tool);
+    arm.jaw = {jaw.translation(), robot::canonical(Eigen::Quaterniond(jaw.linear()).normalized())};
+    for (std::size_t k = 0; k < robot::kJoints; ++k) {
+      const robot::Joint& joint = from.model.arm.joints()[k];
+      arm.joints[k] = {joint.name,
+                       joint.min_rad,
+                       joint.max_rad,
+                       from.speed_share * joint.speed_rad_s,
+                       from.acceleration_rad_s2[k],
+                       from.jerk_rad_s3[k]};
+    }
+  }
+  data.sha256 = cell_sha256(cell);
+  return data;
+}
+
+// Heights in the order of what they ask for, both ways of holding the blade at each.
+std::vector<ArmPlace> places(const robot::PlaceRange& range) {
+  std::vector<ArmPlace> all;
+  const bool fixed = range.how == robot::Placing::kFixed;
+  const double low = fixed ? 0 : range.raise_mm[0], high = fixed ? 0 : range.raise_mm[1];
+  const int steps = static_cast<int>(std::floor((high - low) / kRaiseStep_mm + 1e-9));
+  for (int i = 0; i <= steps; ++i) {
+    for (const bool swapped : {false, true}) all.push_back({low + i * kRaiseStep_mm, swapped});
+  }
+  return all;
+}
+
+// The distance of the strip's clamps outside of the envelope, mm.
+double outside(const Strip& strip, double raise_mm, const robot::MotionLimits& limits) {
+  double most = 0;
+  const Pose place = raised(strip.design_to_cell, raise_mm);
+  for (const BladePose& pose : strip.poses) {
+    for (const Pose* clamp : {&pose.a, &pose.b}) {
+      const Eigen::Vector3d p = robot::transformed(place, *clamp).p;
+      most =
+          std::max({most, (p - limits.envelope_max_mm).maxCoeff(), (limits.envelope_min_mm - p).maxCoeff()});
+    }
+  }
+  return most;
+}
+
+// What both arms do at one place.
+struct Tried {
+  ArmPlace place;
+  ArmChoice a, b;
+  [[nodiscard]] bool served() const { return a.stage == ArmStage::kServed && b.stage == ArmStage::kServed; }
+  // The arm that stands in the way.
+  [[nodiscard]] const ArmChoice& worse() const {
+    const bool b_first = b.stage != a.stage ? b.stage < a.stage : b.rank < a.rank;
+    return b_first ? b : a;
+  }
+};
+
+ArmJoints plain(const robot::JointAngles& q) {
+  ArmJoints joints;
+  std::copy(q.data(), q.data() + q.size(), joints.begin());
+  return joints;
+}
+
+void take(const Tried& tried, Strip& strip) {
+  strip.design_to_cell = raised(strip.design_to_cell, tried.place.raise_mm);
+  StripArms arms;
+  arms.a = tried.a.held;
+  arms.b = tried.b.held;
+  arms.raise_mm = tried.place.raise_mm;
+  const auto nearer = [&](const robot::Least& a, const robot::Least& b, int joint_of_wrist) {
+    const bool at_b = b.value < a.value;
+    const robot::Least& least = at_b ? b : a;
+    const int joint = joint_of_wrist > 0 ? joint_of_wrist : static_cast<int>(least.joint) + 1;
+    return StripArms::Nearest{least.value, (at_b ? arms.b : arms.a).arm, joint, strip.poses[least.pose].t};
+  };
+  arms.joint_margin_rad = nearer(tried.a.margins.joint_rad, tried.b.margins.joint_rad, 0);
+  arms.wrist_rad = nearer(tried.a.margins.wrist_rad, tried.b.margins.wrist_rad, 5);
+  strip.arms = arms;
+  for (std::size_t i = 0; i < strip.poses.size(); ++i)
+    strip.poses[i].joints = ClampJoints{plain(tried.a.joints[i]), plain(tried.b.joints[i])};
+}
+
+void warn_of(const Strip& strip, std::vector<std::string>& warnings) {
+  const StripArms& arms = *strip.arms;
+  const StripArms::Nearest &joint = arms.joint_margin_rad, &wrist = arms.wrist_rad;
+  if (joint.value < kSmallJoint_rad) {
+    warnings.push_back(fmt::format("{}: arm {} joint {} comes within {:.1f} degrees of its limit at {:.2f} s",
+                                   strip.id, joint.arm, joint.joint, joint.value / kDegree_rad, joint.t));
+  }
+  if (wrist.value < kSmallWrist_rad) {
+    warnings.push_back(fmt::format("{}: arm {} comes within {:.1f} degrees of a straight wrist at {:.2f} s",
+                                   strip.id, wrist.arm, wrist.value / kDegree_rad, wrist.t));
+  }
+}
+
+// The refusal of the place that came furthest, and what stopped the others.
+Refusal refusal_of(const std::vector<Tried>& tried, const robot::Cell& cell) {
+  const auto further = [](const Tried& x, const Tried& y) {
+    const ArmChoice &a = x.worse(), &b = y.worse();
+    return a.stage != b.stage ? a.stage < b.stage : a.rank < b.rank;
+  };
+  const Tried& furthest = *std::max_element(tried.begin(), tried.end(), further);
+  Refusal refusal = furthest.worse().refusal;
+  std::array<int, 4> counts{};
+  for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.worse().stage)];
+  refusal.note += fmt::format(
+      " (raised {:.0f} mm; of {} choices of height and arms {} are out of reach, {} at joint "
+      "limits, {} next to singular, {} too fast for a joint; cell {})",
+      furthest.place.raise_mm, tried.size(), counts[0], counts[1], counts[2], counts[3], cell.name);
+  return refusal;
+}
+
+// The first place that serves both arms: good ones by height, then the others by score.
+std::optional<Tried> choose(const Strip& strip, const robot::Cell& cell, const robot::MotionLimits& limits,
+                            std::vector<Tried>& failed, double& least_outside) {
+  struct Scored {
+    ArmPlace place;
+    double score = 0;
+  };
+  std::vector<Scored> order;
+  for (const ArmPlace& place : places(cell.place)) {
+    const double off = outside(strip, place.raise_mm, limits);
+    least_outside = std::min(least_outside, off);
+    if (off <= 0 || place.raise_mm == 0) order.push_back({place, score(strip, cell, place)});
+  }
+  std::stable_sort(order.begin(), order.end(), [](const Scored& a, const Scored& b) {
+    return std::min(a.score, 1.0) > std::min(b.score, 1.0);
+  });
+  for (const Scored& one : order) {
+    Tried tried{one.place, choose_branch(strip, cell, one.place, false),
+                choose_branch(strip, cell, one.place, true)};
+    if (tried.served()) return tried;
+    failed.push_back(std::move(tried));
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string cell_sha256(const robot::Cell& cell) {
+  std::string all = to_toml(cell);
+  for (const robot::CellArm& arm : cell.arms) all += files_sha256(arm);
+  return sha256_hex(all);
+}
+
+ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
+  ArmedProgram armed{program, {}};
+  armed.report.warnings = warnings(cell);
+  const robot::MotionLimits limits = planned_limits(program);
+  for (Strip& strip : armed.program.strips) {
+    std::vector<Tried> failed;
+    double least_outside = 1e9;
+    if (const auto tried = choose(strip, cell, limits, failed, least_outside)) {
+      take(*tried, strip);
+      warn_of(strip, armed.report.warnings);
+    } else if (failed.empty()) {
+      armed.report.refusals.push_back(
+          {strip.id, "", Limit::kEnvelope, least_outside, 0, "at any height of cell.raise_mm"});
+    } else {
+      armed.report.refusals.push_back(refusal_of(failed, cell));
+    }
+  }
+  if (armed.report.refusals.empty()) {
+    armed.program.cell = cell_data(cell);
+    return armed;
+  }
+  armed.program = program;
+  return armed;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,34 @@
+// The arms of a program: which holds which clamp, how high each block has to stand for both, and every joint.
+//
+// Each strip's path of clamps is fixed in its design; what is left to choose is the block's height, which arm
+// takes which end, which way round the blade lies in each jaw, and the arms' branches. All are tried, and the
+// first that keeps every limit with its margins at every pose is taken. Collisions are not looked at, and
+// speeds are checked, not lowered.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+#include "pipeline/verify/refusal.hpp"
+#include "robot/arm/cell.hpp"
+
+namespace hotblade::pipeline {
+
+struct ArmsReport {
+  std::vector<Refusal> refusals;      // of strips that no choice serves
+  std::vector<std::string> warnings;  // small margins, and what the cell's file left out
+};
+
+// Returns the hash of every value of a cell and of its arms' files, by which a program names its cell.
+[[nodiscard]] std::string cell_sha256(const robot::Cell& cell);
+
+// Returns the program with the cell and, in each strip that both arms serve, the arms, the joints of every
+// pose and `design_to_cell` raised. A strip that is refused stays as it was, and then no strip has joints.
+struct ArmedProgram {
+  Program program;
+  ArmsReport report;
+};
+[[nodiscard]] ArmedProgram with_arms(const Program& program, const robot::Cell& cell);
+
+}  // namespace hotblade::pipeline

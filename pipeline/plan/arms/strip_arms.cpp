@@ -1,0 +1,264 @@
+#include "pipeline/plan/arms/strip_arms.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Isometry3d;
+using robot::BranchPath;
+using robot::kDegree_rad;
+
+// Margins beyond which a place is good enough: well clear of what an arm's calibration and a new jaw move.
+constexpr double kGoodJoint_rad = 20 * kDegree_rad, kGoodWrist_rad = 20 * kDegree_rad;
+constexpr double kGoodElbow_rad = 10 * kDegree_rad, kGoodShoulder_mm = 200;
+// Poses that a score looks at: one in 7.5 s of motion at the usual step.
+constexpr std::size_t kScoreStep = 150;
+
+Isometry3d isometry(const Pose& pose) {
+  Isometry3d place = Isometry3d::Identity();
+  place.linear() = pose.q.toRotationMatrix();
+  place.translation() = pose.p;
+  return place;
+}
+
+const robot::CellArm& arm_of(const robot::Cell& cell, const ArmPlace& place, bool clamp_b) {
+  return cell.arms[clamp_b != place.swapped ? 1 : 0];
+}
+
+// What does not change from pose to pose.
+struct Hold {
+  Isometry3d cell_to_base, jaw;
+  Isometry3d in_clamp = Isometry3d::Identity();  // the jaw in the clamp's frame
+};
+
+Hold hold_of(const robot::CellArm& arm, const Pose& design_to_cell, bool clamp_b, bool flip) {
+  Hold hold;
+  hold.cell_to_base = isometry(arm.base).inverse() * isometry(design_to_cell);
+  hold.jaw = robot::jaw_in_flange(arm.tool).inverse();
+  if (clamp_b) hold.in_clamp.linear() = Eigen::Vector3d(-1, -1, 1).asDiagonal();
+  if (flip) hold.in_clamp.linear() = hold.in_clamp.linear() * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  return hold;
+}
+
+Isometry3d flange_by(const Hold& hold, const Pose& clamp) {
+  return hold.cell_to_base * isometry(clamp) * hold.in_clamp * hold.jaw;
+}
+
+std::vector<Isometry3d> flanges(const Strip& strip, const Hold& hold, bool clamp_b, std::size_t step) {
+  std::vector<Isometry3d> path;
+  path.reserve(strip.poses.size() / step + 2);
+  for (std::size_t i = 0; i < strip.poses.size(); i += step) {
+    path.push_back(flange_by(hold, clamp_b ? strip.poses[i].b : strip.poses[i].a));
+    if (i + 1 < strip.poses.size() && i + step >= strip.poses.size()) i = strip.poses.size() - 1 - step;
+  }
+  return path;
+}
+
+std::vector<bool> ways_round(const robot::CellArm& arm) {
+  return arm.tool.flip ? std::vector<bool>{false, true} : std::vector<bool>{false};
+}
+
+BranchPath turned(const robot::Arm& arm, const BranchPath& path, robot::Turns& turns) {
+  turns = robot::fit_turns(arm, path);
+  BranchPath with;
+  with.reserve(path.size());
+  for (const robot::JointAngles& q : path) with.push_back(robot::with_turns(q, turns));
+  return with;
+}
+
+double score_of(const robot::PathMargins& m) {
+  return std::min({m.joint_rad.value / kGoodJoint_rad, m.wrist_rad.value / kGoodWrist_rad,
+                   m.elbow_rad.value / kGoodElbow_rad, m.shoulder_mm.value / kGoodShoulder_mm});
+}
+
+// One branch of one way round, and what is said of it.
+class Judge {
+ public:
+  Judge(const Strip& strip, const robot::Cell& cell, const robot::CellArm& arm, bool clamp_b)
+      : strip_(strip), cell_(cell), arm_(arm), clamp_b_(clamp_b) {}
+
+  ArmChoice unreachable(const std::vector<Isometry3d>& path, std::size_t pose) const {
+    ArmChoice choice;
+    choice.rank = static_cast<double>(pose);
+    const robot::Reach reach = robot::reach(arm_.model.arm, path[pose]);
+    const bool near_axis_1 = reach.from_axis_1_mm < reach.least_from_axis_1_mm;
+    const bool far = reach.from_axis_2_mm > reach.most_mm;
+    const double value = near_axis_1 ? reach.from_axis_1_mm : reach.from_axis_2_mm;
+    const double bound = near_axis_1 ? reach.least_from_axis_1_mm : far ? reach.most_mm : reach.least_mm;
+    const std::string off =
+        fmt::format("{:.0f} mm {}", std::abs(value - bound), far && !near_axis_1 ? "short" : "too near");
+    choice.refusal = refusal(
+        Limit::kArmReach, value, bound, pose,
+        fmt::format(
+            "arm {} cannot reach clamp {}, {}: another place of its base, or another height of the block",
+            arm_.id, clamp_b_ ? "b" : "a", off));
+    return choice;
+  }
+
+  ArmChoice judge(const BranchPath& path, std::size_t branch, bool flip) const {
+    ArmChoice choice;
+    choice.held = {arm_.id, robot::branch_signs(branch), flip, {}};
+    choice.joints = turned(arm_.model.arm, path, choice.held.turns);
+    choice.margins = robot::path_margins(arm_.model.arm, choice.joints);
+    choice.stage = ArmStage::kServed;
+    choice.rank = score_of(choice.margins);
+    check_limits(choice);
+    if (choice.stage == ArmStage::kServed) check_singular(choice);
+    if (choice.stage == ArmStage::kServed) check_speeds(choice);
+    return choice;
+  }
+
+ private:
+  Refusal refusal(Limit limit, double value, double bound, std::size_t pose, std::string note) const {
+    const BladePose& at = strip_.poses[pose];
+    Refusal refusal{strip_.id, "", limit, value, bound, std::move(note)};
+    refusal.when = fmt::format(" in phase {} at {:.2f} s", name(at.phase), at.t);
+    refusal.at = middle_of(at);
+    return refusal;
+  }
+
+  void stop(ArmChoice& choice, ArmStage stage, double rank, Refusal refused) const {
+    choice.stage = stage;
+    choice.rank = rank;
+    choice.refusal = std::move(refused);
+  }
+
+  void check_limits(ArmChoice& choice) const {
+    const robot::Least& least = choice.margins.joint_rad;
+    const double margin = cell_.margins.joint_deg;
+    const double left = least.value / kDegree_rad;
+    if (left >= margin) return;
+    const robot::Joint& joint = arm_.model.arm.joints()[least.joint];
+    const double q = choice.joints[least.pose][static_cast<int>(least.joint)];
+    const bool upper = q > (joint.min_rad + joint.max_rad) / 2;
+    const double limit = (upper ? joint.max_rad : joint.min_rad) / kDegree_rad;
+    stop(choice, ArmStage::kJointLimit, least.value,
+         refusal(
+             Limit::kJointAngle, q / kDegree_rad, limit - (upper ? margin : -margin), least.pose,
+             fmt::format("arm {} {}, limit {:.4g}, of which {:.3g} are kept ({:.3g} over): another jaw, or "
+                         "another place of the block",
+                         arm_.id, joint.name, limit, margin, margin - left)));
+  }
+
+  void check_singular(ArmChoice& choice) const {
+    const robot::PathMargins& m = choice.margins;
+    const robot::ArmMargins& least = cell_.margins;
+    const std::string help = ": another jaw, or another place of the block";
+    if (m.wrist_rad.value < least.wrist_deg * kDegree_rad) {
+      stop(choice, ArmStage::kSingular, choice.rank,
+           refusal(Limit::kWristAngle, m.wrist_rad.value / kDegree_rad, least.wrist_deg, m.wrist_rad.pose,
+                   "arm " + arm_.id + " is next to singular" + help));
+    } else if (m.elbow_rad.value < least.elbow_deg * kDegree_rad) {
+      stop(choice, ArmStage::kSingular, choice.rank,
+           refusal(Limit::kElbowAngle, m.elbow_rad.value / kDegree_rad, least.elbow_deg, m.elbow_rad.pose,
+                   "arm " + arm_.id + " is next to singular" + help));
+    } else if (m.shoulder_mm.value < least.shoulder_mm) {
+      stop(choice, ArmStage::kSingular, choice.rank,
+           refusal(Limit::kShoulderDistance, m.shoulder_mm.value, least.shoulder_mm, m.shoulder_mm.pose,
+                   "arm " + arm_.id + " is next to singular" + help));
+    }
+  }
+
+  // The rate of each step, and rest before the first and after the last, as the controller sees them.
+  [[nodiscard]] robot::JointAngles rate(const ArmChoice& choice, std::size_t step) const {
+    if (step == 0 || step >= choice.joints.size()) return robot::JointAngles::Zero();
+    return (choice.joints[step] - choice.joints[step - 1]) / step_s(step);
+  }
+  [[nodiscard]] double step_s(std::size_t step) const {
+    const std::size_t k = std::clamp<std::size_t>(step, 1, strip_.poses.size() - 1);
+    return strip_.poses[k].t - strip_.poses[k - 1].t;
+  }
+
+  void check_speeds(ArmChoice& choice) const {
+    double worst = 1;
+    for (std::size_t k = 1; k <= choice.joints.size(); ++k) {
+      const robot::JointAngles before = rate(choice, k - 1), now = rate(choice, k);
+      const double between_s = (step_s(k - 1) + step_s(k)) / 2;
+      for (std::size_t i = 0; i < robot::kJoints; ++i) {
+        const robot::Joint& joint = arm_.model.arm.joints()[i];
+        const auto j = static_cast<int>(i);
+        const auto offer = [&](Limit limit, double value, double bound, const char* which) {
+          if (value <= worst * bound) return;
+          worst = value / bound;
+          stop(choice, ArmStage::kJointSpeed, -worst,
+               refusal(limit, value, bound, k - 1,
+                       fmt::format("arm {} {}, {}: slower clamps (motion.travel_mm_s, motion.accel_mm_s2)",
+                                   arm_.id, joint.name, which)));
+        };
+        offer(Limit::kJointSpeed, std::abs(now[j]), arm_.speed_share * joint.speed_rad_s,
+              "arm.speed_share of its speed");
+        offer(Limit::kJointAcceleration, std::abs(now[j] - before[j]) / between_s,
+              arm_.acceleration_rad_s2[i], "arm.acceleration_rad_s2");
+      }
+    }
+  }
+
+  const Strip& strip_;
+  const robot::Cell& cell_;
+  const robot::CellArm& arm_;
+  bool clamp_b_;
+};
+
+bool further(const ArmChoice& a, const ArmChoice& b) {
+  return a.stage != b.stage ? a.stage > b.stage : a.rank > b.rank;
+}
+
+}  // namespace
+
+Pose raised(const Pose& design_to_cell, double raise_mm) {
+  Pose place = design_to_cell;
+  place.p.z() += raise_mm;
+  return place;
+}
+
+Isometry3d flange_of(const robot::CellArm& arm, const Pose& design_to_cell, const BladePose& pose,
+                     bool clamp_b, bool flip) {
+  return flange_by(hold_of(arm, design_to_cell, clamp_b, flip), clamp_b ? pose.b : pose.a);
+}
+
+double score(const Strip& strip, const robot::Cell& cell, const ArmPlace& place) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const bool clamp_b : {false, true}) {
+    const robot::CellArm& arm = arm_of(cell, place, clamp_b);
+    double best = -1;
+    for (const bool flip : ways_round(arm)) {
+      const Hold hold = hold_of(arm, raised(strip.design_to_cell, place.raise_mm), clamp_b, flip);
+      const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, kScoreStep);
+      for (const BranchPath& branch : robot::follow_branches(arm.model.arm, path)) {
+        if (branch.size() < path.size()) continue;
+        robot::Turns turns{};
+        best = std::max(best,
+                        score_of(robot::path_margins(arm.model.arm, turned(arm.model.arm, branch, turns))));
+      }
+    }
+    least = std::min(least, best);
+  }
+  return least;
+}
+
+ArmChoice choose_branch(const Strip& strip, const robot::Cell& cell, const ArmPlace& place, bool clamp_b) {
+  const robot::CellArm& arm = arm_of(cell, place, clamp_b);
+  const Judge judge(strip, cell, arm, clamp_b);
+  ArmChoice best;
+  bool first = true;
+  for (const bool flip : ways_round(arm)) {
+    const Hold hold = hold_of(arm, raised(strip.design_to_cell, place.raise_mm), clamp_b, flip);
+    const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, 1);
+    const auto branches = robot::follow_branches(arm.model.arm, path);
+    for (std::size_t branch = 0; branch < robot::kBranches; ++branch) {
+      const std::size_t poses = branches[branch].size();
+      ArmChoice choice =
+          poses < path.size() ? judge.unreachable(path, poses) : judge.judge(branches[branch], branch, flip);
+      if (first || further(choice, best)) best = std::move(choice);
+      first = false;
+    }
+  }
+  return best;
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,60 @@
+// What a program says of the two arms that hold its clamps (docs/program.md). mm, rad, s.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "robot/pose/pose.hpp"
+
+namespace hotblade::pipeline {
+
+inline constexpr std::size_t kArmJoints = 6;
+using ArmJoints = std::array<double, kArmJoints>;
+
+struct ProgramJoint {
+  std::string name;
+  double min_rad = 0, max_rad = 0, speed_rad_s = 0, acceleration_rad_s2 = 0, jerk_rad_s3 = 0;
+};
+
+struct ProgramArm {
+  std::string id, model, files_sha256;
+  robot::Pose base;  // base_link in the cell
+  robot::Pose jaw;   // in the flange's frame
+  std::array<ProgramJoint, kArmJoints> joints;
+};
+
+// The cell that a program's joints belong to; `sha256` is that of this part's text without it.
+struct ProgramCell {
+  std::string name, sha256;
+  std::array<ProgramArm, 2> arms;
+};
+
+// Which arm holds a clamp through a strip, and how.
+struct HeldClamp {
+  std::string arm;
+  std::array<int, 3> branch{1, 1, 1};   // shoulder, elbow, wrist: 1 or -1
+  bool flip = false;                    // the blade lies turned by 180 degrees in the jaw
+  std::array<int, kArmJoints> turns{};  // whole turns added to the branch's angles
+};
+
+// How a strip's arms do over all of its poses.
+struct StripArms {
+  HeldClamp a, b;
+  struct Nearest {
+    double value = 0;
+    std::string arm;
+    int joint = 0;  // from 1; of the wrist 5
+    double t = 0;   // s
+  };
+  Nearest joint_margin_rad;  // to a joint's limit
+  Nearest wrist_rad;         // from axes 4 and 6 in one line
+  double raise_mm = 0;       // what the block stands higher for the arms
+};
+
+// The joints of both arms at one pose.
+struct ClampJoints {
+  ArmJoints a{}, b{};
+};
+
+}  // namespace hotblade::pipeline
