@@ -16,7 +16,8 @@ inline Pose between(const Pose& p, const Pose& q, double u) {
 }
 
 struct Travelled {
-  double seconds = 0, clearance_mm = 1e9, bent_mm = 0;
+  double seconds = 0, clearance_mm = 1e9;
+  double bent_mm = 0, chords_mm = 0;  // of a rigid motion: what its chords alone may come to
 };
 
 // The whole blade on its way, by points seen from clamp A: the blade keeps its shape. Distances to the stock
@@ -32,6 +33,8 @@ inline Travelled measured_way_home(const Strip& strip, double width_mm) {
     const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
     if (q.phase != StripPhase::kTravel) continue;
     found.seconds += q.t - p.t;
+    const double turn = p.a.q.angularDistance(q.a.q);
+    found.chords_mm = std::max(found.chords_mm, turn * turn / 8 * strip.blade_length_mm);
     if (seen.empty()) {
       for (const auto& point : elastica::sample(p.blade, 1000)) {
         for (const double side : {-0.5, 0.5}) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <vector>
 
 namespace hotblade::pipeline {
@@ -29,16 +30,24 @@ class SweepCurve {
  public:
   // Reaches `reach_mm` > 0 to both sides of the middle in steps of about 20 mm.
   SweepCurve(const Bend& bend, double reach_mm);
+  // The part of it around a place, from the middle on: as far as Newton's way from there to a nearest point
+  // may lead.
+  SweepCurve(const Bend& bend, double reach_mm, double place_mm);
 
-  [[nodiscard]] double reach_mm() const { return step_mm_ * half_; }
-  // Nodes from one end to the other, the middle among them.
+  // Of the part that there is: its ends, where these are not the curve's own.
+  [[nodiscard]] bool is_open_at(double s_mm) const {
+    return (before_ < half_ && s_mm <= -before_ * step_mm_) ||
+           (behind_ < half_ && s_mm >= behind_ * step_mm_);
+  }
+  // Nodes from one end of what there is to the other, the middle among them.
   [[nodiscard]] const std::vector<SweepPoint>& nodes() const { return nodes_; }
-  [[nodiscard]] SweepPoint at(double s_mm) const;  // clamped to the reach
+  [[nodiscard]] SweepPoint at(double s_mm) const;  // clamped to what there is
   // Arc length of the point nearest to q, by Newton steps from `guess_mm`; an end of the curve where it lies
   // beyond.
   [[nodiscard]] double nearest(const Eigen::Vector2d& q, double guess_mm) const;
 
  private:
+  void walk();
   // The way from the node nearest to s, and the curvature with its derivatives by arc length there.
   struct Onward {
     const SweepPoint* node = nullptr;
@@ -46,10 +55,14 @@ class SweepCurve {
     Eigen::Vector2d way{0, 0};
   };
   [[nodiscard]] Onward onward(double s) const;
+  [[nodiscard]] double clamped(double s_mm) const {
+    return std::clamp(s_mm, -before_ * step_mm_, behind_ * step_mm_);
+  }
 
   Bend bend_;
   double step_mm_ = 0;
-  int half_ = 0;
+  int half_ = 0;                 // steps to either side, of the whole curve
+  int before_ = 0, behind_ = 0;  // of what there is of it
   std::vector<SweepPoint> nodes_;
 };
 

@@ -20,6 +20,7 @@ constexpr std::size_t kSpan = 4;  // coefficients that count at a place
 // The power that distances count by: high enough that the largest are held, low enough for steps of a few
 // iterations.
 constexpr double kExponent = 8;
+static_assert(kExponent == 8, "terms are written out for it");
 // A gap counts as three times as large a deviation of a whole strip: at a tenth of this weight gaps of the
 // samples are twice as large, at ten times it deviations grow by a tenth and blades come near to a snap.
 constexpr double kSeamWeight = 10;
@@ -85,11 +86,11 @@ struct SectionTerms {
     for (std::size_t i = 0; i < feet.size(); ++i) {
       const SampleTerm term = sample_term(section->samples[i], state, curve, x, feet[i]);
       feet[i] = term.foot_mm;
-      const double grown = std::pow(std::abs(term.away_mm) / unknowns->scale_mm, 0.5 * kExponent - 1);
+      const double share = std::abs(term.away_mm) / unknowns->scale_mm, grown = share * share * share;
       add(grown * term.away_mm / samples, 0.5 * kExponent * grown / samples, term.by);
     }
-    const double share = 1 / std::sqrt(static_cast<double>(unknowns->part->data.sections.size()));
-    const auto limit = [&](const LimitTerm& term) { add(share * term.over, share, term.by); };
+    const double weight = 1 / std::sqrt(static_cast<double>(unknowns->part->data.sections.size()));
+    const auto limit = [&](const LimitTerm& term) { add(weight * term.over, weight, term.by); };
     for (const SweepPoint& node : curve.nodes()) limit(radius_term(node, options));
     for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
       limit(turn_term(*end, state, options));
@@ -112,6 +113,15 @@ struct ProbeTerms {
     BasisValues at;
     double foot_mm = 0;
     ByState by = ByState::Zero();
+
+    // The curve is walked no farther than the probe: a design has many.
+    [[nodiscard]] SampleTerm term(const SweepState& state) const {
+      const double half = unknowns->half_blade(), x = unknowns->part->start.x_mm;
+      const SweepCurve near(state.bend, half, foot_mm);
+      const SampleTerm found = sample_term(point->sample, state, near, x, foot_mm);
+      if (!near.is_open_at(found.foot_mm)) return found;
+      return sample_term(point->sample, state, SweepCurve(state.bend, half), x, foot_mm);
+    }
   };
   std::array<Side, 2> sides;
   double weight = 1, residual = 0;
@@ -121,9 +131,7 @@ struct ProbeTerms {
     double sign = weight;
     for (Side& side : sides) {
       const SweepState state = side.unknowns->state(side.at);
-      const SweepCurve curve(state.bend, side.unknowns->half_blade());
-      const SampleTerm term =
-          sample_term(side.point->sample, state, curve, side.unknowns->part->start.x_mm, side.foot_mm);
+      const SampleTerm term = side.term(state);
       side.foot_mm = term.foot_mm;
       residual += sign * term.away_mm;
       side.by = sign * term.by.cwiseProduct(side.unknowns->units);
@@ -237,6 +245,26 @@ std::vector<double*> blocks_at(Unknowns& unknowns, const BasisValues& at) {
   return blocks;
 }
 
+// At most so many places along a seam, both of its ends among them.
+std::vector<const SeamPlace*> spread(const std::vector<SeamPlace>& places, std::size_t most) {
+  std::vector<const SeamPlace*> all;
+  for (const SeamPlace& place : places) all.push_back(&place);
+  if (all.size() <= most) return all;
+  const auto farther = [&](const SeamPlace* from) {
+    return *std::max_element(all.begin(), all.end(), [&](const SeamPlace* p, const SeamPlace* q) {
+      return (p->at - from->at).squaredNorm() < (q->at - from->at).squaredNorm();
+    });
+  };
+  const SeamPlace *end = farther(all.front()), *other = farther(end);
+  const Eigen::Vector3d along = other->at - end->at;
+  std::stable_sort(all.begin(), all.end(), [&](const SeamPlace* p, const SeamPlace* q) {
+    return along.dot(p->at) < along.dot(q->at);
+  });
+  std::vector<const SeamPlace*> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * (all.size() - 1) / (most - 1)]);
+  return some;
+}
+
 SweepFitReport report_of(const Unknowns& unknowns, const ceres::Solver::Summary& summary) {
   const JointPart& part = *unknowns.part;
   SweepFitReport report;
@@ -274,15 +302,20 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
     }
   }
   for (const PartSeam& seam : seams) {
-    const double weight =
-        std::sqrt(kSeamWeight / static_cast<double>(SeamPlace::kProbes * seam.places.size()));
-    for (const SeamPlace& place : seam.places) {
+    // What stands between two families bends no more often than they do.
+    constexpr std::size_t kPerCoefficient = 3;
+    const int coefficients =
+        std::max(unknowns[seam.first].basis.count(), unknowns[seam.second].basis.count());
+    const std::vector<const SeamPlace*> places =
+        spread(seam.places, kPerCoefficient * static_cast<std::size_t>(1 + coefficients));
+    const double weight = std::sqrt(kSeamWeight / static_cast<double>(SeamPlace::kProbes * places.size()));
+    for (const SeamPlace* place : places) {
       for (std::size_t i = 0; i < SeamPlace::kProbes; ++i) {
         auto probe = std::make_unique<ProbeTerms>();
         probe->weight = weight;
         for (std::size_t side = 0; side < 2; ++side) {
           Unknowns& u = unknowns[side == 0 ? seam.first : seam.second];
-          const FormedPoint& point = place.on[side][i];
+          const FormedPoint& point = place->on[side][i];
           probe->sides[side] = {&u, &point, u.at(point.offset_mm), point.sample.q.x() - u.part->start.x_mm};
         }
         terms.probes.push_back(std::move(probe));

@@ -41,8 +41,8 @@ SweepSeam seam_across_ribs(const RibAxes& axes, double offset, double x, double 
   return {normal, normal.dot(plane.point(x, 0))};
 }
 
-std::vector<double> shares_of(const std::vector<double>& shares, std::size_t parts) {
-  return shares.empty() ? std::vector<double>(parts, 1 / static_cast<double>(parts)) : shares;
+std::vector<double> even_shares(std::size_t parts) {
+  return std::vector<double>(parts, 1 / static_cast<double>(parts));
 }
 
 // Ends of the parts inside an extent: one fewer than parts.
@@ -106,7 +106,7 @@ SweepGrid SweepLayouts::least_grid(const Box& extent) const {
     constexpr double kRounding = 1e-9;
     return most > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(size / most - kRounding))) : 1;
   };
-  return {needed(extent.sizes().x(), edge), needed(extent.sizes().y(), rib), {}, {}};
+  return {needed(extent.sizes().x(), edge), needed(extent.sizes().y(), rib)};
 }
 
 std::size_t SweepLayouts::fewest_parts() const {
@@ -128,10 +128,8 @@ std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes
   const RibAxes whole = axes(planes);
   const Box box = extent_of(whole);
   const SweepGrid least = least_grid(box);
-  const std::vector<double> along = cuts(box.min().x(), box.max().x(),
-                                         shares_of(grid.sweep_shares, grid.along_sweep)),
-                            across = cuts(box.min().y(), box.max().y(),
-                                          shares_of(grid.rib_shares, grid.along_ribs));
+  const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep)),
+                            across = cuts(box.min().y(), box.max().y(), even_shares(grid.along_ribs));
   std::vector<SweepPart> parts;
   for (std::size_t s = 0; s < grid.along_sweep; ++s) {
     for (std::size_t r = 0; r < grid.along_ribs; ++r) {
@@ -174,7 +172,7 @@ Layout SweepLayouts::in_rows() const {
   const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
   const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
   const double extent = box.sizes().x();
-  std::vector<double> shares = shares_of({}, static_cast<std::size_t>(std::ceil(extent / deepest)));
+  std::vector<double> shares = even_shares(static_cast<std::size_t>(std::ceil(extent / deepest)));
   // A row too steep for its depth is made narrower and the others deeper, as far as they may be; where that
   // does not do, there are more rows.
   constexpr int kRounds = 8;
@@ -193,9 +191,8 @@ Layout SweepLayouts::in_rows() const {
     if (worst < least) best = std::move(rows);
     least = std::min(least, worst);
     if (sum < 1) {
-      shares = shares_of(
-          {}, std::max(shares.size() + 1,
-                       static_cast<std::size_t>(std::ceil(static_cast<double>(shares.size()) / sum))));
+      shares = even_shares(std::max(
+          shares.size() + 1, static_cast<std::size_t>(std::ceil(static_cast<double>(shares.size()) / sum))));
     } else {
       for (double& share : shares) share /= sum;
     }
@@ -294,36 +291,6 @@ std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& 
   return parts;
 }
 
-// Parts that are hard to follow made narrower and the others wider, as long as that helps the worst.
-Layout SweepLayouts::balanced(Layout best) const {
-  constexpr int kRounds = 5;
-  if (best.parts.size() == 1 || best.cost_mm >= kHopeless_mm) return best;
-  for (int round = 0; round < kRounds; ++round) {
-    SweepGrid grid = best.grid;
-    std::vector<double> along(grid.along_sweep, 0), across(grid.along_ribs, 0);
-    for (std::size_t i = 0; i < best.fits.size(); ++i) {
-      const double bad = std::max(best.fits[i].cost_mm, 1e-3 * best.cost_mm);
-      double& s = along[i / grid.along_ribs];
-      double& r = across[i % grid.along_ribs];
-      s = std::max(s, bad);
-      r = std::max(r, bad);
-    }
-    const auto narrowed = [&](const std::vector<double>& before, const std::vector<double>& bad) {
-      std::vector<double> shares = shares_of(before, bad.size());
-      double sum = 0;
-      for (std::size_t i = 0; i < bad.size(); ++i) sum += shares[i] *= narrowing(bad[i]);
-      for (double& share : shares) share /= sum;
-      return shares;
-    };
-    grid.sweep_shares = narrowed(grid.sweep_shares, along);
-    grid.rib_shares = narrowed(grid.rib_shares, across);
-    Layout other = fitted(best.planes, best.named, grid, cheap_effort());
-    if (!(other.cost_mm < best.cost_mm)) return best;
-    best = std::move(other);
-  }
-  return best;
-}
-
 std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTried>& tried) const {
   // Splits beyond those that the length asks for are the user's to allow.
   const auto may = [&](const SweepGrid& least, const SweepGrid& grid) {
@@ -342,7 +309,7 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
     const SweepGrid least = least_grid(extent_of(axes(planes_[n])));
     for (std::size_t s = 1; s <= parts; ++s) {
       if (parts % s != 0) continue;
-      const SweepGrid grid{s, parts / s, {}, {}};
+      const SweepGrid grid{s, parts / s};
       if (may(least, grid)) asked.push_back({n, named, grid, 0, false});
       ++named;
     }
@@ -373,10 +340,6 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
     if (largest < kHopeless_mm) tried.back().fit_mm = largest;
   }
   std::erase_if(all, [](const Layout& layout) { return layout.parts.empty(); });
-  std::sort(all.begin(), all.end(), layout_before);
-  constexpr std::size_t kBalanced = 6;
-  tbb::parallel_for(std::size_t{0}, std::min(kBalanced, all.size()),
-                    [&](std::size_t i) { all[i] = balanced(all[i]); });
   std::sort(all.begin(), all.end(), layout_before);
   return all;
 }

@@ -15,8 +15,6 @@ namespace hotblade::pipeline {
 // Rows and columns of parts.
 struct SweepGrid {
   std::size_t along_sweep = 1, along_ribs = 1;
-  // Widths of the parts along the sweep and along the ribs, sum 1; empty: even ones.
-  std::vector<double> sweep_shares = {}, rib_shares = {};
   [[nodiscard]] std::size_t count() const { return along_sweep * along_ribs; }
 };
 
@@ -58,7 +56,7 @@ class SweepLayouts {
   // The fewest parts that blocks and blades allow, in any of these planes.
   [[nodiscard]] std::size_t fewest_parts() const;
 
-  // The planes and the ways to split them into so many even parts, or balanced ones for the best of them:
+  // The planes and the ways to split them into so many even parts:
   // what the Beziers of their sections let one hope for (section_beziers.hpp) by cheap fits, the best first.
   // `tried` is told of all.
   [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
@@ -94,7 +92,6 @@ class SweepLayouts {
                                                                  std::size_t more) const;
   [[nodiscard]] FittedPart in_best_planes(FittedPart part) const;
   [[nodiscard]] SweepPart part_behind(const RibAxes& axes, std::vector<SweepSeam> seams) const;
-  [[nodiscard]] Layout balanced(Layout best) const;
   void fit_parts(Layout& layout, const SweepEffort& effort, const Layout* start) const;
 
   const surface::TriangleMesh& mesh_;

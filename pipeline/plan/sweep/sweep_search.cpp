@@ -196,7 +196,7 @@ class Search {
     return true;
   }
 
-  // The best few with more coefficients, and turned to and fro; none where cheap fits are hopelessly far off.
+  // The best few with more coefficients, turned where need be; none where cheap fits are hopelessly far off.
   [[nodiscard]] std::vector<Layout> refined(const std::vector<Layout>& ranked) const {
     constexpr std::size_t kBest = 3;
     constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
@@ -212,13 +212,16 @@ class Search {
     return best;
   }
 
-  // Small turns of the planes about both axes across, smaller and smaller ones, as long as they help. A
-  // direction serves all parts alike: of many, none is worth the fits of all others.
+  // A closer fit. Where it does not serve, small turns of the planes about both axes across, smaller and
+  // smaller ones, as long as they help. A direction serves all parts alike: of many, none is worth the fits
+  // of all others.
   [[nodiscard]] Layout turned(const Layout& from) const {
     constexpr std::size_t kFew = 4;
     Layout best = layouts_.fitted(from.planes, from.named, from.grid, close_effort(), &from);
-    if (!(best.cost_mm < kHopeless_mm)) return from;
-    if (settings_.slice.direction || from.planes.turns() || from.parts.size() > kFew) return best;
+    const bool serves = best.cost_mm <= settings_.design.tolerance_mm;
+    if (serves || !(best.cost_mm < kHopeless_mm) || settings_.slice.direction || from.planes.turns() ||
+        from.parts.size() > kFew)
+      return best;
     for (const double degrees : {6.0, 3.0, 1.5}) {
       const RibAxes middle = layouts_.axes(best.planes);
       for (const Vector3d& axis : {middle.x, middle.y}) {

@@ -2,7 +2,7 @@
 //
 // Directions are ranked by cheap fits, which cost some milliseconds each; the best are fitted closely and
 // turned a little to and fro. A design too large for one block, or one that a single family does not follow,
-// is split along the sweep or along the ribs into the fewest even or balanced parts that do. What of a plan
+// is split along the sweep or along the ribs into the fewest even parts that do. What of a plan
 // still fails, parts that no block, blade or family serves and strips that were verified and found wanting,
 // is split again at its place, and only that.
 #pragma once
@@ -18,7 +18,7 @@ namespace hotblade::pipeline {
 
 // How a layout came about.
 enum class SweepWay {
-  kEven,    // even or balanced parts of the whole
+  kEven,    // even parts of the whole
   kRows,    // rows of blocks
   kSplit,   // what failed of the try before, split at its place
   kCalmer,  // what failed of the try before, fitted more calmly

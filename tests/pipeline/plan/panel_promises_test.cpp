@@ -124,7 +124,7 @@ TEST_P(PanelPromises, Hold) {
     expect_blade_is_safe(strip, settings);
     const testing::Travelled home = testing::measured_way_home(strip, settings.blade.width_mm);
     EXPECT_GE(home.clearance_mm, 40) << strip.id;
-    EXPECT_LT(home.bent_mm, 0.01) << strip.id;
+    EXPECT_LT(home.bent_mm, 1e-3 + home.chords_mm) << strip.id;
   }
 
   // Measured again from the program's text: deviation, branches from the clamps alone, Beziers.
