@@ -303,7 +303,7 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   }
   for (const PartSeam& seam : seams) {
     // What stands between two families bends no more often than they do.
-    constexpr std::size_t kPerCoefficient = 3;
+    constexpr std::size_t kPerCoefficient = 6;
     const int coefficients =
         std::max(unknowns[seam.first].basis.count(), unknowns[seam.second].basis.count());
     const std::vector<const SeamPlace*> places =
