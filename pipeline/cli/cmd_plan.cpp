@@ -67,23 +67,6 @@ std::string plinth_line(const PlanResult& result) {
                      high_text == low_text ? "" : " to " + high_text);
 }
 
-// Which arm holds which clamp, how, and what is left to its limits.
-std::string arms_table(const Program& program) {
-  if (!program.cell) return "";
-  std::string text = fmt::format("cell {}\n{:<6}{:>6}{:>6}{:>9}{:>20}{:>20}\n", program.cell->name, "strip",
-                                 "a", "b", "raised", "joint margin", "wrist");
-  for (const Strip& strip : program.strips) {
-    const StripArms& arms = *strip.arms;
-    const double degrees = 1 / robot::kDegree_rad;
-    text += fmt::format("{:<6}{:>6}{:>6}{:>6.0f} mm{:>20}{:>20}\n", strip.id, arms.a.arm, arms.b.arm,
-                        arms.raise_mm,
-                        fmt::format("{:.1f} deg {} J{}", arms.joint_margin_rad.value * degrees,
-                                    arms.joint_margin_rad.arm, arms.joint_margin_rad.joint),
-                        fmt::format("{:.1f} deg {}", arms.wrist_rad.value * degrees, arms.wrist_rad.arm));
-  }
-  return text;
-}
-
 void print_summary(const PlanResult& result, const fs::path& directory, const Emitted& emitted) {
   const Verification& v = result.program.verification;
   const Deviation& d = v.deviation_mm;
@@ -93,7 +76,7 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
     std::cout << strip_table(result);
     std::cout << fmt::format("strips {}, ribs {}, at most {:.3g} mm apart\n", result.strips.size(), ribs,
                              result.spacing_mm);
-    std::cout << plinth_line(result) << arms_table(result.program);
+    std::cout << plinth_line(result) << describe_arms(result.program);
   }
   if (result.verification.cut_samples == 0) {
     std::cout << "deviation not measured: nothing is cut\n";
@@ -158,13 +141,7 @@ void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
   }
   result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
   result.refusals = std::move(armed.report.refusals);
-  Verification& v = result.program.verification;
-  if (!result.refusals.empty()) v.status = VerificationStatus::kRefused;
-  // Reach was looked at here, and nothing else of the arms.
-  for (std::string& item : v.not_checked) {
-    if (item == kArmsNotChecked)
-      item = "arm collision; the arms' approach from park, cables, load and torque; jerk of the joints";
-  }
+  if (!result.refusals.empty()) result.program.verification.status = VerificationStatus::kRefused;
 }
 
 // The same job with other settings, judged alike.

@@ -9,10 +9,13 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
+#include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/as_cut.hpp"
@@ -25,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct VerifyArguments {
-  std::string program, design, as_cut, backend = "auto";
+  std::string program, design, as_cut, cell, backend = "auto";
   bool json = false;
   double sample_mm = 2.5;
   int jobs = 0;  // all cores
@@ -145,7 +148,28 @@ void print_report(const Program& program, const VerifyReport& report, const Veri
   print_verdict(program);
 }
 
-std::string json_text(const Program& program, const VerifyReport& report, const VerifyOptions& options) {
+void print_joints(const JointCheck& check) {
+  std::cout << fmt::format(
+      "joints: jaws within {:.2g} mm and {:.2g} rad of their clamps, limits {:.1f} degrees away, wrists "
+      "{:.1f} degrees from "
+      "straight, speeds up to {:.0f} %, accelerations up to {:.0f} % of the cell's\n",
+      check.off_mm, check.off_rad, check.joint_margin_rad / robot::kDegree_rad,
+      check.wrist_rad / robot::kDegree_rad, 100 * check.speed_share, 100 * check.acceleration_share);
+  for (const std::string& line : check.breaches) std::cout << line << "\n";
+}
+
+nlohmann::ordered_json joints_json(const JointCheck& check) {
+  return {{"off_mm", check.off_mm},
+          {"off_rad", check.off_rad},
+          {"joint_margin_rad", check.joint_margin_rad},
+          {"wrist_rad", check.wrist_rad},
+          {"speed_share", check.speed_share},
+          {"acceleration_share", check.acceleration_share},
+          {"breaches", check.breaches}};
+}
+
+std::string json_text(const Program& program, const VerifyReport& report, const VerifyOptions& options,
+                      const std::optional<JointCheck>& joints) {
   const Deviation& d = report.deviation;
   nlohmann::ordered_json json;
   json["within_tolerance"] = report.within_tolerance;
@@ -179,6 +203,7 @@ std::string json_text(const Program& program, const VerifyReport& report, const 
   for (std::size_t i = 0; i < program.strips.size(); ++i)
     json["strips"].push_back(
         {{"id", program.strips[i].id}, {"cut_to_design_max_mm", report.strip_max_mm[i]}});
+  if (joints) json["joints"] = joints_json(*joints);
   json["not_checked"] = program.verification.not_checked;
   return json.dump(2) + "\n";
 }
@@ -190,6 +215,8 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const EndsOnSignal ends(console, "interrupted: not measured to the end");
   if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
   const Program program = read_program(arguments.program);
+  std::optional<JointCheck> joints;
+  if (!arguments.cell.empty()) joints = check_joints(program, read_cell(arguments.cell));
   const fs::path design_file = find_design(arguments, program);
   console.report_progress("read", 0.1);
   const surface::DesignSurface design = read_design_of(program, design_file);
@@ -199,10 +226,12 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   console.report_progress("done", 1);
   tell_backend(report, options.backend, console);
   if (arguments.json) {
-    std::cout << json_text(program, report, options);
+    std::cout << json_text(program, report, options, joints);
   } else {
     print_report(program, report, options);
+    if (joints) print_joints(*joints);
   }
+  if (joints && !joints->breaches.empty()) return Exit::kDeviation;
   if (!report.within_tolerance || !report.ribs.mismatches.empty() || !report.ribs.far.empty())
     return Exit::kDeviation;
   if (!report.holds()) return Exit::kNotCuttable;
@@ -222,6 +251,9 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->add_option("--as-cut", arguments->as_cut,
                    "Measure what this execution log says was cut, instead of the plan")
       ->type_name("JSONL");
+  command
+      ->add_option("--cell", arguments->cell, "Measure the joints too, by the cell that they were found for")
+      ->type_name("CELL");
   command->add_flag("--json", arguments->json, "The result as one JSON object");
   add_backend_option(*command, arguments->backend);
   command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")

@@ -63,6 +63,7 @@ void add_cell(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);
 void add_curve(CLI::App& app, const Console& console, Action& action);
 void add_study(CLI::App& app, const Console& console, Action& action);
+void add_place(CLI::App& app, const Console& console, Action& action);
 void add_preview(CLI::App& app, const Console& console, Action& action);
 void add_sim(CLI::App& app, const Console& console, Action& action);
 void add_run(CLI::App& app, const Console& console, Action& action);

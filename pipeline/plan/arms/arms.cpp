@@ -12,6 +12,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
 #include "pipeline/program/strip_jobs.hpp"
+#include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -209,6 +210,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
   armed.report.warnings = warnings(cell);
   const robot::MotionLimits limits = planned_limits(program);
   for (Strip& strip : armed.program.strips) {
+    if (strip.arms) strip.design_to_cell = raised(strip.design_to_cell, -strip.arms->raise_mm);
     std::vector<Tried> failed;
     double least_outside = 1e9;
     if (const auto tried = choose(strip, cell, limits, failed, least_outside)) {
@@ -223,10 +225,31 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
   }
   if (armed.report.refusals.empty()) {
     armed.program.cell = cell_data(cell);
+    // Reach was looked at here, and nothing else of the arms.
+    for (std::string& item : armed.program.verification.not_checked) {
+      if (item == kArmsNotChecked)
+        item = "arm collision; the arms' approach from park, cables, load and torque; jerk of the joints";
+    }
     return armed;
   }
   armed.program = program;
   return armed;
+}
+
+std::string describe_arms(const Program& program) {
+  if (!program.cell) return "";
+  std::string text = fmt::format("cell {}\n{:<6}{:>6}{:>6}{:>9}{:>20}{:>20}\n", program.cell->name, "strip",
+                                 "a", "b", "raised", "joint margin", "wrist");
+  for (const Strip& strip : program.strips) {
+    const StripArms& arms = *strip.arms;
+    const double degrees = 1 / robot::kDegree_rad;
+    text += fmt::format("{:<6}{:>6}{:>6}{:>6.0f} mm{:>20}{:>20}\n", strip.id, arms.a.arm, arms.b.arm,
+                        arms.raise_mm,
+                        fmt::format("{:.1f} deg {} J{}", arms.joint_margin_rad.value * degrees,
+                                    arms.joint_margin_rad.arm, arms.joint_margin_rad.joint),
+                        fmt::format("{:.1f} deg {}", arms.wrist_rad.value * degrees, arms.wrist_rad.arm));
+  }
+  return text;
 }
 
 }  // namespace hotblade::pipeline

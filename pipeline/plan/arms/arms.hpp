@@ -24,11 +24,16 @@ struct ArmsReport {
 [[nodiscard]] std::string cell_sha256(const robot::Cell& cell);
 
 // Returns the program with the cell and, in each strip that both arms serve, the arms, the joints of every
-// pose and `design_to_cell` raised. A strip that is refused stays as it was, and then no strip has joints.
+// pose and `design_to_cell` raised. Arms that
+// it had before are forgotten. Where a strip is refused the program comes back as it was.
 struct ArmedProgram {
   Program program;
   ArmsReport report;
 };
 [[nodiscard]] ArmedProgram with_arms(const Program& program, const robot::Cell& cell);
+
+// Returns a table for people, a line a strip: which arm holds which clamp, what the block is raised by, what
+// is left to limits and to a straight wrist. Empty for a program without arms.
+[[nodiscard]] std::string describe_arms(const Program& program);
 
 }  // namespace hotblade::pipeline

@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
+#include "pipeline/settings/error.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline {
@@ -193,6 +196,86 @@ TEST(WithArms, HasAHashOfTheWholeCell) {
   cell.margins.wrist_deg = 5;
   cell.arms[0].model_text += " ";
   EXPECT_NE(hash(), before);
+}
+
+TEST(WithArms, ForgetsTheArmsThatWereThere) {
+  robot::Cell cell = cell_named("two_irb4600");
+  cell.place.raise_mm = {200, 200};
+  const Program once = with_arms(slow_vault(), cell).program;
+  const ArmedProgram twice = with_arms(once, cell);
+  ASSERT_THAT(twice.report.refusals, IsEmpty());
+  EXPECT_EQ(to_json(twice.program), to_json(once));
+}
+
+TEST(WithArms, SaysWhatIsLeftToLookAt) {
+  Program program = slow_vault();
+  program.verification.not_checked = {"melt-back", "arm reach and arm collision"};
+  const Program armed = with_arms(program, cell_named("two_kr50")).program;
+  EXPECT_THAT(armed.verification.not_checked[1], HasSubstr("arm collision; the arms' approach"));
+}
+
+Program armed_vault(const robot::Cell& cell) {
+  return with_arms(slow_vault(), cell).program;
+}
+
+TEST(CheckJoints, FindsNothingInWhatWasFound) {
+  for (const char* name : {"two_irb4600", "two_kr50"}) {
+    const robot::Cell cell = cell_named(name);
+    const Program program = armed_vault(cell);
+    const JointCheck check = check_joints(program, cell);
+    EXPECT_THAT(check.breaches, IsEmpty());
+    EXPECT_LE(check.off_mm, 1e-9);
+    EXPECT_LE(check.off_rad, 1e-12);
+    EXPECT_NEAR(check.joint_margin_rad, program.strips[0].arms->joint_margin_rad.value, 1e-12);
+    EXPECT_NEAR(check.wrist_rad, program.strips[0].arms->wrist_rad.value, 1e-12);
+    EXPECT_GT(check.speed_share, 0);
+    EXPECT_LE(check.speed_share, 1);
+    EXPECT_LE(check.acceleration_share, 1);
+  }
+}
+
+TEST(CheckJoints, FindsPlantedFaults) {
+  const robot::Cell cell = cell_named("two_irb4600");
+  const auto breach = [&](const std::function<void(Program&)>& plant) {
+    Program program = armed_vault(cell);
+    plant(program);
+    const JointCheck check = check_joints(program, cell);
+    std::string all;
+    for (const std::string& line : check.breaches) all += line + "\n";
+    return all;
+  };
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->b[2] += 1e-8; }),
+              HasSubstr("S001 at 3.50 s: arm R2: jaw"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].design_to_cell.p.z() += 0.001; }),
+              HasSubstr("off clamp a"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].arms->a.flip = !p.strips[0].arms->a.flip; }),
+              HasSubstr("off clamp a"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->a[4] = 2.09; }),
+              HasSubstr("of its limit, 3 are kept"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->a[4] = 0.01; }),
+              HasSubstr("from straight, 5 at least"));
+  const std::string fast = breach([](Program& p) {
+    for (BladePose& pose : p.strips[0].poses) pose.t /= 1000;
+  });
+  EXPECT_THAT(fast, HasSubstr("% of its speed"));
+  EXPECT_THAT(fast, HasSubstr("% of its acceleration"));
+}
+
+TEST(CheckJoints, NeedsJointsOfThisCell) {
+  const robot::Cell cell = cell_named("two_irb4600");
+  robot::Cell other = cell;
+  other.arms[0].base.p.x() += 1;
+  const auto message = [&](const Program& program) {
+    try {
+      (void)check_joints(program, other);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind, ErrorKind::kBadInput);
+      return std::string(error.what());
+    }
+    return std::string("it was taken");
+  };
+  EXPECT_THAT(message(armed_vault(cell)), HasSubstr("are those of another cell"));
+  EXPECT_THAT(message(slow_vault()), HasSubstr("the program has no joints"));
 }
 
 }  // namespace

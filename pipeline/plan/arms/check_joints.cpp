@@ -1,0 +1,169 @@
+#include "pipeline/plan/arms/check_joints.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/settings/error.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Vector3d;
+
+// Where the jaw of an arm is in the cell: its points carried back from the last axis to the first, one turn
+// at a time.
+struct Jaw {
+  Vector3d p, x, z;
+};
+
+Jaw jaw_of(const robot::CellArm& arm, const ArmJoints& q) {
+  const Eigen::Isometry3d flange = arm.model.arm.flange_at_zero();
+  const robot::ArmTool& tool = arm.tool;
+  Jaw jaw{flange * tool.jaw_p_mm, flange.linear() * tool.jaw_x,
+          flange.linear() * tool.jaw_x.cross(tool.jaw_y)};
+  for (std::size_t i = robot::kJoints; i-- > 0;) {
+    const robot::Joint& joint = arm.model.arm.joints()[i];
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(q[i], joint.axis));
+    jaw.p = joint.point_mm + turn * (jaw.p - joint.point_mm);
+    jaw.x = turn * jaw.x;
+    jaw.z = turn * jaw.z;
+  }
+  return {arm.base.q * jaw.p + arm.base.p, arm.base.q * jaw.x, arm.base.q * jaw.z};
+}
+
+// Between directions; small angles keep their digits.
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+double wrist_angle(const robot::Arm& arm, const ArmJoints& q) {
+  const Vector3d axis_6 =
+      Eigen::Quaterniond(Eigen::AngleAxisd(q[4], arm.joints()[4].axis)) * arm.joints()[5].axis;
+  const double angle = angle_between(arm.joints()[3].axis, axis_6);
+  return std::min(angle, M_PI - angle);
+}
+
+// The worst share of a limit, and where.
+struct Worst {
+  double share = 1;
+  std::string what;
+  void offer(double amount, const auto& say) {
+    if (!(amount > share)) return;
+    share = amount;
+    what = say();
+  }
+};
+
+class StripCheck {
+ public:
+  StripCheck(const Strip& strip, const robot::Cell& cell, JointCheck& check)
+      : strip_(strip), cell_(cell), check_(check) {}
+
+  void run() {
+    for (const bool b : {false, true}) {
+      const HeldClamp& held = b ? strip_.arms->b : strip_.arms->a;
+      const robot::CellArm& arm = cell_.arms[cell_.arms[0].id == held.arm ? 0 : 1];
+      Worst off, limit, wrist, rate, change;
+      for (std::size_t k = 0; k < strip_.poses.size(); ++k) {
+        place(k, b, held, arm, off);
+        limits(k, b, arm, limit, wrist);
+        rates(k, b, arm, rate, change);
+      }
+      for (const Worst* worst : {&off, &limit, &wrist, &rate, &change}) {
+        if (!worst->what.empty()) check_.breaches.push_back(worst->what);
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] const ArmJoints& joints(std::size_t pose, bool b) const {
+    const ClampJoints& both = *strip_.poses[pose].joints;
+    return b ? both.b : both.a;
+  }
+  [[nodiscard]] std::string at(std::size_t pose, const robot::CellArm& arm) const {
+    return fmt::format("{} at {:.2f} s: arm {}", strip_.id, strip_.poses[pose].t, arm.id);
+  }
+
+  void place(std::size_t k, bool b, const HeldClamp& held, const robot::CellArm& arm, Worst& worst) {
+    const Pose clamp = robot::transformed(strip_.design_to_cell, b ? strip_.poses[k].b : strip_.poses[k].a);
+    const Jaw jaw = jaw_of(arm, joints(k, b));
+    const Vector3d x = (b ? -1 : 1) * (clamp.q * Vector3d::UnitX()),
+                   z = (held.flip ? -1 : 1) * (clamp.q * Vector3d::UnitZ());
+    const double mm = (jaw.p - clamp.p).norm(),
+                 rad = std::max(angle_between(jaw.x, x), angle_between(jaw.z, z));
+    check_.off_mm = std::max(check_.off_mm, mm);
+    check_.off_rad = std::max(check_.off_rad, rad);
+    worst.offer(std::max(mm / kJawOff_mm, rad / kJawOff_rad), [&] {
+      return fmt::format("{}: jaw {:.3g} mm and {:.3g} rad off clamp {}", at(k, arm), mm, rad, b ? "b" : "a");
+    });
+  }
+
+  void limits(std::size_t k, bool b, const robot::CellArm& arm, Worst& worst, Worst& worst_wrist) {
+    const ArmJoints& q = joints(k, b);
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      const robot::Joint& joint = arm.model.arm.joints()[i];
+      const double margin = std::min(q[i] - joint.min_rad, joint.max_rad - q[i]);
+      check_.joint_margin_rad = std::min(check_.joint_margin_rad, margin);
+      const double left = margin - cell_.margins.joint_deg * robot::kDegree_rad;
+      // A rounding more than none left.
+      worst.offer(1 - left - 1e-9, [&] {
+        return fmt::format("{} {} within {:.3f} degrees of its limit, {} are kept", at(k, arm), joint.name,
+                           margin / robot::kDegree_rad, cell_.margins.joint_deg);
+      });
+    }
+    const double wrist = wrist_angle(arm.model.arm, q);
+    check_.wrist_rad = std::min(check_.wrist_rad, wrist);
+    worst_wrist.offer(1 + cell_.margins.wrist_deg * robot::kDegree_rad - wrist - 1e-9, [&] {
+      return fmt::format("{} wrist {:.3f} degrees from straight, {} at least", at(k, arm),
+                         wrist / robot::kDegree_rad, cell_.margins.wrist_deg);
+    });
+  }
+
+  // Rates of the steps before and after a pose; at rest before the first and after the last.
+  void rates(std::size_t k, bool b, const robot::CellArm& arm, Worst& worst, Worst& worst_change) {
+    const std::size_t last = strip_.poses.size() - 1;
+    const auto step_s = [&](std::size_t to) { return strip_.poses[to].t - strip_.poses[to - 1].t; };
+    const double before_s = step_s(std::max<std::size_t>(k, 1)), after_s = step_s(std::min(k + 1, last));
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      const double before = k == 0 ? 0 : (joints(k, b)[i] - joints(k - 1, b)[i]) / before_s;
+      const double after = k == last ? 0 : (joints(k + 1, b)[i] - joints(k, b)[i]) / after_s;
+      const robot::Joint& joint = arm.model.arm.joints()[i];
+      const double share = std::abs(after) / (arm.speed_share * joint.speed_rad_s);
+      const double change =
+          std::abs(after - before) / ((before_s + after_s) / 2) / arm.acceleration_rad_s2[i];
+      check_.speed_share = std::max(check_.speed_share, share);
+      check_.acceleration_share = std::max(check_.acceleration_share, change);
+      worst.offer(share, [&] {
+        return fmt::format("{} {} {:.0f} % of its speed", at(k, arm), joint.name, 100 * share);
+      });
+      worst_change.offer(change, [&] {
+        return fmt::format("{} {} {:.0f} % of its acceleration", at(k, arm), joint.name, 100 * change);
+      });
+    }
+  }
+
+  const Strip& strip_;
+  const robot::Cell& cell_;
+  JointCheck& check_;
+};
+
+}  // namespace
+
+JointCheck check_joints(const Program& program, const robot::Cell& cell) {
+  if (!program.cell) throw Error(ErrorKind::kBadInput, "the program has no joints: plan it with --cell");
+  if (program.cell->sha256 != cell_sha256(cell)) {
+    throw Error(ErrorKind::kBadInput, "the program's joints are those of another cell (" +
+                                          program.cell->name + ", sha256 " + program.cell->sha256 +
+                                          "), not of " + cell.name);
+  }
+  JointCheck check;
+  check.joint_margin_rad = check.wrist_rad = std::numeric_limits<double>::infinity();
+  for (const Strip& strip : program.strips) StripCheck(strip, cell, check).run();
+  return check;
+}
+
+}  // namespace hotblade::pipeline
