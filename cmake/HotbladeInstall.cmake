@@ -8,6 +8,9 @@ install(FILES "${PROJECT_BINARY_DIR}/share/hotblade.1"
   DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES "${PROJECT_BINARY_DIR}/share/hotblade.bash"
   DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME hotblade COMPONENT program)
+# Snakemake finds the status script beside its profile.
+install(DIRECTORY pipeline/batch/share/ DESTINATION ${CMAKE_INSTALL_DATADIR}/hotblade/batch COMPONENT program
+  USE_SOURCE_PERMISSIONS)
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT program)
 install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT program

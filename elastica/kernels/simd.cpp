@@ -1,5 +1,9 @@
 #include "elastica/kernels/simd.hpp"
 
+#include <cstdlib>
+
+#include "elastica/kernels/simd_pin.hpp"
+
 namespace hotblade::elastica {
 
 bool supported(Simd simd) {
@@ -20,9 +24,10 @@ bool supported(Simd simd) {
 }
 
 Simd best_simd() {
-  static const Simd best = supported(Simd::kAvx512) ? Simd::kAvx512
-                           : supported(Simd::kAvx2) ? Simd::kAvx2
-                                                    : Simd::kBaseline;
+  static const Simd best = [] {
+    const char* pin = std::getenv("HOTBLADE_SIMD");
+    return simd_named(pin != nullptr ? pin : "");
+  }();
   return best;
 }
 

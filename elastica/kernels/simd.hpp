@@ -9,7 +9,7 @@ enum class Simd { kBaseline, kAvx2, kAvx512 };
 // Whether this machine and operating system run it; kAvx2 asks for FMA too, kAvx512 for F, DQ and VL.
 [[nodiscard]] bool supported(Simd simd);
 
-// The widest instruction set that is supported.
+// HOTBLADE_SIMD's (elastica/kernels/simd_pin.hpp), else the widest that is supported; asked once.
 [[nodiscard]] Simd best_simd();
 
 }  // namespace hotblade::elastica

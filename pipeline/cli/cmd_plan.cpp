@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 struct PlanArguments {
   DesignOptions design;
-  std::string tolerance_mm, output, backend = "auto", cell;
+  std::string tolerance_mm, output, backend = "auto", pictures = "full", cell;
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false, no_pictures = false, advise = false,
        json = false;
@@ -219,8 +219,10 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
   const auto pictures_of = [&](const PlanResult& planned) {
-    if (arguments.no_pictures) return ReportPictures{{}, "not asked for (--no-pictures)", {}};
-    ReportPictures pictures = take_pictures(planned, design);
+    if (arguments.no_pictures || arguments.pictures == "none")
+      return ReportPictures{{}, "not asked for (--no-pictures)", {}};
+    ReportPictures pictures =
+        arguments.pictures == "thumb" ? take_thumbnail(planned, design) : take_pictures(planned, design);
     if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
     return pictures;
   };
@@ -261,6 +263,11 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
                     "Write the program of a refused plan all the same, recorded in it; still exit code 4");
   command->add_flag("--no-pictures", arguments->no_pictures,
                     "No preview.png and scene.gltf, no pictures in report.html");
+  command
+      ->add_option("--pictures", arguments->pictures,
+                   "full: all of them; thumb: a small preview.png alone; none: as --no-pictures")
+      ->check(CLI::IsMember({"none", "thumb", "full"}))
+      ->type_name("none|thumb|full");
   command->add_flag("--advise", arguments->advise,
                     "Plan a refused job again with settings that may help, and say which passed");
   command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");

@@ -8,11 +8,14 @@
 #include <csignal>
 #include <iostream>
 #include <new>
+#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "elastica/kernels/simd.hpp"
+#include "pipeline/cli/batch_commands.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/help.hpp"
 #include "pipeline/program/version.hpp"
@@ -24,7 +27,7 @@ namespace {
 using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
     add_check,   add_plan, add_place, add_verify, add_cell,   add_config,     add_curve, add_study,
-    add_preview, add_sim,  add_run,   add_dryrun, add_export, add_completion, add_ribs,
+    add_preview, add_sim,  add_run,   add_dryrun, add_export, add_completion, add_ribs,  add_batch,
 };
 
 std::atomic<bool> g_interrupted{false};
@@ -72,9 +75,19 @@ void check_log_file(const Console& console) {
                                     std::generic_category().message(error) + "): choose a writable place");
 }
 
+// A pin that this machine cannot keep shows before any work is done.
+void check_simd() {
+  try {
+    (void)elastica::best_simd();
+  } catch (const std::runtime_error& error) {
+    throw Error(ErrorKind::kBadSettings, error.what());
+  }
+}
+
 Exit run_action(const Action& action, const Console& console) {
   try {
     check_log_file(console);
+    check_simd();
     const Exit code = action();
     console.end_progress();
     std::cout.flush();

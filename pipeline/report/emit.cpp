@@ -1,7 +1,6 @@
 #include "pipeline/report/emit.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
@@ -17,9 +16,11 @@
 #include <utility>
 #include <vector>
 
+#include "elastica/kernels/simd_pin.hpp"
 #include "pipeline/export/rib_files.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/program_text.hpp"
+#include "pipeline/program/sha256.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -147,29 +148,6 @@ Json decisions_json(const std::vector<Decision>& decisions) {
 // Strips whose texts are held at once.
 constexpr std::size_t kStripsAtOnce = 8;
 
-// The SHA-256 of a text that comes in pieces.
-class Sha256 {
- public:
-  Sha256() : context_(EVP_MD_CTX_new(), &EVP_MD_CTX_free) {
-    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) fail();
-  }
-  void add(std::string_view text) {
-    if (EVP_DigestUpdate(context_.get(), text.data(), text.size()) != 1) fail();
-  }
-  [[nodiscard]] std::string hex() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
-    unsigned size = 0;
-    if (EVP_DigestFinal_ex(context_.get(), bytes.data(), &size) != 1) fail();
-    std::string text;
-    for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", bytes[i]);
-    return text;
-  }
-
- private:
-  [[noreturn]] static void fail() { throw std::runtime_error("SHA-256 cannot be computed"); }
-  std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> context_;
-};
-
 // Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
 // all that was planned. What the reader would refuse must not be handed out, so each strip is read back
 // first.
@@ -238,6 +216,7 @@ std::string run_json(const PlanResult& result, const RunFacts& facts) {
   const Json run{{"design_path", facts.design_path.string()},
                  {"backend", facts.backend},
                  {"threads", facts.threads},
+                 {"simd", elastica::name(elastica::best_simd())},
                  {"total_s", facts.total_s},
                  {"stage_s", times},
                  {"stage_processor_s", processor}};

@@ -17,6 +17,20 @@ constexpr std::array<std::pair<View, const char*>, 3> kViews{{{View::kBest, "on 
                                                               {View::kTop, "from above (+z)"},
                                                               {View::kFront, "from the front (-y)"}}};
 
+// The words of a picture would be too small to be read on a thumbnail.
+constexpr preview::PictureSize kThumbnail{320, 180};
+
+preview::Scene scene_of_plan(const PlanResult& result, const surface::DesignSurface& design) {
+  preview::Scene scene = result.program.strips.empty() ? preview::scene_of(design)
+                                                       : preview::scene_of(result.program, &design, {});
+  if (!result.refusals.empty()) preview::mark_refusal(scene, refused_reasons(result));
+  return scene;
+}
+
+std::string caption_of(const PlanResult& result, const std::string& view) {
+  return (result.program.strips.empty() ? "the design, " : "") + view;
+}
+
 }  // namespace
 
 std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
@@ -27,22 +41,29 @@ std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
 
 ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design) {
   ReportPictures taken;
-  const bool planned = !result.program.strips.empty();
   try {
-    preview::Scene scene =
-        planned ? preview::scene_of(result.program, &design, {}) : preview::scene_of(design);
-    if (!result.refusals.empty()) preview::mark_refusal(scene, refused_reasons(result));
+    const preview::Scene scene = scene_of_plan(result, design);
     taken.scene_gltf = preview::gltf_of(scene);
     // The first picture says it; the others are shown small, and their space is for the geometry.
     std::vector<preview::Shot> shots;
     for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});
     std::vector<std::string> pngs = preview::pngs_of(scene, {}, shots);
-    for (std::size_t i = 0; i < pngs.size(); ++i) {
-      const std::string caption = kViews[i].second;
-      taken.pictures.push_back({planned ? caption : "the design, " + caption, std::move(pngs[i])});
-    }
+    for (std::size_t i = 0; i < pngs.size(); ++i)
+      taken.pictures.push_back({caption_of(result, kViews[i].second), std::move(pngs[i])});
   } catch (const Error& error) {
     taken.pictures.clear();
+    taken.note = error.what();
+  }
+  return taken;
+}
+
+ReportPictures take_thumbnail(const PlanResult& result, const surface::DesignSurface& design) {
+  ReportPictures taken;
+  try {
+    const std::array shots{preview::Shot{kViews[0].first, false}};
+    std::vector<std::string> pngs = preview::pngs_of(scene_of_plan(result, design), kThumbnail, shots);
+    taken.pictures.push_back({caption_of(result, kViews[0].second), std::move(pngs[0])});
+  } catch (const Error& error) {
     taken.note = error.what();
   }
   return taken;

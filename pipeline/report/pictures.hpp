@@ -24,4 +24,7 @@ struct ReportPictures {
 // error: the figures do not depend on pictures.
 [[nodiscard]] ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design);
 
+// The first of them alone, of 320 x 180 pixels, and no scene: of thousands of plans it is what is looked at.
+[[nodiscard]] ReportPictures take_thumbnail(const PlanResult& result, const surface::DesignSurface& design);
+
 }  // namespace hotblade::pipeline

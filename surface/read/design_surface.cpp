@@ -11,13 +11,12 @@
 
 #include "surface/read/mesh_health.hpp"
 #include "surface/read/mesh_repair.hpp"
+#include "surface/read/obj_statements.hpp"
 #include "surface/read/obj_text.hpp"
 
 namespace hotblade::surface {
 namespace {
 
-// Ten kilometres: far beyond any building part, so a larger coordinate is a damaged number or a wrong unit.
-constexpr double kLargestCoordinateMm = 1e7;
 // The range in which a formwork's largest extent is believed without a question.
 constexpr double kSmallestExtentMm = 50, kLargestExtentMm = 100e3;
 

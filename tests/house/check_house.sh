@@ -61,7 +61,8 @@ pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study
+pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study pipeline/batch
 '
 
 declare -A may

@@ -494,5 +494,38 @@ TEST_F(CommandLine, AWarningIsPrintedOnceAndASizeInOtherUnits) {
   EXPECT_EQ(ended.err.find(hint), ended.err.rfind(hint)) << ended.err;
 }
 
+// Sets an environment variable for the programs started meanwhile.
+class Environment {
+ public:
+  Environment(const char* name, const char* value) : name_(name) { ::setenv(name, value, 1); }
+  ~Environment() { ::unsetenv(name_); }
+  Environment(const Environment&) = delete;
+  Environment& operator=(const Environment&) = delete;
+
+ private:
+  const char* name_;
+};
+
+TEST_F(CommandLine, AnInstructionSetThatThereIsNotIsWrongUsage) {
+  const Environment pin("HOTBLADE_SIMD", "mmx");
+  const Ended ended = hotblade({"check", kVault, "--units", "mm"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(ended.err,
+            "HOTBLADE_SIMD: no instruction set has this name (mmx): give baseline, avx2 or avx512\n");
+}
+
+TEST_F(CommandLine, ThePinnedInstructionSetStandsInRunJson) {
+  const Environment pin("HOTBLADE_SIMD", "baseline");
+  const std::string cut = (files_ / "cut").string();
+  ASSERT_EQ(hotblade({"plan", kVault, "--config", kVaultJob, "--pictures", "thumb", "-o", cut}).code, 0);
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(cut + "/run.json")).at("simd"), "baseline");
+  // A thumbnail is 320 x 180 pixels, as the head of a PNG file says; there is no scene beside it.
+  const std::string png = testing::read_bytes(cut + "/preview.png");
+  ASSERT_GT(png.size(), 24U);
+  EXPECT_EQ(png.substr(16, 8), std::string("\0\0\x01\x40\0\0\0\xb4", 8));
+  EXPECT_LT(png.size(), 100'000U);
+  EXPECT_FALSE(std::filesystem::exists(cut + "/scene.gltf"));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

@@ -1,0 +1,42 @@
+#include "pipeline/batch/status.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "pipeline/batch/result.hpp"
+
+namespace hotblade::pipeline::batch {
+namespace {
+
+double median_of(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+BatchStatus status_of(const BatchDirectory& directory) {
+  BatchStatus status{read_batch(directory), 0, {}, 0, {}, 0};
+  std::vector<double> seconds;
+  for (int chunk = 0; chunk < status.batch.chunks; ++chunk) {
+    std::error_code ignored;
+    status.chunks_done += std::filesystem::exists(directory.stamp(chunk), ignored) ? 1 : 0;
+    for (const PlannedKey& planned : read_chunk(directory, chunk)) {
+      if (!has_result(directory, planned.key)) continue;
+      const Result result = read_result(directory.result(planned.key));
+      ++status.results;
+      ++status.verdicts[result.verdict];
+      seconds.push_back(result.cpu_s);
+    }
+    for (Failure& failure : read_failures(directory, chunk)) {
+      if (!has_result(directory, failure.key)) status.failures.push_back(std::move(failure));
+    }
+  }
+  const double each = seconds.empty() ? status.batch.estimate_s : median_of(seconds);
+  status.left_s = each * static_cast<double>(status.batch.plans - status.results);
+  return status;
+}
+
+}  // namespace hotblade::pipeline::batch

@@ -1,0 +1,264 @@
+#include "surface/read/obj_statements.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+constexpr std::string_view kConvertHint =
+    "save it as UTF-8, for example with: iconv -f UTF-16 -t UTF-8 in.obj > out.obj";
+
+// Statements that carry no polygons; what they say is not needed here.
+constexpr std::array<std::string_view, 18> kPassedOver = {
+    "vt",  "vn",     "vp",     "l",     "p",        "s",        "usemtl",     "mtllib",    "mg",
+    "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vw"};
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
+}
+bool is_line_end(char c) {
+  return c == '\n' || c == '\r';
+}
+
+[[noreturn]] void fail_at(const std::string& name, std::size_t line, const std::string& what) {
+  throw MeshError(name + ":" + std::to_string(line) + ": " + what);
+}
+
+}  // namespace
+
+std::string shown_token(std::string_view token) {
+  constexpr std::size_t kLongest = 40;
+  std::string out(token.substr(0, kLongest));
+  for (char& c : out) {
+    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+  }
+  return token.size() > kLongest ? out + "..." : out;
+}
+
+std::string joined_words(std::span<const std::string> words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+// UTF-16 text reads as garbage or as nothing at all, so it is told apart before anything else.
+std::string_view checked_obj_text(std::string_view text, const std::string& name) {
+  const auto fail = [&name](std::size_t line, const std::string& what) { fail_at(name, line, what); };
+  if (text.empty()) fail(1, "the file is empty (0 bytes): export the design again");
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    fail(1, "the text is UTF-16, as its first two bytes say: " + std::string(kConvertHint));
+  }
+  const std::size_t nul = text.find('\0');
+  if (nul != std::string_view::npos) {
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
+    if (nul < 2) fail(1, "NUL byte: the text looks like UTF-16: " + std::string(kConvertHint));
+    fail(static_cast<std::size_t>(line), "NUL byte (at byte " + std::to_string(nul) +
+                                             "): not OBJ text; if it is UTF-16, " +
+                                             std::string(kConvertHint));
+  }
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
+
+ObjStatements::ObjStatements(std::string_view text, std::string name, double limit, Before before)
+    : name_(std::move(name)),
+      limit_(limit),
+      begin_(text.data()),
+      at_(begin_),
+      end_(begin_ + text.size()),
+      first_(begin_),
+      last_(begin_),
+      at_line_(before.lines + 1),
+      vertices_(before.vertices) {}
+
+void ObjStatements::seek(std::size_t offset, Before before) {
+  at_ = begin_ + offset;
+  at_line_ = before.lines + 1;
+  vertices_ = before.vertices;
+}
+
+void ObjStatements::fail(std::size_t line, const std::string& what) const {
+  fail_at(name_, line, what);
+}
+
+// A `\` before a line end joins lines; a lone CR ends a line as LF and CR LF do.
+bool ObjStatements::joins_lines() const {
+  return *at_ == '\\' && at_ + 1 != end_ && is_line_end(at_[1]);
+}
+
+void ObjStatements::pass_line_end() {
+  at_ += (*at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n') ? 2 : 1;
+  ++at_line_;
+}
+
+void ObjStatements::skip_blanks() {
+  while (at_ != end_) {
+    if (is_blank(*at_)) {
+      ++at_;
+    } else if (joins_lines()) {
+      ++at_;
+      pass_line_end();
+    } else {
+      return;
+    }
+  }
+}
+
+// The next token of this statement; empty at its end. A token that starts with # is a comment.
+std::string_view ObjStatements::token() {
+  skip_blanks();
+  if (at_ == end_ || is_line_end(*at_) || *at_ == '#') return {};
+  const char* start = at_;
+  while (at_ != end_ && !is_blank(*at_) && !is_line_end(*at_) && !joins_lines()) ++at_;
+  last_ = at_;
+  return {start, static_cast<std::size_t>(at_ - start)};
+}
+
+// Passes over what is left of the statement and its line end. A comment ends at its own line's end.
+void ObjStatements::finish_statement() {
+  skip_blanks();
+  while (at_ != end_ && !is_line_end(*at_) && *at_ != '#') {
+    static_cast<void>(token());
+    skip_blanks();
+  }
+  while (at_ != end_ && !is_line_end(*at_)) ++at_;
+  if (at_ != end_) pass_line_end();
+}
+
+ObjStatements::Kind ObjStatements::next() {
+  while (at_ != end_) {
+    line_ = at_line_;
+    keyword_ = token();
+    if (keyword_.empty()) {
+      finish_statement();
+      continue;
+    }
+    first_ = keyword_.data();
+    const Kind kind = read_statement();
+    finish_statement();
+    return kind;
+  }
+  return Kind::kEnd;
+}
+
+ObjStatements::Kind ObjStatements::read_statement() {
+  if (keyword_ == "v") {
+    read_vertex();
+    return Kind::kVertex;
+  }
+  if (keyword_ == "f" || keyword_ == "fo") {
+    read_face();
+    return Kind::kFace;
+  }
+  if (keyword_ != "g" && keyword_ != "o") return other_kind();
+  words_.clear();
+  for (std::string_view word = token(); !word.empty(); word = token()) words_.emplace_back(word);
+  return keyword_ == "o" ? Kind::kObject : Kind::kGroup;
+}
+
+double ObjStatements::number(std::string_view token) const {
+  std::string_view digits = token;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0;
+  const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  // Out of range is said for numbers too small as well; those are zero for every purpose here.
+  if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);
+  if (error == std::errc::invalid_argument || rest != digits.data() + digits.size()) reject_number(token);
+  return value;
+}
+
+void ObjStatements::reject_number(std::string_view token) const {
+  if (token.find('#') != std::string_view::npos) {
+    fail(line_, "coordinate is not a finite number ('" + shown_token(token) +
+                    "'): repair the vertex in the CAD program");
+  }
+  const bool comma = token.find(',') != std::string_view::npos;
+  fail(line_, "not a number ('" + shown_token(token) +
+                  "'): " + (comma ? "export with a decimal point, not a comma" : "a v line reads: v x y z"));
+}
+
+void ObjStatements::read_vertex() {
+  if (vertices_ >= kMost) fail(line_, "too many vertices (limit 2147483647): thin the mesh out");
+  ++vertices_;
+  if (!reads_numbers_) return;
+  Eigen::Vector3d& p = position_;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = token();
+    if (word.empty()) {
+      fail(line_, "missing coordinate (" + std::to_string(axis) + " of 3 given): a v line reads: v x y z");
+    }
+    p[axis] = number(word);
+    if (!std::isfinite(p[axis])) {
+      fail(line_, "coordinate is not a finite number ('" + shown_token(word) +
+                      "'): repair the vertex in the CAD program");
+    }
+    if (std::abs(p[axis]) > limit_) {
+      fail(line_,
+           "coordinate too large (" + shown_token(word) + ", limit 1e7 mm after scaling): check --units");
+    }
+  }
+  // A weight and colours may follow; they are checked to be numbers, so that no text goes unseen, and not
+  // used.
+  for (std::string_view word = token(); !word.empty(); word = token()) {
+    static_cast<void>(number(word));
+  }
+}
+
+// The position index of a corner such as 3, 3/1, 3//2, 3/1/2 or -1/-1; a positive one may point ahead.
+int ObjStatements::corner(std::string_view token) const {
+  const char* end = token.data() + token.size();
+  long long index = 0;
+  auto [rest, error] = std::from_chars(token.data(), end, index);
+  if (error == std::errc::invalid_argument) reject_corner(token);
+  for (int part = 0; part < 2 && rest != end && *rest == '/'; ++part) {
+    long long unused = 0;
+    const auto next = std::from_chars(rest + 1, end, unused);
+    rest = next.ec == std::errc::invalid_argument ? rest + 1 : next.ptr;
+  }
+  if (rest != end) reject_corner(token);
+  const auto count = static_cast<long long>(vertices_);
+  if (error == std::errc() && index == 0) {
+    fail(line_, "vertex index 0 ('" + shown_token(token) + "'): OBJ indices start at 1, relative ones at -1");
+  }
+  if (error == std::errc::result_out_of_range || index > static_cast<long long>(kMost) || index < -count) {
+    fail(line_, "vertex index out of range ('" + shown_token(token) + "', " + std::to_string(count) +
+                    " vertices so far): the file is cut short or was joined wrongly");
+  }
+  return static_cast<int>(index > 0 ? index - 1 : count + index);
+}
+
+void ObjStatements::reject_corner(std::string_view token) const {
+  fail(line_, "not a face corner ('" + shown_token(token) +
+                  "'): corners read v, v/vt, v//vn or v/vt/vn with whole numbers");
+}
+
+void ObjStatements::read_face() {
+  corners_.clear();
+  for (std::string_view word = token(); !word.empty(); word = token()) corners_.push_back(corner(word));
+  if (corners_.size() >= 3) return;
+  fail(line_, "face with too few corners (" + std::to_string(corners_.size()) +
+                  ", at least 3): remove it or export again");
+}
+
+// Unknown lower-case words are extensions of one program or another; anything else is taken for a damaged
+// line, because passing over a misspelt vertex would shift every index after it.
+ObjStatements::Kind ObjStatements::other_kind() const {
+  if (std::find(kPassedOver.begin(), kPassedOver.end(), keyword_) != kPassedOver.end()) return Kind::kOther;
+  const bool word = std::all_of(keyword_.begin(), keyword_.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  if (!word || keyword_[0] < 'a') {
+    fail(line_, "not an OBJ statement ('" + shown_token(keyword_) +
+                    "'): lines start with v, f, vt, vn, g, o, s, usemtl, ...");
+  }
+  return Kind::kUnknown;
+}
+
+}  // namespace hotblade::surface

@@ -1,0 +1,128 @@
+// What the tables and the page of a batch say.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include "pipeline/batch/csv.hpp"
+#include "pipeline/batch/gather.hpp"
+#include "pipeline/settings/error.hpp"
+#include "tests/pipeline/batch/stand_in.hpp"
+
+namespace hotblade::pipeline::batch {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace testing;
+using pipeline::testing::read_bytes;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// The first column of a query's rows.
+std::vector<std::string> query(const fs::path& file, const std::string& sql) {
+  sqlite3* database = nullptr;
+  EXPECT_EQ(::sqlite3_open_v2(file.c_str(), &database, SQLITE_OPEN_READONLY, nullptr), SQLITE_OK);
+  std::vector<std::string> values;
+  const auto take = [](void* list, int, char** cells, char**) {
+    static_cast<std::vector<std::string>*>(list)->emplace_back(cells[0] != nullptr ? cells[0] : "NULL");
+    return 0;
+  };
+  EXPECT_EQ(::sqlite3_exec(database, sql.c_str(), take, &values, nullptr), SQLITE_OK)
+      << ::sqlite3_errmsg(database);
+  ::sqlite3_close(database);
+  return values;
+}
+
+TEST(Batch, TablesHaveEveryJobAndWhatItCameTo) {
+  const StandInBatch batch({20, kRefused, kBadInput});
+  (void)batch.run();
+  EXPECT_EQ(gather(batch.directory(), false, {}).missing, 0U);
+  const fs::path directory = batch.directory().path();
+  const CsvTable table = read_csv(directory / "results.csv");
+  ASSERT_EQ(table.rows.size(), 3U);
+  const auto cell = [&](std::size_t row, const char* column) {
+    return table.rows[row].cells.at(table.column(column));
+  };
+  EXPECT_EQ(cell(0, "panel"), "p20");
+  EXPECT_EQ(cell(0, "verdict"), "passed");
+  EXPECT_EQ(cell(0, "deviation_max_mm"), "0.25");
+  EXPECT_EQ(cell(0, "waypoints"), "100");
+  EXPECT_EQ(cell(0, "machine_s"), "20.5");
+  EXPECT_EQ(cell(0, "stock_m3"), "0.2");
+  EXPECT_EQ(cell(0, "foam_kept_share"), "0.5");
+  EXPECT_EQ(cell(1, "worst_refusal"), "deviation");
+  EXPECT_EQ(cell(2, "deviation_max_mm"), "");
+  EXPECT_TRUE(fs::exists(directory / cell(0, "report")));
+  const fs::path database = directory / "results.sqlite";
+  EXPECT_THAT(query(database, "SELECT verdict FROM jobs ORDER BY job"),
+              ElementsAre("passed", "refused", "bad input"));
+  EXPECT_THAT(query(database, "SELECT typeof(deviation_max_mm) FROM jobs ORDER BY job"),
+              ElementsAre("real", "real", "null"));
+  EXPECT_THAT(query(database, "SELECT panel FROM strips JOIN jobs USING (job) WHERE stock_x_mm = 1000"),
+              ElementsAre("p20", "p904"));
+  EXPECT_THAT(query(database, "SELECT message FROM refusals"), ElementsAre("S001: deviation 2 mm (limit 1)"));
+  EXPECT_THAT(query(database, "SELECT DISTINCT text FROM warnings"), ElementsAre("a warning"));
+  EXPECT_THAT(query(database, "SELECT value FROM settings WHERE key = 'design.tolerance_mm' AND job = 2"),
+              ElementsAre("1.0"));
+}
+
+TEST(Batch, TheBestCaseOfAPanelIsTheOneOfLeastMachineTimeThatPassed) {
+  const StandInBatch batch({20, kRefused});
+  Asked asked = batch.asked();
+  asked.sweeps = {"design.tolerance_mm=1,2"};
+  (void)init_batch(batch.directory(), asked, true, {});
+  (void)batch.run();
+  (void)gather(batch.directory(), false, {});
+  const fs::path database = batch.directory().path() / "results.sqlite";
+  EXPECT_THAT(query(database, "SELECT panel FROM best"), ElementsAre("p20"));
+  EXPECT_THAT(query(database, "SELECT \"design.tolerance_mm\" FROM jobs WHERE panel = 'p20'"),
+              ElementsAre("1", "2"));
+}
+
+TEST(Batch, AJobWithoutAResultIsGatheredOnlyWhenAsked) {
+  const StandInBatch batch({20, kExits});
+  (void)batch.run();
+  try {
+    (void)gather(batch.directory(), false, {});
+    ADD_FAILURE() << "gathered";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::kFile);
+    EXPECT_THAT(error.what(), HasSubstr("job 2 (panel p901) has no result"));
+  }
+  EXPECT_FALSE(fs::exists(batch.directory().path() / "results.csv"));
+  EXPECT_EQ(gather(batch.directory(), true, {}).missing, 1U);
+  const CsvTable table = read_csv(batch.directory().path() / "results.csv");
+  EXPECT_EQ(table.rows[1].cells[table.column("verdict")], "failed");
+  EXPECT_EQ(table.rows[1].cells[table.column("message")], "exit code 1: internal error: broken");
+  const std::string page = read_bytes(batch.directory().path() / "index.html");
+  EXPECT_LT(page.find("data-v=\"failed\""), page.find("data-v=\"passed\""));  // failures first
+}
+
+TEST(Batch, ThePageNeedsNoNetworkAndEscapesNames) {
+  const StandInBatch batch({20});
+  std::string text = read_bytes(batch.asked().design);
+  std::ofstream(batch.asked().design) << text.replace(text.find("g p20"), 5, "g <b>&\"x\"");
+  (void)init_batch(batch.directory(), std::nullopt, true, {});
+  (void)batch.run();
+  (void)gather(batch.directory(), false, {});
+  const std::string page = read_bytes(batch.directory().path() / "index.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("&lt;b&gt;&amp;&quot;x&quot;</a>"), Not(HasSubstr("<b>")),
+                          Not(HasSubstr("http")), Not(HasSubstr("@import"))));
+  const auto script = page.find("<script>");
+  EXPECT_LT(page.find("</script>") - script, 10'000U);
+}
+
+TEST(Batch, GatheringTwiceGivesTheSameBytes) {
+  const StandInBatch batch({20, 21, kRefused});
+  (void)batch.run();
+  const auto bytes = [&] {
+    (void)gather(batch.directory(), false, {});
+    return read_bytes(batch.directory().path() / "results.csv") +
+           read_bytes(batch.directory().path() / "index.html");
+  };
+  EXPECT_EQ(bytes(), bytes());
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline::batch
