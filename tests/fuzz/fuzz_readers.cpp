@@ -1,4 +1,5 @@
-// Broken input for everything that reads text from outside: designs, programs, settings.
+// Broken input for everything that reads text from outside: designs, programs, settings, cells,
+// arms and their meshes.
 // usage: hotblade_fuzz [ROUNDS [SEED]]. Each reader must either accept or throw the error it promises;
 // anything else, and any report of the sanitizers it is built with, ends the run. The seed makes a run
 // repeatable.
@@ -11,9 +12,14 @@
 #include <random>
 #include <string>
 
+#include "pipeline/cell/cell_file.hpp"
+#include "pipeline/cell/embedded.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings.hpp"
+#include "robot/arm/model_file.hpp"
+#include "robot/arm/stl.hpp"
+#include "robot/arm/urdf.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/slice/slice.hpp"
 
@@ -84,6 +90,42 @@ void read_settings(const std::string& text, const fs::path& file) {
   }
 }
 
+void read_cell(const std::string& text) {
+  try {
+    (void)pipeline::to_toml(pipeline::parse_cell(text, "fuzz.toml", {}));
+  } catch (const pipeline::Error&) {
+  }
+}
+
+// An arm that was taken has joints for where it is.
+void read_arm(const std::string& text) {
+  try {
+    const robot::Arm arm = robot::parse_urdf(text, "fuzz.urdf", {}).arm;
+    (void)robot::inverse(arm, robot::forward(arm, robot::JointAngles::Constant(0.3)));
+  } catch (const robot::ModelError&) {
+  }
+}
+
+void read_mesh(const std::string& bytes) {
+  try {
+    (void)robot::parse_stl(bytes, "fuzz.stl", Eigen::Vector3d::Ones());
+  } catch (const robot::ModelError&) {
+  }
+}
+
+std::string small_stl() {
+  std::string bytes(84 + 2 * 50, '\0');
+  bytes[80] = 2;
+  return bytes;
+}
+
+std::string embedded(const std::string& path) {
+  for (const pipeline::EmbeddedFile& file : pipeline::embedded_files()) {
+    if (path == file.path) return file.text;
+  }
+  return "";
+}
+
 // A small design: the first rows of a sample would not mesh, so a grid of its own.
 std::string small_obj() {
   std::string text = "# grid\no grid\n";
@@ -124,13 +166,17 @@ int main(int argc, char** argv) {
   std::mt19937_64 random(seed);
   const fs::path directory = fs::temp_directory_path() / ("hotblade_fuzz_" + std::to_string(seed));
   fs::create_directories(directory);
-  const std::string obj = small_obj(), program = small_program(),
+  const std::string obj = small_obj(), program = small_program(), cell = embedded("cells/two_irb4600.toml"),
+                    arm = embedded("arms/kuka_kr50_r2500/arm.urdf"), mesh = small_stl(),
                     settings = slurp(std::string(HOTBLADE_SOURCE_DIR) + "/samples/barrel_vault.toml");
   for (long i = 0; i < rounds; ++i) {
     try {
       read_design(broken(obj, random), directory / "fuzz.obj");
       read_program(broken(program, random));
       read_settings(broken(settings, random), directory / "fuzz.toml");
+      read_cell(broken(cell, random));
+      read_arm(broken(arm, random));
+      read_mesh(broken(mesh, random));
     } catch (const std::exception& error) {
       std::printf("round %ld of seed %lu: %s\ninputs left in %s\n", i, seed, error.what(), directory.c_str());
       return 1;

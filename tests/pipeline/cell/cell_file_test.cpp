@@ -139,6 +139,16 @@ INSTANTIATE_TEST_SUITE_P(
                "[[obstacle]]", "obstacle[0]: needs at"}),
     [](const auto& instance) { return instance.param.name; });
 
+TEST(CellFile, WarnsOfWhatIsNotThere) {
+  std::string text = text_of("two_kr50");
+  text.replace(text.find("\"raise\""), 7, "\"search\"");
+  text.replace(text.find("[table]"), std::string("[table]\nsize_mm = [1800, 1800, 50]").size(), "");
+  const std::vector<std::string> lines = warnings(parse_cell(text, "two.toml", {}));
+  ASSERT_THAT(lines, SizeIs(2));
+  EXPECT_THAT(lines[0], HasSubstr("moves and turns are not yet"));
+  EXPECT_THAT(lines[1], HasSubstr("no table"));
+}
+
 TEST(CellFile, SaysWhatIsMissing) {
   const auto kind_of = [](const std::string& text) {
     try {
