@@ -56,9 +56,8 @@ std::vector<double> cuts(double from, double to, const std::vector<double>& shar
 
 // By how much a part is too large for any block or blade; at most 1: it is not.
 double excess_of(const PartFit& fit) {
-  const bool too_large =
-      fit.refusal && (fit.refusal->limit == Limit::kRibLength || fit.refusal->limit == Limit::kBlockEdge);
-  return too_large ? fit.refusal->value / fit.refusal->bound : 1;
+  const bool too_long = fit.refusal && fit.refusal->limit == Limit::kRibLength;
+  return std::max(fit.stock_share, too_long ? fit.refusal->value / fit.refusal->bound : 1);
 }
 
 }  // namespace
@@ -162,10 +161,34 @@ void SweepLayouts::fit_parts(Layout& layout, const SweepEffort& effort, const La
   for (const PartFit& fit : layout.fits) layout.cost_mm = std::max(layout.cost_mm, fit.cost_mm);
 }
 
+// How many blocks the design takes about, if none is wasted at its border: each as deep along the sweep as
+// its edges allow where the surface rises, and as long as a rib may be.
+double SweepLayouts::blocks_in(const surface::PlaneFamily& planes) const {
+  const auto& edges = settings_.stock.max_size_mm;
+  const double deepest = fitter_.longest_edge_mm(), longest = std::min(deepest, fitter_.longest_rib_mm()),
+               highest = *std::min_element(edges.begin(), edges.end()) - settings_.stock.base_mm -
+                         settings_.stock.border_mm;
+  double blocks = 0;
+  for (const auto& triangle : surface_->triangles) {
+    const auto corner = [&](std::size_t i) -> const Vector3d& {
+      return surface_->points[static_cast<std::size_t>(triangle[i])];
+    };
+    const Vector3d twice = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    const double area = 0.5 * twice.norm();
+    if (!(area > 0)) continue;
+    const Vector3d sweep = planes.normal(planes.offset(corner(0)));
+    const double along = std::abs(twice.dot(sweep)) / (2 * area),
+                 across = std::sqrt(1 - std::min(1.0, along * along));
+    const double rises = along * deepest > across * highest ? highest / along : deepest / across;
+    blocks += area / (rises * longest);
+  }
+  return blocks;
+}
+
 Layout SweepLayouts::in_rows() const {
-  const auto fewest = std::min_element(planes_.begin(), planes_.end(), [&](const auto& a, const auto& b) {
-    return least_grid(extent_of(axes(a))).count() < least_grid(extent_of(axes(b))).count();
-  });
+  std::vector<double> blocks;
+  for (const surface::PlaneFamily& planes : planes_) blocks.push_back(blocks_in(planes));
+  const auto fewest = planes_.begin() + (std::min_element(blocks.begin(), blocks.end()) - blocks.begin());
   Layout layout{*fewest, 0, {}};
   const RibAxes whole = axes(*fewest);
   const Box box = extent_of(whole);

@@ -61,8 +61,8 @@ class SweepLayouts {
   // `tried` is told of all.
   [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
 
-  // A design of many parts, in the planes that take the fewest: rows of one depth, each cut into parts of one
-  // arc length, with axes of their own.
+  // A design of many parts, in the planes that take the fewest blocks: rows of one depth, each cut into parts
+  // of one arc length, with axes of their own.
   [[nodiscard]] Layout in_rows() const;
 
   // All parts of a grid fitted, from those of `start` where there are any.
@@ -81,6 +81,7 @@ class SweepLayouts {
   [[nodiscard]] SweepGrid least_grid(const Eigen::AlignedBox<double, 2>& extent) const;
   [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
                                                 const SweepGrid& grid) const;
+  [[nodiscard]] double blocks_in(const surface::PlaneFamily& planes) const;
   [[nodiscard]] std::vector<std::vector<FittedPart>> rows_of(const RibAxes& axes,
                                                              const Eigen::AlignedBox<double, 2>& box,
                                                              const std::vector<double>& shares,

@@ -17,8 +17,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Of a family beyond the design, both ends together.
-constexpr double kOverMm = 8;
+// Of a family beyond the design at an end; at a seam it goes as far as its samples do.
+constexpr double kOverMm = 4;
 // Of the design against the middle of its normals, in a plane: beyond, no blade forms it as one graph.
 constexpr double kMostTurnRad = 1.55;
 
@@ -31,9 +31,17 @@ Vector3d sorted(Vector3d size) {
   return size;
 }
 
+double over_first_mm(const SweepData& data) {
+  return data.seam_first ? 0 : kOverMm;
+}
+
+double over_last_mm(const SweepData& data) {
+  return data.seam_last ? 0 : kOverMm;
+}
+
 Vector3d stock_for(const SweepData& data, const StockSettings& stock) {
   return sorted(data.size_mm + Vector3d(2 * stock.border_mm, stock.base_mm + stock.border_mm,
-                                        2 * stock.border_mm + kOverMm));
+                                        2 * stock.border_mm + over_first_mm(data) + over_last_mm(data)));
 }
 
 }  // namespace
@@ -116,8 +124,8 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   options.exponents = effort.exponents;
   options.most_iterations = effort.most_iterations;
   options.calm = effort.calm;
-  options.over_first_mm = data.seam_first ? 0 : 0.5 * kOverMm;
-  options.over_last_mm = data.seam_last ? 0 : 0.5 * kOverMm;
+  options.over_first_mm = over_first_mm(data);
+  options.over_last_mm = over_last_mm(data);
   constexpr double kRadiusReserve = 1.06;
   options.smallest_radius_mm = kRadiusReserve / max_curvature_per_mm(settings_.blade);
   const Vector2d around(clear_mm(), clear_mm());
@@ -142,6 +150,9 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     fit.turn_rad = data.turn_rad;
     fit.gap = data.gap;
   }
+  const auto& most = settings_.stock.max_size_mm;
+  fit.stock_share =
+      stock_for(data, settings_.stock).cwiseQuotient(sorted({most[0], most[1], most[2]})).maxCoeff();
   fit.refusal = refusal_of(data);
   fit.cost_mm = cost_of(data);
   if (!fit.holds()) return fit;

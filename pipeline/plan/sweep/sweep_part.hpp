@@ -49,6 +49,7 @@ struct PartFit : SweepFitReport {
   double cost_mm = 0;
   Eigen::AlignedBox<double, 2> extent;  // of the part along the sweep and along the ribs
   double height_mm = 0;                 // of its middle, along y
+  double stock_share = 0;               // of the largest block, by the edge that fills it most
   double turn_rad = 0;                  // SweepData
   std::optional<SweepGap> gap;          // SweepData
 
