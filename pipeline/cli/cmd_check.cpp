@@ -10,9 +10,9 @@
 #include <optional>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/design_trials.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
-#include "pipeline/plan/forecast.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
@@ -95,13 +95,19 @@ std::string forecast_table(const Forecast& f) {
       row("over 60 degrees to them", fmt::format("{:g} % of the area", short_number(100 * f.steep_share)));
   text += row("strips", fmt::format("{} at least", f.strips_lower_bound));
   text += row("keep", keep_text(f));
-  for (const Advice& advice : f.advice) {
-    text += row("advice", fmt::format("--set \"{}\": {}", advice.assignment, advice.why));
-  }
-  return text;
+  if (f.odd_size && !f.odd_size->hopeless) text += row("size", describe(*f.odd_size));
+  return text + lines("reason", f.reasons);
 }
 
-std::string table(const DesignSurface& design, const std::optional<Forecast>& forecast) {
+// What is said of a design. `tried`: changes of settings that passed; absent where none was to be tried.
+struct Findings {
+  const DesignSurface& design;
+  const std::optional<Forecast>& forecast;
+  const std::optional<std::vector<TriedRemedy>>& tried;
+};
+
+std::string table(const Findings& found) {
+  const DesignSurface& design = found.design;
   const Health& health = design.health;
   const Eigen::Vector3d size = health.bbox_mm[1] - health.bbox_mm[0];
   std::string text = row("file", design.file_name) + row("sha256", design.sha256);
@@ -115,7 +121,15 @@ std::string table(const DesignSurface& design, const std::optional<Forecast>& fo
   text += row("orientable", health.orientable ? "yes" : "no") + row("closed", health.closed ? "yes" : "no");
   text += lines("repaired", health.repairs) + lines("warning", health.warnings);
   text += lines("blocker", health.blockers);
-  if (forecast) text += forecast_table(*forecast);
+  if (found.forecast) text += forecast_table(*found.forecast);
+  if (found.tried) {
+    for (const TriedRemedy& remedy : *found.tried)
+      text += row("tried", fmt::format("{} ({})", describe(remedy), remedy.why));
+    if (found.tried->empty())
+      text += row("tried", found.forecast && !found.forecast->suggestions.empty()
+                               ? "nothing passed of what might help"
+                               : "nothing: the shape suggests no other settings");
+  }
   return text + row("sliceable", health.blockers.empty() ? "yes" : "no");
 }
 
@@ -133,6 +147,15 @@ Json bend_json(const Bending& bend) {
           {"sharper_share", bend.sharper_share}};
 }
 
+Json odd_size_json(const OddSize& odd) {
+  Json json{{"why", odd.why}, {"hopeless", odd.hopeless}, {"units", Json::array()}};
+  for (const OtherUnit& other : odd.others)
+    json["units"].push_back({{"units", other.units},
+                             {"size_mm", point_json(other.size_mm)},
+                             {"strips_lower_bound", other.strips_lower_bound}});
+  return json;
+}
+
 Json forecast_json(const Forecast& f) {
   Json json;
   json["blade_radius_mm"] = f.blade_radius_mm;
@@ -145,14 +168,13 @@ Json forecast_json(const Forecast& f) {
   json["keep_suits"] = f.upright ? Json{"back", "front"} : Json{"below", "above", "back", "front"};
   json["facing"] = f.facing ? Json(*f.facing) : Json();
   json["strips_lower_bound"] = f.strips_lower_bound;
-  json["likelier_units"] = f.likelier ? Json(f.likelier->units) : Json();
-  json["advice"] = Json::array();
-  for (const Advice& advice : f.advice)
-    json["advice"].push_back({{"set", advice.assignment}, {"why", advice.why}});
+  json["odd_size"] = f.odd_size ? odd_size_json(*f.odd_size) : Json();
+  json["reasons"] = f.reasons;
   return json;
 }
 
-std::string json_text(const DesignSurface& design, const std::optional<Forecast>& forecast) {
+std::string json_text(const Findings& found) {
+  const DesignSurface& design = found.design;
   const Health& health = design.health;
   Json json;
   json["file"] = design.file_name;
@@ -172,44 +194,60 @@ std::string json_text(const DesignSurface& design, const std::optional<Forecast>
   json["warnings"] = health.warnings;
   json["blockers"] = health.blockers;
   json["sliceable"] = health.blockers.empty();
-  json["forecast"] = forecast ? forecast_json(*forecast) : Json();
+  json["forecast"] = found.forecast ? forecast_json(*found.forecast) : Json();
+  json["tried"] = found.tried ? to_json(*found.tried) : Json();
   return json.dump(2) + "\n";
 }
 
-// Nothing of a design that cannot be sliced, or that has no area.
-std::optional<Forecast> forecast_of(DesignSurface& design, const Settings& settings) {
-  if (!design.health.blockers.empty() || !(design.health.area_mm2 > 0)) return std::nullopt;
+// Nothing where a fan's axis does not go with the design: that is a warning.
+std::optional<Forecast> forecast_or_warning(DesignSurface& design, const Settings& settings) {
   try {
-    return forecast(design, settings);
+    return forecast_of(design, settings);
   } catch (const surface::FanError& error) {
     design.health.warnings.emplace_back(error.what());
     return std::nullopt;
   }
 }
 
-Exit check(const DesignOptions& options, bool as_json, const Console& console) {
+struct CheckArguments {
+  DesignOptions design;
+  bool as_json = false, advise = false;
+};
+
+Exit check(const CheckArguments& arguments, const Console& console) {
   const EndsOnSignal ends(console, "interrupted: not measured to the end");
-  const Settings settings = resolve_design(options);
-  DesignSurface design = read_design(options.file, settings.design);
+  const Settings settings = resolve_design(arguments.design);
+  const std::string& file = arguments.design.file;
+  DesignSurface design = read_design(file, settings.design);
   const std::string crossings = surface::self_crossings_text(design);
   if (!crossings.empty()) design.health.warnings.push_back(crossings);
-  const std::optional<Forecast> met = forecast_of(design, settings);
-  std::cout << (as_json ? json_text(design, met) : table(design, met));
+  const std::optional<Forecast> met = forecast_or_warning(design, settings);
+  std::optional<std::vector<TriedRemedy>> tried;
+  const bool suggests = met && !met->suggestions.empty();
+  if (arguments.advise) tried.emplace();
+  if (arguments.advise && suggests) {
+    tried = try_changes(settings, changes_by_shape(met->suggestions),
+                        [&](const Settings& changed) { return plan_again(file, changed, {}, false); });
+  }
+  const Findings found{design, met, tried};
+  std::cout << (arguments.as_json ? json_text(found) : table(found));
+  if (suggests && !arguments.advise) console.note(kAdviseHint);
   return design.health.blockers.empty() ? Exit::kOk : Exit::kBadInput;
 }
 
 }  // namespace
 
 void add_check(CLI::App& app, const Console& console, Action& action) {
-  auto options = std::make_shared<DesignOptions>();
-  auto as_json = std::make_shared<bool>(false);
+  auto arguments = std::make_shared<CheckArguments>();
   auto* command = app.add_subcommand("check", "Measure the health of a design: can it be sliced?");
-  add_design_options(*command, *options);
-  command->add_flag("--json", *as_json, "Print JSON instead of a table");
+  add_design_options(*command, arguments->design);
+  command->add_flag("--json", arguments->as_json, "Print JSON instead of a table");
+  command->add_flag("--advise", arguments->advise,
+                    "Plan the job with settings that its shape suggests, and say which passed");
   command->footer(
       "Exit code 3 when the design cannot be sliced.\nExample: hotblade check vault.obj --units mm");
-  command->callback([options, as_json, &console, &action] {
-    action = [options, as_json, &console] { return check(*options, *as_json, console); };
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return check(*arguments, console); };
   });
 }
 

@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <functional>
 #include <future>
 #include <iostream>
 #include <memory>
@@ -14,16 +15,17 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/design_trials.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/arms/arms.hpp"
-#include "pipeline/plan/plan.hpp"
 #include "pipeline/program/read_design.hpp"
-#include "pipeline/report/advice.hpp"
 #include "pipeline/report/emit.hpp"
+#include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
+#include "surface/slice/plane_family.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -82,10 +84,9 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
     std::cout << "deviation not measured: nothing is cut\n";
   } else {
     std::cout << fmt::format(
-        "deviation max {}{:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
+        "deviation max {}, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
         "({:.1f}, {:.1f}, {:.1f})\n",
-        result.verification.capped ? ">= " : "", d.max, d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(),
-        d.at.z());
+        largest_text(result.verification), d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());
@@ -112,23 +113,27 @@ void print_refusals(const PlanResult& result, const Console& console) {
 // What was planned again and passed.
 void tell_remedies(const PlanResult& result, bool asked, const Console& console) {
   if (result.refusals.empty()) return;
-  for (const TriedRemedy& remedy : result.remedies)
-    console.note(fmt::format("tried ({}): {}", remedy.why, describe(remedy)));
-  if (asked && result.remedies.empty()) console.note("tried: nothing passed of what might have helped");
-  if (!asked) console.note("--advise plans the job again with what may help, and says what passed");
+  if (asked || !result.remedies.empty()) {
+    for (const std::string& line : tried_lines(result.remedies)) console.note(line);
+  }
+  if (!asked) console.note(kAdviseHint);
 }
 
-void refuse_blocked(const surface::DesignSurface& design, const std::string& file) {
-  if (design.health.blockers.empty()) return;
-  throw Error(ErrorKind::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
+// What the shape suggests; what a fan's axis does to the design, the plan says.
+std::vector<Suggestion> suggestions_for(surface::DesignSurface& design, const Settings& settings,
+                                        const Console& console) {
+  try {
+    const std::optional<Forecast> met = forecast_of(design, settings);
+    if (!met) return {};
+    if (met->odd_size && !met->odd_size->hopeless) console.note(describe(*met->odd_size));
+    return met->suggestions;
+  } catch (const surface::FanError&) {
+    return {};
+  }
 }
 
-// With --strict a warning is as good as a limit.
-void refuse_warnings(PlanResult& result) {
-  result.refusals.push_back({"design", "", Limit::kWarnings, static_cast<double>(result.warnings.size()), 0,
-                             "first: " + result.warnings.front()});
-  result.program.verification.status = VerificationStatus::kRefused;
-}
+// Where in the command's progress its parts end. Pictures take a second, which is a third of a small plan.
+constexpr double kRead = 0.02, kTried = 0.5, kPlanned = 0.82, kDrawn = 0.97;
 
 // Gives a plan its arms, or refuses it by what stands in their way. A plan that is refused already keeps its
 // own reasons.
@@ -144,19 +149,12 @@ void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
   if (!result.refusals.empty()) result.program.verification.status = VerificationStatus::kRefused;
 }
 
-// The same job with other settings, judged alike.
-PlanResult plan_again(const std::string& file, const Settings& settings, const PlanHooks& hooks,
-                      const std::optional<robot::Cell>& cell, bool strict) {
-  const surface::DesignSurface design = read_design(file, settings.design);
-  refuse_blocked(design, file);
-  PlanResult result = plan(design, settings, hooks);
-  hold_in_cell(result, cell);
-  if (!strict) return result;
-  for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
-  if (const std::string text = surface::self_crossings_text(design); !text.empty())
-    result.warnings.push_back(text);
-  if (!result.warnings.empty()) refuse_warnings(result);
-  return result;
+// Progress of a part of the command, told as that of the whole.
+std::function<void(const std::string&, double)> progress_within(const Console& console, double from,
+                                                                double to) {
+  return [&console, from, to](const std::string& stage, double share) {
+    console.report_progress(stage, from + share * (to - from));
+  };
 }
 
 constexpr const char* kInterrupted = "interrupted: nothing was written";
@@ -177,22 +175,23 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   console.report_progress("read", 0);
   std::optional<EndsOnSignal> ends(std::in_place, console, kInterrupted);
   surface::DesignSurface design = read_design(design_options.file, settings.design);
-  ends.reset();
   const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
   console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
                            design.health.triangles, size.x(), size.y(), size.z(), settings.design.units,
                            settings.design.up));
   for (const std::string& line : design.health.repairs) console.note("repaired: " + line);
+  const std::vector<Suggestion> suggested = suggestions_for(design, settings, console);
   for (const std::string& line : design.health.warnings) console.warn("warning: " + line);
   refuse_blocked(design, design_options.file);
+  ends.reset();
   const fs::path directory = output_directory(arguments);
   OutputSet output(directory, arguments.force);
   ends.emplace(console, kInterrupted, [&output] { return output.abandon(); });
 
   PlanHooks hooks;
-  hooks.progress = [&console](const std::string& stage, double share) {
-    console.report_progress(stage, share);
-  };
+  // Where it is refused, other settings may be tried.
+  const bool may_try = arguments.advise || !suggested.empty();
+  hooks.progress = progress_within(console, kRead, may_try ? kTried : kPlanned);
   hooks.backend = backend_named(arguments.backend);
   // Sheets that cross do not stop a plan; they are looked for beside it.
   std::future<std::string> crossings =
@@ -208,21 +207,31 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   if (arguments.strict && !result.warnings.empty()) refuse_warnings(result);
   if (!result.refusals.empty()) {
     // What the shape alone suggests is tried unasked: it is the likeliest reason of all.
-    const auto changes = arguments.advise ? likely_changes(result, design) : changes_by_shape(result, design);
-    result.remedies = try_changes(result, changes, [&](const Settings& changed) {
-      return plan_again(design_options.file, changed, hooks, cell, arguments.strict);
+    const auto changes = arguments.advise ? likely_changes(result, suggested) : changes_by_shape(suggested);
+    int trial = 0;
+    result.remedies = try_changes(settings, changes, [&](const Settings& changed) {
+      const auto end = [](int trials) { return kTried + trials * (kPlanned - kTried) / kMostTrials; };
+      hooks.progress = progress_within(console, end(trial), end(trial + 1));
+      ++trial;
+      return plan_again(design_options.file, changed, hooks, arguments.strict,
+                        [&](PlanResult& again) { hold_in_cell(again, cell); });
     });
   }
-  console.report_progress("emit", 0.95);
+  console.report_progress("draw", kPlanned);
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
   const auto pictures_of = [&](const PlanResult& planned) {
-    if (arguments.no_pictures || arguments.pictures == "none")
+    if (arguments.no_pictures || arguments.pictures == "none") {
+      console.report_progress("write", kDrawn);
       return ReportPictures{{}, "not asked for (--no-pictures)", {}};
-    ReportPictures pictures =
-        arguments.pictures == "thumb" ? take_thumbnail(planned, design) : take_pictures(planned, design);
+    }
+    const auto drawn = [&](double share) {
+      console.report_progress(share < 1 ? "draw" : "write", kPlanned + share * (kDrawn - kPlanned));
+    };
+    ReportPictures pictures = arguments.pictures == "thumb" ? take_thumbnail(planned, design)
+                                                            : take_pictures(planned, design, drawn);
     if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
     return pictures;
   };

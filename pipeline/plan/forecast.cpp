@@ -1,6 +1,5 @@
 #include "pipeline/plan/forecast.hpp"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
@@ -291,92 +290,35 @@ surface::TriangleMesh facing_part(const surface::TriangleMesh& mesh, const std::
   return surface::TriangleMesh(std::move(soup));
 }
 
-std::string vector_text(const std::array<double, 3>& v) {
-  return fmt::format("[{:g}, {:g}, {:g}]", v[0], v[1], v[2]);
-}
-
-// The unit in which a design of an odd size would fit blade and blocks best.
-std::optional<OtherUnit> likelier_unit(const surface::DesignSurface& design, const Forecast& f,
-                                       const Settings& settings) {
-  const Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
-  const auto& edges = settings.stock.max_size_mm;
-  const double block = *std::max_element(edges.begin(), edges.end());
-  // Smaller than the clamps' distance from the stock, more strips than a day cuts, or next to nothing that a
-  // blade forms.
-  constexpr double kMostStrips = 50, kMostlySharper = 0.5;
-  const bool small =
-      size.maxCoeff()<2 * settings.stock.clearance_mm, large = static_cast<double>(f.strips_lower_bound)>
-          kMostStrips,
-             sharp = f.sections.sharper_share + f.steep_share > kMostlySharper;
-  if (!small && !large && !sharp) return std::nullopt;
-  std::optional<OtherUnit> best;
-  double best_off = kInf;
-  for (const char* units : {"mm", "cm", "m", "in", "ft"}) {
-    if (design.units == units) continue;
-    const double scale = surface::scale_to_mm(units) / design.scale_to_mm;
-    const OtherUnit other{units, scale * size,
-                          strips_lower_bound(scale * scale * design.health.area_mm2, settings)};
-    if (!(scale * f.sections.radius_mm >= f.blade_radius_mm)) continue;
-    if (other.size_mm.maxCoeff() < 2 * settings.stock.clearance_mm ||
-        static_cast<double>(other.strips_lower_bound) > kMostStrips)
-      continue;
-    // By how many times it is larger or smaller than what a block holds.
-    const double off = std::abs(std::log(other.size_mm.maxCoeff() / block));
-    if (off >= best_off) continue;
-    best_off = off;
-    best = other;
-  }
-  return best;
-}
-
-void advise(const surface::DesignSurface& design, const surface::TriangleMesh& cut, const Settings& settings,
-            Forecast& f) {
-  const DesignSettings& now = settings.design;
-  if (f.likelier) {
-    f.advice.push_back({"design.units=" + f.likelier->units,
-                        fmt::format("{:.4g} x {:.4g} x {:.4g} mm if in {}", f.likelier->size_mm.x(),
-                                    f.likelier->size_mm.y(), f.likelier->size_mm.z(), f.likelier->units)});
-  }
-  if (f.facing) {
-    f.advice.push_back(
-        {"design.facing=" + vector_text(*f.facing),
-         fmt::format("the design is closed: a blade cuts the {:.0f} % of its area that look there",
-                     100 * f.facing_share)});
-  }
-  const bool along_z = now.keep == Keep::kBelow || now.keep == Keep::kAbove;
-  if (!along_z || !f.upright) return;
-  // A surface that is upright as read, and faces along what may be its own way up.
-  constexpr double kMostOfIt = 0.8;
-  double along_y = 0, area = 0;
-  for (const auto& t : cut.triangles()) {
-    const Vector3d n = doubled_area(cut, t);
-    along_y += std::abs(n.y());
+// Shares of the area, looked at along each axis.
+Vector3d seen_along_axes(const surface::TriangleMesh& mesh) {
+  Vector3d seen{0, 0, 0};
+  double area = 0;
+  for (const auto& t : mesh.triangles()) {
+    const Vector3d n = doubled_area(mesh, t);
+    seen += n.cwiseAbs();
     area += n.norm();
   }
-  if (!f.facing && design.up == 'z' && along_y > kMostOfIt * area) {
-    f.advice.push_back({"design.up=y",
-                        "most of it faces along y, so that y may be its way up; if it does stand upright: "
-                        "design.keep=back or front"});
-    return;
-  }
-  f.advice.push_back(
-      {"design.keep=back",
-       fmt::format("\"{}\" says nothing about a surface that stands upright: back keeps the foam "
-                   "behind its faces, front the foam before them",
-                   name(now.keep))});
+  return area > 0 ? Vector3d(seen / area) : seen;
+}
+
+Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Forecast& f) {
+  Shape shape;
+  shape.units = design.units;
+  shape.size_mm = design.health.bbox_mm[1] - design.health.bbox_mm[0];
+  shape.area_mm2 = area_mm2;
+  shape.radius_mm = f.sections.radius_mm;
+  shape.lost_share = f.sections.sharper_share + f.steep_share;
+  shape.blade_radius_mm = f.blade_radius_mm;
+  shape.facing = f.facing;
+  shape.facing_share = f.facing_share;
+  shape.upright = f.upright;
+  shape.seen = seen_along_axes(design.mesh);
+  shape.up = design.up;
+  return shape;
 }
 
 }  // namespace
-
-std::size_t strips_lower_bound(double area_mm2, const Settings& settings) {
-  const auto& size = settings.stock.max_size_mm;
-  const Vector3d most(size[0], size[1], size[2]);
-  const double sweep = settings.slice.fan_axis ? 0.5 * std::numbers::pi * most.norm() : most.maxCoeff();
-  const double covered = settings.blade.free_lengths_mm.back() * sweep / std::cos(kMaxSlopeRad);
-  constexpr double kRounding = 1e-9;
-  const double share = 1 - settings.design.max_uncut_share;
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(share * area_mm2 / covered - kRounding)));
-}
 
 Forecast forecast(const surface::DesignSurface& design, const Settings& settings) {
   Forecast f;
@@ -407,8 +349,10 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   const std::vector<Curved> points = curved_points(cut);
   f.surface = surface_bend(points, f.blade_radius_mm);
   choose_planes(cut, points, settings, f);
-  f.likelier = likelier_unit(design, f, settings);
-  advise(design, cut, settings, f);
+  const Shape shape = shape_of(design, area, f);
+  f.odd_size = odd_size(shape, settings);
+  f.reasons = reasons(shape, settings);
+  f.suggestions = suggestions(shape, f.odd_size, settings);
   return f;
 }
 

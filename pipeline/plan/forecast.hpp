@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/plan/suggestions.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -22,19 +23,6 @@ struct Bending {
   double radius_mm = 0;  // the smallest, but for a thousandth of the area; infinite where nothing bends
   Eigen::Vector3d at{0, 0, 0};  // where that is
   double sharper_share = 0;     // of the area that bends more sharply than the blade may
-};
-
-// A change of settings, as `--set` takes it, and why.
-struct Advice {
-  std::string assignment;  // "design.keep=back"
-  std::string why;
-};
-
-// The design in another unit.
-struct OtherUnit {
-  std::string units;
-  Eigen::Vector3d size_mm{0, 0, 0};
-  std::size_t strips_lower_bound = 1;
 };
 
 struct Forecast {
@@ -51,18 +39,13 @@ struct Forecast {
   double lean = 0;          // of the area's mean normal towards z, of the faces to be cut: -1 to 1
   bool upright = false;     // it leans so little that `below` and `above` say nothing about it
   std::size_t strips_lower_bound = 1;
-  std::optional<OtherUnit> likelier;  // where the size is odd in the unit given
-  std::vector<Advice> advice;         // to be followed all together
+  std::optional<OddSize> odd_size;      // for blade and blocks in the unit given
+  std::vector<std::string> reasons;     // what stands against the settings, without the size
+  std::vector<Suggestion> suggestions;  // what may help: not tried
 };
 
 // Returns the forecast. The design must have triangles with an area (std::logic_error). Throws
 // surface::FanError where the fan's axis does not go with the design.
 [[nodiscard]] Forecast forecast(const surface::DesignSurface& design, const Settings& settings);
-
-// Returns a number of strips that no plan goes below. Fewer cannot cut a design: a strip's ribs are no longer
-// than the longest blade, it leans against its planes by kMaxSlopeRad at most, and no point of its blade
-// sweeps farther than the longest edge of a block, or than half the circle about its diagonal where planes
-// turn. What may be left uncut need not be covered.
-[[nodiscard]] std::size_t strips_lower_bound(double area_mm2, const Settings& settings);
 
 }  // namespace hotblade::pipeline

@@ -9,14 +9,13 @@
 #include <mutex>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <stdexcept>
-#include <tuple>
 
-#include "pipeline/plan/forecast.hpp"
+#include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/stopwatch.hpp"
+#include "pipeline/plan/suggestions.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
@@ -31,8 +30,8 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// Of an attempt, what is done when its ribs are fitted, when its strips are posed, and when it is verified.
-constexpr double kPoseShare = 0.3, kVerifyShare = 0.9;
+// Of a try that is looked at in full, what is done when its strips are posed.
+constexpr double kPosed = 0.6;
 
 StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   const StripPlan& plan = posed.strip;
@@ -97,7 +96,7 @@ void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings,
     planned[i] = planned_strip(std::move(posed), settings);
     const std::scoped_lock lock(telling);
     const double posed_share = static_cast<double>(++told) / static_cast<double>(count);
-    hooks.progress("pose", kPoseShare + posed_share * (kVerifyShare - kPoseShare));
+    hooks.progress("pose", posed_share * kPosed);
   });
   for (PlannedStrip& d : planned) {
     result.program.strips.push_back(std::move(d.strip));
@@ -128,7 +127,7 @@ void pose_and_verify(const std::vector<StripPlan>& strips, const surface::Design
   pose_strips(strips, settings, hooks, result);
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
-  hooks.progress("verify", kVerifyShare);
+  hooks.progress("verify", kPosed);
   VerifyOptions verify_options;
   verify_options.tolerance_mm = settings.design.tolerance_mm;
   verify_options.max_uncut_share = settings.design.max_uncut_share;
@@ -252,31 +251,11 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
   judge(settings, result);
 }
 
-// The strips that refusals speak of, and those that deviate by more than allowed.
-std::vector<bool> failed_strips(const PlanResult& result) {
-  std::vector<bool> failed;
-  for (const StripFacts& strip : result.strips) {
-    const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
-      return r.strip == strip.id || r.strip.starts_with(strip.id + " ");
-    });
-    failed.push_back(refused || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
-  }
-  if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();
-  return failed;
-}
-
 // The refused plan that comes nearest to one that passes: what is shown when none does.
 class Nearest {
  public:
   void offer(const SweptPlan& swept, const PlanResult* verified) {
-    const std::vector<bool> failed = verified ? failed_strips(*verified) : std::vector<bool>{};
-    const auto failing = static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
-    // What was verified says more than a part that has no strip; then the fewer kinds of limits it breaks the
-    // better, as each takes a change of its own.
-    std::set<Limit> limits;
-    for (const Refusal& r : verified ? verified->refusals : swept.refusals) limits.insert(r.limit);
-    const std::tuple rank{verified == nullptr, limits.size(), swept.refusals.size() + failing,
-                          swept.strips.size()};
+    const Nearness rank = nearness(swept, verified);
     if (rank_ && !(rank < *rank_)) return;
     rank_ = rank;
     swept_ = swept;
@@ -309,17 +288,17 @@ class Nearest {
                 "\" says nothing about an upright surface"};
   }
 
-  std::optional<std::tuple<bool, std::size_t, std::size_t, std::size_t>> rank_;
+  std::optional<Nearness> rank_;
   SweptPlan swept_;
   std::optional<PlanResult> verified_;
 };
 
-// Each strip as one swept family: the first such plan that passes is taken.
+// Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
+// looked at in full, `progress` of the rest.
 void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-                Stopwatch& watch, PlanResult& result) {
+                PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
   bool taken = false;
   Nearest nearest;
-  hooks.progress("sweep", 0);
   const auto judged = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
     PlanResult other = result;
@@ -328,6 +307,7 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     result.decisions.push_back(decision_of(swept, other));
     if (!whole || !other.refusals.empty()) {
       nearest.offer(swept, whole ? &other : nullptr);
+      progress.next_try();
       return {false, whole ? failed_strips(other) : std::vector<bool>{}};
     }
     other.decisions = std::move(result.decisions);
@@ -337,11 +317,7 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     taken = true;
     return {true, {}};
   };
-  std::mutex telling;
-  const auto watched = [&](double) {
-    const std::scoped_lock lock(telling);
-    hooks.progress("sweep", 0);
-  };
+  const auto watched = [&](double) { progress.fitted(); };
   std::vector<PlanesTried> ranking;
   try {
     ranking = search_sweeps(design, settings, judged, watched);
@@ -368,12 +344,14 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   program.blade = settings.blade;
   program.settings = settings;
   Stopwatch watch(result.times);
-  PlanProgress progress(hooks.progress);
-  constexpr double kSweepsEnd = 0.95;
-  PlanHooks sweeps = hooks;
-  sweeps.progress = [&](const std::string& stage, double) { progress.step(stage, kSweepsEnd); };
-  try_sweeps(design, settings, sweeps, watch, result);
-  result.strips_lower_bound = strips_lower_bound(result.verification.area_mm2, settings);
+  // Ranking takes some hundred fits, and every strip some more.
+  constexpr double kRankingFits = 100, kFitsOfStrip = 8;
+  const std::size_t fewest = strips_lower_bound(design.health.area_mm2, settings);
+  PlanProgress progress(hooks.progress, kRankingFits + kFitsOfStrip * static_cast<double>(fewest));
+  PlanHooks looking = hooks;
+  looking.progress = [&](const std::string& stage, double share) { progress.looked_at(stage, share); };
+  try_sweeps(design, settings, looking, progress, watch, result);
+  result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   Verification& v = program.verification;
   v.tolerance_mm = settings.design.tolerance_mm;

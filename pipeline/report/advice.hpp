@@ -3,11 +3,12 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
 #include "pipeline/plan/plan.hpp"
-#include "surface/read/design_surface.hpp"
+#include "pipeline/plan/suggestions.hpp"
 
 namespace hotblade::pipeline {
 
@@ -22,21 +23,24 @@ struct SettingsChange {
 // Plans the job with other settings.
 using PlanAgain = std::function<PlanResult(const Settings&)>;
 
-// Returns the changes that the design's shape alone suggests: a closed solid, y up, or both.
-[[nodiscard]] std::vector<SettingsChange> changes_by_shape(const PlanResult& refused,
-                                                           const surface::DesignSurface& design);
+// Returns the changes that the design's shape alone suggests (pipeline/plan/suggestions.hpp).
+[[nodiscard]] std::vector<SettingsChange> changes_by_shape(const std::vector<Suggestion>& suggestions);
 
-// Returns the changes that are likely to help, most likely first: of what the design is, then of planes that
-// were given, then of what stood in the way (report/remedies.hpp).
+// Returns the changes that are likely to help, most likely first: those that the shape suggests, then of
+// planes that were given, then of what stood in the way (report/remedies.hpp).
 [[nodiscard]] std::vector<SettingsChange> likely_changes(const PlanResult& refused,
-                                                         const surface::DesignSurface& design);
+                                                         const std::vector<Suggestion>& suggestions);
 
-// Tries them in their order, at most kMostTrials plans in all, and returns those that passed with what came
-// of them. A number that did not do is tried again as the new plan asks for, at most twice.
+// Tries them on top of the settings in their order, at most kMostTrials plans in all, and returns those that
+// passed with what came of them. A number that did not do is tried again as the new plan asks for, at most
+// twice.
 inline constexpr int kMostTrials = 6;
-[[nodiscard]] std::vector<TriedRemedy> try_changes(const PlanResult& refused,
+[[nodiscard]] std::vector<TriedRemedy> try_changes(const Settings& settings,
                                                    const std::vector<SettingsChange>& changes,
                                                    const PlanAgain& plan_again);
+
+// Returns tried remedies as report.json has them.
+[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<TriedRemedy>& remedies);
 
 // Returns the change as it is given on the command line, in the options that win over all others: `--up y`,
 // `--tolerance 1.3`, `--set "machine.plinth_mm=160"`, `without slice.direction`.

@@ -21,6 +21,7 @@
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/program/sha256.hpp"
+#include "pipeline/report/advice.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -239,8 +240,12 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["program_sha256"] = program_sha256.empty() ? Json() : Json(program_sha256);
   report["tolerance_mm"] = v.tolerance_mm;
   const Deviation& d = v.deviation_mm;
-  report["deviation_mm"] = {
-      {"max", d.max}, {"p99", d.p99}, {"rms", d.rms}, {"mean", d.mean}, {"at", vector_json(d.at)}};
+  report["deviation_mm"] = {{"max", d.max},
+                            {"p99", d.p99},
+                            {"rms", d.rms},
+                            {"mean", d.mean},
+                            {"at", vector_json(d.at)},
+                            {"capped", result.verification.capped}};
   report["percentiles_mm"] = Json::array();
   for (const auto& [percent, mm] : result.verification.percentiles_mm) {
     report["percentiles_mm"].push_back({{"percent", percent}, {"mm", mm}});
@@ -261,16 +266,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["decisions"] = decisions_json(result.decisions);
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(refusal_json(r));
-  report["remedies"] = Json::array();
-  for (const TriedRemedy& m : result.remedies) {
-    report["remedies"].push_back({{"set", m.assignments},
-                                  {"without", m.without},
-                                  {"because", m.why},
-                                  {"deviation_mm", m.deviation_mm},
-                                  {"tolerance_mm", m.tolerance_mm},
-                                  {"strips", m.strips},
-                                  {"verdict", m.verdict}});
-  }
+  report["remedies"] = to_json(result.remedies);
   report["overrides"] = result.program.overrides;
   report["warnings"] = result.warnings;
   report["not_checked"] = v.not_checked;

@@ -39,11 +39,16 @@ std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
   return reasons;
 }
 
-ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design) {
+ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design,
+                             const std::function<void(double)>& progress) {
+  // What measuring the cut for its colours takes, and the scene's file.
+  constexpr double kScene = 0.3, kFile = 0.4;
   ReportPictures taken;
   try {
     const preview::Scene scene = scene_of_plan(result, design);
+    progress(kScene);
     taken.scene_gltf = preview::gltf_of(scene);
+    progress(kFile);
     // The first picture says it; the others are shown small, and their space is for the geometry.
     std::vector<preview::Shot> shots;
     for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});

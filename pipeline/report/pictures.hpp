@@ -1,6 +1,7 @@
 // The pictures of a report: what is cut, from three sides.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,10 @@ struct ReportPictures {
 [[nodiscard]] std::vector<RefusedReason> refused_reasons(const PlanResult& result);
 
 // The pictures of a plan, drawn without a display. A machine that cannot draw gets none and a note, never an
-// error: the figures do not depend on pictures.
-[[nodiscard]] ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design);
+// error: the figures do not depend on pictures. `progress` is told the share that is done.
+[[nodiscard]] ReportPictures take_pictures(
+    const PlanResult& result, const surface::DesignSurface& design,
+    const std::function<void(double)>& progress = [](double) {});
 
 // The first of them alone, of 320 x 180 pixels, and no scene: of thousands of plans it is what is looked at.
 [[nodiscard]] ReportPictures take_thumbnail(const PlanResult& result, const surface::DesignSurface& design);

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/edit_distance.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings_fields.hpp"
@@ -344,20 +345,31 @@ void apply_assignment(Settings& settings, Origins& origins, const std::string& k
   apply_value(settings, origins, section, key.substr(dot + 1), *table.get("value"), where);
 }
 
+void apply_assignments(Settings& settings, Origins& origins, const std::vector<std::string>& assignments) {
+  for (const std::string& assignment : assignments) {
+    const auto equals = assignment.find('=');
+    if (equals == std::string::npos) fail("--set", "(" + assignment + ") must be section.key=value");
+    apply_assignment(settings, origins, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+  }
+}
+
 }  // namespace
 
 Settings resolve(const SettingsSources& sources) {
   Settings settings;
   Origins origins;
   for (const auto& file : sources.files) apply_file(settings, origins, file);
-  for (const std::string& assignment : sources.assignments) {
-    const auto equals = assignment.find('=');
-    if (equals == std::string::npos) fail("--set", "(" + assignment + ") must be section.key=value");
-    apply_assignment(settings, origins, assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
-  }
+  apply_assignments(settings, origins, sources.assignments);
   for (const SettingsFlag& flag : sources.flags) {
     apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
   }
+  check(settings, origins);
+  return settings;
+}
+
+Settings with_assignments(Settings settings, const std::vector<std::string>& assignments) {
+  Origins origins;
+  apply_assignments(settings, origins, assignments);
   check(settings, origins);
   return settings;
 }

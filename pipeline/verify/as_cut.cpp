@@ -10,6 +10,7 @@
 
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/as_cut_budget.hpp"
+#include "pipeline/verify/largest_text.hpp"
 #include "robot/controller/execution_log.hpp"
 #include "robot/controller/execution_poses.hpp"
 
@@ -231,12 +232,11 @@ std::string to_json(const AsCutReport& report, const VerifyOptions& options) {
 std::string describe(const AsCutReport& report, const VerifyOptions& options) {
   const Deviation& d = report.cut.deviation;
   std::string text = fmt::format(
-      "as cut: deviation max {}{:.3f} mm, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} "
-      "mm), "
-      "worst at "
+      "as cut: deviation max {}, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} mm), worst "
+      "at "
       "({:.1f}, {:.1f}, {:.1f}) in {} near {}\n",
-      report.cut.capped ? ">= " : "", d.max, d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(),
-      d.at.z(), report.strip, report.rib);
+      largest_text(report.cut), d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z(),
+      report.strip, report.rib);
   text += fmt::format("as cut: uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n",
                       report.cut.uncut_mm2, 100 * report.cut.uncut_share(), 100 * options.max_uncut_share);
   text += fmt::format("as cut: {} hot blade poses, deepest cut beside the design's {:.3f} mm\n",

@@ -1,5 +1,6 @@
 #include "pipeline/verify/verify.hpp"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -16,6 +17,7 @@
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/verify/design_border.hpp"
 #include "pipeline/verify/design_samples.hpp"
+#include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/near_cells.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -377,6 +379,10 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   report.clamp_mismatch_mm = mismatch_mm;
   report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;
+}
+
+std::string largest_text(const VerifyReport& report) {
+  return fmt::format("{}{:.3f} mm", report.capped ? ">= " : "", report.deviation.max);
 }
 
 std::vector<std::string> not_checked() {

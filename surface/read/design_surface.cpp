@@ -17,9 +17,6 @@
 namespace hotblade::surface {
 namespace {
 
-// The range in which a formwork's largest extent is believed without a question.
-constexpr double kSmallestExtentMm = 50, kLargestExtentMm = 100e3;
-
 [[noreturn]] void file_error(const std::filesystem::path& file, const std::string& why) {
   throw FileError(file.string() + ": " + why);
 }
@@ -66,35 +63,6 @@ void to_design_frame(std::vector<Eigen::Vector3d>& positions, double scale, char
   }
 }
 
-// "900 x 500 x 140 mm if in m": the units in which the design would be of a usual size.
-std::string usual_sizes(const std::string& units, const Eigen::Vector3d& size_mm) {
-  constexpr double kSmallestUsualMm = 200, kLargestUsualMm = 10e3;
-  std::string text;
-  for (const char* other : {"mm", "cm", "m", "in", "ft"}) {
-    if (units == other) continue;
-    const Eigen::Vector3d size = size_mm * (scale_to_mm(other) / scale_to_mm(units));
-    if (size.maxCoeff() < kSmallestUsualMm || size.maxCoeff() > kLargestUsualMm) continue;
-    char words[96];
-    std::snprintf(words, sizeof words, "%s%.4g x %.4g x %.4g mm if in %s", text.empty() ? "" : ", ", size.x(),
-                  size.y(), size.z(), other);
-    text += words;
-  }
-  return text;
-}
-
-void warn_of_size(const std::string& units, Health& health) {
-  const Eigen::Vector3d size = health.bbox_mm[1] - health.bbox_mm[0];
-  const double extent = size.maxCoeff();
-  if (extent >= kSmallestExtentMm && extent <= kLargestExtentMm) return;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "largest extent %.6g mm is implausible for a mould (%.0f mm to %.0f mm): ", extent,
-                kSmallestExtentMm, kLargestExtentMm);
-  const std::string usual = usual_sizes(units, size);
-  health.warnings.push_back(text + ("is the design really in " + units + "?") +
-                            (usual.empty() ? "" : " " + usual));
-}
-
 }  // namespace
 
 double scale_to_mm(const std::string& units) {
@@ -136,7 +104,6 @@ DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& opt
   RepairedMesh repaired =
       repair_mesh(std::move(obj), std::move(positions), options, file.string(), design.health);
   measure_mesh(repaired.mesh, design.health);
-  warn_of_size(design.units, design.health);
   design.mesh = repaired.mesh;
   design.face_line = std::move(repaired.line);
   return design;

@@ -169,7 +169,10 @@ TEST_F(CommandLine, CheckSaysWhatAPlanWillMeet) {
   const Ended text = hotblade({"check", kVault, "--units", "m"});
   EXPECT_THAT(text.out, HasSubstr("smallest radius"));
   EXPECT_THAT(text.out, HasSubstr("below is back, above is front"));
-  EXPECT_THAT(text.out, HasSubstr("--set \"design.units=mm\": 900 x 500 x 140 mm if in mm"));
+  EXPECT_THAT(text.out, HasSubstr(": is that the design's unit? 900 x 500 x 140 mm if in mm, "));
+  // What was not tried is not advised.
+  EXPECT_THAT(text.out, Not(HasSubstr("--set")));
+  EXPECT_THAT(text.err, HasSubstr("--advise plans the job again"));
   const auto met =
       nlohmann::json::parse(hotblade({"check", kVault, "--units", "mm", "--json"}).out)["forecast"];
   EXPECT_NEAR(met["surface"]["radius_mm"].get<double>(), 219, 10);
@@ -177,8 +180,8 @@ TEST_F(CommandLine, CheckSaysWhatAPlanWillMeet) {
   EXPECT_EQ(met["steep_share"], 0);
   EXPECT_EQ(met["keep_suits"], nlohmann::json::parse(R"(["below", "above", "back", "front"])"));
   EXPECT_EQ(met["facing"], nullptr);
-  EXPECT_EQ(met["likelier_units"], nullptr);
-  EXPECT_EQ(met["advice"], nlohmann::json::array());
+  EXPECT_EQ(met["odd_size"], nullptr);
+  EXPECT_EQ(met["reasons"], nlohmann::json::array());
   // Nothing bends of one triangle.
   const std::string triangle = write("one.obj", kTriangle + "f 1 2 3\n");
   const auto flat = nlohmann::json::parse(hotblade({"check", triangle, "--units", "mm", "--json"}).out);
@@ -483,15 +486,6 @@ TEST_F(CommandLine, PlanAndVerifyPrintJson) {
   const auto json = nlohmann::json::parse(verified.out);
   EXPECT_TRUE(json["within_tolerance"].get<bool>());
   EXPECT_EQ(json["deviation_mm"]["max"], nlohmann::json::parse(planned.out)["deviation_mm"]["max"]);
-}
-
-TEST_F(CommandLine, AWarningIsPrintedOnceAndASizeInOtherUnits) {
-  write("speck.obj", "v 0 0 0\nv 0.9 0 0\nv 0.9 0.5 0\nv 0 0.5 0\nf 1 2 3 4\n");
-  const Ended ended = hotblade({"plan", (files_ / "speck.obj").string(), "--units", "mm", "-o",
-                                (files_ / "cut").string(), "--no-pictures"});
-  const std::string hint = "900 x 500 x 0 mm if in m";
-  ASSERT_THAT(ended.err, HasSubstr(hint));
-  EXPECT_EQ(ended.err.find(hint), ended.err.rfind(hint)) << ended.err;
 }
 
 // Sets an environment variable for the programs started meanwhile.

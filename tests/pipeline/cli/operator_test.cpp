@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "pipeline/cli/operator_answer.hpp"
@@ -28,6 +30,22 @@ TEST(OperatorAnswer, OnlyYesOrTheStripsIdStart) {
   }
 }
 
+// A question that is added needs a test of its own here, and a line in the table of docs/commands.md.
+TEST(OperatorQuestions, AreThoseThatAreTestedBelow) {
+  const std::filesystem::path room = hotblade::testing::source_dir() + "/pipeline/cli";
+  std::vector<std::string> asked;
+  for (const auto& file : std::filesystem::directory_iterator(room)) {
+    std::istringstream text(testing::read_bytes(file.path()));
+    for (std::string line; std::getline(text, line);) {
+      if (line.find(" ask(") != std::string::npos &&
+          line.find("std::optional<std::string> ask(") == std::string::npos)
+        asked.push_back(file.path().filename());
+    }
+  }
+  // Before a strip; a recovery chosen by option, and by word; after a restart of the controller.
+  EXPECT_THAT(asked, ::testing::ElementsAre("cmd_run.cpp", "cmd_run.cpp", "cmd_run.cpp", "cmd_run.cpp"));
+}
+
 class OperatorAtATerminal : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -45,8 +63,8 @@ class OperatorAtATerminal : public ::testing::Test {
   testing::SimulatedCell cell_;
 };
 
-// What a hand may do at a question, other than to agree: letters, a paste, arrows, Ctrl-D in an empty line
-// and after a word without Enter, Ctrl-C.
+// What a hand may do at a question, other than to agree: letters, a paste, arrows, a yes that is taken back
+// or wiped out, Ctrl-D in an empty line and after a word without Enter, Ctrl-C, Ctrl-Z.
 const std::vector<std::string> kNoAnswers{"n\n",
                                           "\n",
                                           "no\n",
@@ -60,6 +78,9 @@ const std::vector<std::string> kNoAnswers{"n\n",
                                           "yes\x04\x04",
                                           "\x03",
                                           "yes\x03",
+                                          "yes\x7f\n",
+                                          "yes\x15\n",
+                                          "yes\x1a\n",
                                           std::string(10000, 'y') + "\n",
                                           std::string("yes\0\n", 5)};
 
@@ -73,6 +94,61 @@ TEST_F(OperatorAtATerminal, NothingButYesOrTheIdStarts) {
     EXPECT_THAT(terminal.shown(), HasSubstr("strip S001 not started")) << answer;
     EXPECT_EQ(status().executed, 0u) << answer;
   }
+}
+
+// The rest of a line that was begun before the question is no answer to it.
+TEST_F(OperatorAtATerminal, AYesThatWasBegunBeforeTheQuestionDoesNotStart) {
+  Terminal terminal(run());
+  ASSERT_TRUE(terminal.type("yes"));
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  ASSERT_TRUE(terminal.type("\n"));
+  EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
+  EXPECT_EQ(status().executed, 0u);
+}
+
+TEST_F(OperatorAtATerminal, ATerminalThatIsGoneDoesNotStart) {
+  for (const std::string typed : {"", "yes"}) {
+    Terminal terminal(run());
+    ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+    ASSERT_TRUE(terminal.type(typed));
+    EXPECT_NE(terminal.hang_up(), 0);
+    EXPECT_EQ(status().executed, 0u);
+    EXPECT_EQ(status().state, robot::protocol::State::kIdle);
+  }
+}
+
+TEST_F(OperatorAtATerminal, NothingButYesOrTheIdGoesOnWithAStripThatIsHeld) {
+  const auto log = directory_ / "execution.jsonl";
+  cell_.start({"--time-scale", "5", "--log", log.string()});
+  {
+    Terminal first(run());
+    ASSERT_TRUE(first.shows("to start, anything else stops: ")) << first.shown();
+    ASSERT_TRUE(first.type("yes\n"));
+    ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.executed > 120; }));
+    ASSERT_TRUE(first.type("\x03"));
+    ASSERT_EQ(first.wait(), 130) << first.shown();
+  }
+  ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.state == robot::protocol::State::kHeld; }));
+  const auto stood = status();
+  ASSERT_LT(stood.executed, 400u);
+  auto words = run();
+  words.emplace_back("--resume");
+  for (const std::string& answer : kNoAnswers) {
+    Terminal terminal(words);
+    ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+    EXPECT_THAT(terminal.shown(),
+                HasSubstr("It is half cut: " + std::to_string(stood.executed) + " of 400 waypoints"));
+    ASSERT_TRUE(terminal.type(answer));
+    EXPECT_EQ(terminal.wait(), 130) << answer;
+    EXPECT_EQ(status().executed, stood.executed) << answer;
+    EXPECT_EQ(status().state, robot::protocol::State::kHeld) << answer;
+  }
+  EXPECT_EQ(events(log, "resume"), 0);
+  Terminal terminal(words);
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  ASSERT_TRUE(terminal.type("S001\n"));
+  ASSERT_TRUE(terminal.shows("strip S002: blade")) << terminal.shown();
+  EXPECT_EQ(events(log, "exec"), 400) << "each waypoint once";
 }
 
 TEST_F(OperatorAtATerminal, BlanksAndCapitalsAreNoMatter) {
@@ -213,12 +289,14 @@ TEST_F(HalfCut, WithRecoverAYesIsAskedFor) {
   auto words = reset();
   words.insert(words.end(), {"--recover", "withdraw"});
   {
-    for (const std::string answer : {"n\n", "S001\n", "withdraw\n", "\n", "\x04"}) {
+    std::vector<std::string> answers = kNoAnswers;
+    answers.insert(answers.end(), {"S001\n", "withdraw\n"});
+    for (const std::string& answer : answers) {
       Terminal terminal(words);
       ASSERT_TRUE(terminal.shows("Type yes to withdraw, anything else stops: ")) << terminal.shown();
       ASSERT_TRUE(terminal.type(answer));
-      EXPECT_EQ(terminal.wait(), 130);
-      EXPECT_EQ(events(log_, "withdraw"), 0);
+      EXPECT_EQ(terminal.wait(), 130) << answer;
+      EXPECT_EQ(events(log_, "withdraw"), 0) << answer;
     }
   }
   Terminal terminal(words);
@@ -230,7 +308,9 @@ TEST_F(HalfCut, WithRecoverAYesIsAskedFor) {
 
 TEST_F(OperatorAtATerminal, AfterARestartOfTheControllerMotionWaits) {
   const auto log = directory_ / "execution.jsonl";
-  for (const std::string answer : {"n\n", "\n", "y\n", "\x04", "\x03", "yes\n"}) {
+  std::vector<std::string> answers = kNoAnswers;
+  answers.emplace_back("yes\n");
+  for (const std::string& answer : answers) {
     std::filesystem::remove(log);
     cell_.start({"--time-scale", "20", "--log", log.string(), "--fault", "reboot@150"});
     Terminal terminal(run());

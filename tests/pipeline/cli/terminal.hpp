@@ -36,7 +36,7 @@ class Terminal {
   Terminal& operator=(const Terminal&) = delete;
   ~Terminal() {
     kill();
-    ::close(terminal_);
+    if (terminal_ >= 0) ::close(terminal_);
   }
 
   // Whether all of it went in.
@@ -66,6 +66,16 @@ class Terminal {
       kill();
       return -1;
     }
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+  // The terminal is closed, as by a window or a connection that goes. The exit code, or 128 and the signal.
+  int hang_up() {
+    ::close(terminal_);
+    terminal_ = -1;
     int status = 0;
     ::waitpid(pid_, &status, 0);
     pid_ = -1;

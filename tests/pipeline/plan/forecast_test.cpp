@@ -1,7 +1,8 @@
 #include "pipeline/plan/forecast.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -9,7 +10,7 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/plan/thinned.hpp"
 #include "pipeline/program/read_design.hpp"
-#include "pipeline/settings/settings.hpp"
+#include "pipeline/settings/assignments.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -36,15 +37,13 @@ surface::DesignSurface bowl_on_its_side() {
   });
 }
 
-// The settings with all advice of the forecast.
-Settings followed(const Forecast& f, const std::string& units = "mm") {
-  SettingsSources sources{{}, {"design.units=" + units}, {}};
-  for (const Advice& advice : f.advice) sources.assignments.push_back(advice.assignment);
-  return resolve(sources);
-}
-
 Settings in(const std::string& units) {
   return resolve({{}, {"design.units=" + units}, {}});
+}
+
+// The settings with a suggestion of the forecast, the first unless told otherwise.
+Settings followed(const Forecast& f, std::size_t which = 0) {
+  return with_assignments(in("mm"), f.suggestions.at(which).assignments);
 }
 
 TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
@@ -53,8 +52,11 @@ TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
   EXPECT_NEAR(tube.surface.radius_mm, 400, 0.05 * 400);
   EXPECT_EQ(round.surface.sharper_share, 0);
   EXPECT_EQ(round.steep_share, 0);
-  EXPECT_TRUE(round.advice.empty());
-  EXPECT_TRUE(tube.advice.empty());
+  for (const Forecast* f : {&round, &tube}) {
+    EXPECT_TRUE(f->suggestions.empty());
+    EXPECT_TRUE(f->reasons.empty());
+    EXPECT_FALSE(f->odd_size.has_value());
+  }
   EXPECT_FALSE(round.upright);
   EXPECT_NEAR(round.blade_radius_mm, 70.5, 1);
 }
@@ -94,18 +96,23 @@ void expect_planned(const surface::DesignSurface& design, const Settings& settin
   for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
 }
 
-TEST(ForecastAdvice, OfABowlOnItsSideIsToKeepWhatLiesBehindIt) {
+using ::testing::ElementsAre;
+
+TEST(Suggestion, OfABowlOnItsSideIsToKeepWhatLiesBehindIt) {
   const surface::DesignSurface side = bowl_on_its_side();
   const Forecast f = forecast(side, in("mm"));
   EXPECT_TRUE(f.upright);
-  ASSERT_EQ(f.advice.size(), 1U);
-  EXPECT_EQ(f.advice[0].assignment, "design.keep=back");
+  ASSERT_EQ(f.suggestions.size(), 1U);
+  EXPECT_THAT(f.suggestions[0].assignments, ElementsAre("design.keep=back"));
+  EXPECT_THAT(f.reasons,
+              ElementsAre("design.keep = \"below\" says nothing about a surface that stands upright"));
   EXPECT_FALSE(plan(side, in("mm"), {}).refusals.empty());
   expect_planned(side, followed(f));
-  EXPECT_TRUE(forecast(side, followed(f)).advice.empty());
+  EXPECT_TRUE(forecast(side, followed(f)).suggestions.empty());
+  EXPECT_TRUE(forecast(side, followed(f)).reasons.empty());
 }
 
-TEST(ForecastAdvice, OfAVaultWithYUpIsToReadItSo) {
+TEST(Suggestion, OfAVaultWithYUpIsToReadItSo) {
   const testing::TemporaryDirectory directory;
   const auto file = directory / "y_up.obj";
   {
@@ -126,14 +133,25 @@ TEST(ForecastAdvice, OfAVaultWithYUpIsToReadItSo) {
   }
   const Settings before = in("mm");
   const Forecast f = forecast(read_design(file, before.design), before);
-  ASSERT_EQ(f.advice.size(), 1U);
-  EXPECT_EQ(f.advice[0].assignment, "design.up=y");
+  ASSERT_EQ(f.suggestions.size(), 2U);
+  EXPECT_THAT(f.suggestions[0].assignments, ElementsAre("design.up=y"));
+  EXPECT_THAT(f.suggestions[1].assignments, ElementsAre("design.keep=back"));
   EXPECT_FALSE(plan(read_design(file, before.design), before, {}).refusals.empty());
+  for (const std::size_t which : {0U, 1U}) {
+    const Settings after = followed(f, which);
+    expect_planned(read_design(file, after.design), after);
+  }
+  // Read as told it asks for nothing more; a vault with z up, read with y up, is told to say that.
   const Settings after = followed(f);
-  expect_planned(read_design(file, after.design), after);
+  EXPECT_TRUE(forecast(read_design(file, after.design), after).suggestions.empty());
+  const std::string vault = hotblade::testing::source_dir() + "/samples/barrel_vault.obj";
+  const Settings lying = with_assignments(in("mm"), {"design.up=y"});
+  const Forecast other = forecast(read_design(vault, lying.design), lying);
+  ASSERT_FALSE(other.suggestions.empty());
+  EXPECT_THAT(other.suggestions[0].assignments, ElementsAre("design.up=z"));
 }
 
-TEST(ForecastAdvice, OfAClosedDesignIsTheSideThatShowsMostOfIt) {
+TEST(Suggestion, OfAClosedDesignIsTheSideThatShowsMostOfIt) {
   // A thick plate, bent, that stands upright: its two sides face along x.
   const testing::TemporaryDirectory directory;
   const auto file = directory / "plate.obj";
@@ -168,45 +186,84 @@ TEST(ForecastAdvice, OfAClosedDesignIsTheSideThatShowsMostOfIt) {
   ASSERT_TRUE(f.facing.has_value());
   EXPECT_NEAR(std::abs((*f.facing)[0]), 1, 1e-3);
   // It stands upright, so that `below` says nothing.
-  ASSERT_EQ(f.advice.size(), 2U);
-  EXPECT_EQ(f.advice[1].assignment, "design.keep=back");
+  ASSERT_EQ(f.suggestions.size(), 1U);
+  ASSERT_EQ(f.suggestions[0].assignments.size(), 2U);
+  EXPECT_EQ(f.suggestions[0].assignments[1], "design.keep=back");
+  EXPECT_EQ(f.reasons.size(), 2U);
   const Settings after = followed(f);
   expect_planned(read_design(file, after.design), after);
 }
 
-TEST(ForecastAdvice, OfAVaultReadInAnotherUnitIsTheUnitItFits) {
+// The vault of the samples, 900 x 500 x 140 mm, by a factor and in a unit.
+surface::DesignSurface scaled_vault(double by, const std::string& units) {
+  const surface::DesignSurface vault =
+      surface::read_obj(hotblade::testing::source_dir() + "/samples/barrel_vault.obj", {"mm", 'z'});
+  const testing::TemporaryDirectory directory;
+  const auto file = directory / "scaled.obj";
+  {
+    std::ofstream out(file);
+    out.precision(12);
+    for (const Vector3d& p : vault.mesh.vertices())
+      out << "v " << by * p.x() << " " << by * p.y() << " " << by * p.z() << "\n";
+    for (const auto& t : vault.mesh.triangles())
+      out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
+  }
+  return surface::read_obj(file, {units, 'z'});
+}
+
+std::vector<std::string> units_of(const OddSize& odd) {
+  std::vector<std::string> units;
+  for (const OtherUnit& other : odd.others) units.push_back(other.units);
+  return units;
+}
+
+TEST(OddSize, NamesEveryUnitThatSuitsAndNoneWhereTheSizeIsUsual) {
   const Settings settings =
       resolve({{hotblade::testing::source_dir() + "/samples/barrel_vault.toml"}, {}, {}});
-  const auto scaled = [&](double by, const std::string& units) {
-    const surface::DesignSurface vault =
-        surface::read_obj(hotblade::testing::source_dir() + "/samples/barrel_vault.obj", {"mm", 'z'});
-    const testing::TemporaryDirectory directory;
-    const auto file = directory / "scaled.obj";
-    {
-      std::ofstream out(file);
-      out.precision(12);
-      for (const Vector3d& p : vault.mesh.vertices())
-        out << "v " << by * p.x() << " " << by * p.y() << " " << by * p.z() << "\n";
-      for (const auto& t : vault.mesh.triangles())
-        out << "f " << t[0] + 1 << " " << t[1] + 1 << " " << t[2] + 1 << "\n";
-    }
-    return surface::read_obj(file, {units, 'z'});
-  };
   struct Case {
     double by;
     const char *read_as, *is;
+    bool hopeless;
+    double is_mm;  // its length in that unit
   };
-  for (const Case& c : {Case{1e-3, "mm", "m"}, Case{1e-3, "in", "m"}, Case{1 / 25.4, "mm", "in"},
-                        Case{0.1, "ft", "cm"}, Case{1, "m", "mm"}, Case{1, "in", "mm"}}) {
-    const Forecast f = forecast(scaled(c.by, c.read_as), settings);
-    ASSERT_TRUE(f.likelier.has_value()) << c.by << " " << c.read_as;
-    EXPECT_EQ(f.likelier->units, c.is) << c.by << " " << c.read_as;
-    EXPECT_NEAR(f.likelier->size_mm.x(), 900, 1);
-    ASSERT_FALSE(f.advice.empty());
-    EXPECT_EQ(f.advice[0].assignment, std::string("design.units=") + c.is);
+  // Numbers of 0.9 read as mm or inches are 0.9 and 23 mm, of 900 read as inches or m 23 and 900 m.
+  for (const Case& c : {Case{1e-3, "mm", "m", true, 900}, Case{1e-3, "in", "m", true, 900},
+                        Case{1 / 25.4, "mm", "in", true, 900}, Case{0.023, "mm", "m", true, 20700},
+                        Case{1, "in", "mm", false, 900}, Case{1, "m", "mm", false, 900}}) {
+    const Forecast f = forecast(scaled_vault(c.by, c.read_as), settings);
+    ASSERT_TRUE(f.odd_size.has_value()) << c.by << " " << c.read_as;
+    EXPECT_EQ(f.odd_size->hopeless, c.hopeless) << c.by << " " << c.read_as << ": " << f.odd_size->why;
+    EXPECT_THAT(units_of(*f.odd_size), ::testing::Contains(c.is)) << c.by << " " << c.read_as;
+    EXPECT_THAT(units_of(*f.odd_size), ::testing::Not(::testing::Contains(c.read_as)));
+    for (const OtherUnit& other : f.odd_size->others) {
+      if (other.units == c.is) {
+        EXPECT_NEAR(other.size_mm.x(), c.is_mm, 1) << c.by << " " << c.read_as;
+      }
+    }
+    const bool small = c.is_mm < 10000;
+    const bool suggested = std::any_of(f.suggestions.begin(), f.suggestions.end(), [&](const Suggestion& s) {
+      return s.assignments == std::vector<std::string>{std::string("design.units=") + c.is};
+    });
+    EXPECT_EQ(suggested, small) << "what takes many strips is said, and not tried unasked";
   }
-  for (const Case& c : {Case{1e-3, "m", ""}, Case{1 / 25.4, "in", ""}, Case{1, "mm", ""}})
-    EXPECT_FALSE(forecast(scaled(c.by, c.read_as), settings).likelier.has_value()) << c.read_as;
+  for (const Case& c : {Case{1e-3, "m", "", false, 0}, Case{1 / 25.4, "in", "", false, 0},
+                        Case{1, "mm", "", false, 0}, Case{0.3, "mm", "", false, 0}})
+    EXPECT_FALSE(forecast(scaled_vault(c.by, c.read_as), settings).odd_size.has_value()) << c.read_as;
+}
+
+// A roof of 20 x 15 m is large and no mistake; read as mm or inches, metres are among what may be meant.
+TEST(OddSize, OfARoofIsAskedAboutOnlyWhereHardlyAnythingCouldBeCut) {
+  const std::string roof = hotblade::testing::source_dir() + "/samples/roof.obj";
+  const Settings in_m = resolve({{hotblade::testing::source_dir() + "/samples/roof.toml"}, {}, {}});
+  const auto as_read = forecast(read_design(roof, in_m.design), in_m).odd_size;
+  EXPECT_TRUE(!as_read || !as_read->hopeless);
+  const Settings in_mm = with_assignments(in_m, {"design.units=mm"});
+  const auto odd = forecast(read_design(roof, in_mm.design), in_mm).odd_size;
+  ASSERT_TRUE(odd.has_value());
+  EXPECT_TRUE(odd->hopeless);
+  EXPECT_THAT(units_of(*odd), ElementsAre("cm", "m", "in", "ft"));
+  EXPECT_THAT(describe(*odd), ::testing::HasSubstr("20000 x 15000 x "));
+  EXPECT_THAT(describe(*odd), ::testing::HasSubstr("mm if in m (84 strips at least), "));
 }
 
 TEST(Thinned, LeavesACoarseMeshAndHoldsAFineOnesShape) {

@@ -3,9 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
+#include "pipeline/plan/forecast.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/remedies.hpp"
 #include "pipeline/settings/error.hpp"
@@ -72,8 +74,11 @@ class Design {
     return plan(read(settings), settings, {});
   }
   [[nodiscard]] std::vector<TriedRemedy> advice(const PlanResult& refused, const Settings& settings) const {
-    return try_changes(refused, likely_changes(refused, read(settings)),
+    return try_changes(settings, likely_changes(refused, suggested(settings)),
                        [this](const Settings& s) { return plan_with(s); });
+  }
+  [[nodiscard]] std::vector<Suggestion> suggested(const Settings& settings) const {
+    return forecast(read(settings), settings).suggestions;
   }
   [[nodiscard]] int plans() const { return plans_; }
 
@@ -145,21 +150,39 @@ TEST(Advice, OfADesignWithYUpIsToSayIt) {
   EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
   // The same surface with z up is not told so.
   const Design upright(Design::Kind::kVault);
-  for (const SettingsChange& change : changes_by_shape(refused, upright.read(settings)))
-    ADD_FAILURE() << change.why;
+  for (const Suggestion& suggestion : upright.suggested(settings)) ADD_FAILURE() << suggestion.why;
 }
 
 TEST(Advice, OfAClosedSolidWithYUpIsToSayBoth) {
   const Design design(Design::Kind::kSolidYUp);
   const Settings settings = in_mm();
-  PlanResult refused;
-  refused.program.settings = settings;
-  refused.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
-  const auto told = try_changes(refused, changes_by_shape(refused, design.read(settings)),
+  const auto told = try_changes(settings, changes_by_shape(design.suggested(settings)),
                                 [&](const Settings& s) { return design.plan_with(s); });
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(as_options(told.front()), "--up y --set \"design.facing=[0, 0, 1]\"");
   EXPECT_TRUE(planned_as_told(design, told.front(), {}).refusals.empty());
+}
+
+TEST(Advice, OfADesignInAnotherUnitIsEveryUnitThatPassed) {
+  const Design design(Design::Kind::kVault);
+  Settings settings = in_mm();
+  settings.stock.clearance_mm = settings.motion.approach_mm = 150;  // so that 240 mm are small
+  const std::vector<Suggestion> suggested = design.suggested(settings);
+  ASSERT_FALSE(suggested.empty());
+  std::vector<std::string> tried;
+  const auto told = try_changes(settings, changes_by_shape(suggested), [&](const Settings& s) {
+    tried.push_back(s.design.units);
+    PlanResult again;
+    again.program.settings = s;
+    if (s.design.units == "ft") again.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
+    return again;
+  });
+  EXPECT_THAT(tried, ::testing::Contains("cm"));
+  for (const TriedRemedy& remedy : told) {
+    EXPECT_THAT(as_options(remedy), ::testing::StartsWith("--units "));
+    EXPECT_NE(as_options(remedy), "--units ft");
+  }
+  EXPECT_EQ(told.size(), tried.size() - (std::count(tried.begin(), tried.end(), "ft")));
 }
 
 // Planes that a blade cannot follow were given: the search finds others.
@@ -199,7 +222,7 @@ TEST(Advice, GoesOnFromANumberThatDidNotDo) {
   EXPECT_THAT(describe(refused.refusals.back()), HasSubstr("deviation >= 2.997 mm"));
   std::vector<double> tried;
   const auto told =
-      try_changes(refused, likely_changes(refused, design.read(settings)), [&](const Settings& s) {
+      try_changes(settings, likely_changes(refused, design.suggested(settings)), [&](const Settings& s) {
         tried.push_back(s.design.tolerance_mm);
         PlanResult again;
         again.program.settings = s;
@@ -219,7 +242,7 @@ TEST(Advice, StopsWhenTheUserDoes) {
   PlanResult refused;
   refused.program.settings = in_mm();
   refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.2, 1});
-  EXPECT_THROW((void)try_changes(refused, likely_changes(refused, design.read(in_mm())),
+  EXPECT_THROW((void)try_changes(in_mm(), likely_changes(refused, design.suggested(in_mm())),
                                  [](const Settings&) -> PlanResult {
                                    throw Error(ErrorKind::kInterrupted, "interrupted");
                                  }),

@@ -1,0 +1,39 @@
+// What `check` and `plan` share: what is said of a design before it is planned, and plans of it with other
+// settings.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/plan/forecast.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/report/advice.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::pipeline {
+
+// Throws Error (kBadInput) where the design cannot be sliced.
+void refuse_blocked(const surface::DesignSurface& design, const std::string& file);
+
+// Returns the forecast; absent for a design that cannot be sliced or has no area. A size of which hardly
+// anything could be cut is added to the design's warnings. Throws surface::FanError as forecast() does.
+[[nodiscard]] std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings);
+
+// With --strict a warning is as good as a limit.
+void refuse_warnings(PlanResult& result);
+
+// Reads the file and plans it with other settings, judged alike: by `judge` too, before warnings are.
+[[nodiscard]] PlanResult plan_again(
+    const std::string& file, const Settings& settings, const PlanHooks& hooks, bool strict,
+    const std::function<void(PlanResult&)>& judge = [](PlanResult&) {});
+
+// Returns lines that say which changes were tried and passed, or that none did.
+[[nodiscard]] std::vector<std::string> tried_lines(const std::vector<TriedRemedy>& remedies);
+
+// Said where changes were not tried.
+inline constexpr const char* kAdviseHint =
+    "--advise plans the job again with what may help, and says what passed";
+
+}  // namespace hotblade::pipeline

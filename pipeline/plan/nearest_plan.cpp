@@ -1,0 +1,29 @@
+#include "pipeline/plan/nearest_plan.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace hotblade::pipeline {
+
+std::vector<bool> failed_strips(const PlanResult& result) {
+  std::vector<bool> failed;
+  for (const StripFacts& strip : result.strips) {
+    const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
+      return r.strip == strip.id || r.strip.starts_with(strip.id + " ");
+    });
+    failed.push_back(refused || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
+  }
+  if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();
+  return failed;
+}
+
+Nearness nearness(const SweptPlan& swept, const PlanResult* verified) {
+  const std::vector<bool> failed = verified ? failed_strips(*verified) : std::vector<bool>{};
+  std::set<Limit> limits;
+  for (const Refusal& r : verified ? verified->refusals : swept.refusals) limits.insert(r.limit);
+  return {verified == nullptr, limits.size(),
+          swept.refusals.size() + static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true)),
+          swept.strips.size()};
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,13 @@
+// The largest deviation in words.
+#pragma once
+
+#include <string>
+
+#include "pipeline/verify/verify.hpp"
+
+namespace hotblade::pipeline {
+
+// Returns it as it is written: "2.959 mm", or ">= 2.959 mm" where it is capped.
+[[nodiscard]] std::string largest_text(const VerifyReport& report);
+
+}  // namespace hotblade::pipeline

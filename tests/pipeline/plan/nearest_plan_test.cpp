@@ -1,0 +1,52 @@
+// Of refused plans, the one that is shown.
+#include "pipeline/plan/nearest_plan.hpp"
+
+#include <gmock/gmock.h>
+
+namespace hotblade::pipeline {
+namespace {
+
+SweptPlan swept(std::size_t strips, std::vector<Limit> missing = {}) {
+  SweptPlan plan;
+  plan.strips.resize(strips);
+  for (const Limit limit : missing) plan.refusals.push_back({"S001", "", limit, 2, 1});
+  return plan;
+}
+
+PlanResult verified(std::size_t strips, const std::vector<std::pair<std::string, Limit>>& refusals) {
+  PlanResult result;
+  for (std::size_t i = 1; i <= strips; ++i) {
+    StripFacts facts;
+    facts.id = "S00" + std::to_string(i);
+    result.strips.push_back(facts);
+  }
+  for (const auto& [strip, limit] : refusals) result.refusals.push_back({strip, "", limit, 2, 1});
+  return result;
+}
+
+TEST(NearestPlan, WasVerifiedIfAnyWas) {
+  const PlanResult poor = verified(3, {{"S001", Limit::kDeviation}, {"S002", Limit::kPlannedMargin}});
+  EXPECT_LT(nearness(swept(3), &poor), nearness(swept(1, {Limit::kStrips}), nullptr));
+}
+
+TEST(NearestPlan, BreaksTheFewestKindsOfLimitsBeforeTheFewestStripsFail) {
+  const PlanResult one_kind = verified(3, {{"S001", Limit::kDeviation}, {"S002", Limit::kDeviation}});
+  const PlanResult two_kinds = verified(3, {{"S001", Limit::kDeviation}, {"S001", Limit::kPlannedMargin}});
+  EXPECT_LT(nearness(swept(3), &one_kind), nearness(swept(3), &two_kinds));
+  const PlanResult fewer = verified(3, {{"S001", Limit::kDeviation}});
+  EXPECT_LT(nearness(swept(3), &fewer), nearness(swept(3), &one_kind));
+  EXPECT_LT(nearness(swept(2), &fewer), nearness(swept(3), &fewer)) << "then the fewest strips";
+  EXPECT_LT(nearness(swept(1, {Limit::kDeviation}), nullptr),
+            nearness(swept(1, {Limit::kDeviation, Limit::kDeviation}), nullptr));
+}
+
+TEST(NearestPlan, NamesTheStripsThatFail) {
+  PlanResult result = verified(3, {{"S002 lead_in", Limit::kClampClearance}});
+  EXPECT_THAT(failed_strips(result), ::testing::ElementsAre(false, true, false));
+  result.strips[2].deviation_max_mm = 1.5;
+  EXPECT_THAT(failed_strips(result), ::testing::ElementsAre(false, true, true));
+  EXPECT_THAT(failed_strips(verified(2, {{"design", Limit::kUncutShare}})), ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
