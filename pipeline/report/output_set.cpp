@@ -83,20 +83,42 @@ bool is_directory_itself(const fs::path& path) {
   return fs::symlink_status(path, error).type() == fs::file_type::directory;
 }
 
+// Gives a directory the files of another one, linked, and those of its directories.
+void link_tree(const fs::path& from, const fs::path& to) {
+  std::error_code ignored;
+  fs::create_directory(to, from, ignored);
+  for (const fs::path& entry : entries(from)) {
+    const fs::path place = to / entry.filename();
+    if (is_directory_itself(entry)) {
+      link_tree(entry, place);
+    } else {
+      (void)::linkat(AT_FDCWD, entry.c_str(), AT_FDCWD, place.c_str(), 0);
+    }
+  }
+}
+
+// Moves what is missing at a place there, and returns whether all of it is there now.
+bool move_missing(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  if (!is_there(to)) {
+    fs::rename(from, to, error);
+    return !error;
+  }
+  bool all = true;  // a file is the same one, linked
+  if (is_directory_itself(from)) {
+    for (const fs::path& entry : entries(from)) all = move_missing(entry, to / entry.filename()) && all;
+  }
+  return all;
+}
+
 // Moves what no plan wrote from one directory to another where it is missing there, and returns whether all
 // of it is there now.
 bool move_others(const fs::path& from, const fs::path& to) {
   bool all = true;
   for (const fs::path& name : others(from)) {
-    std::error_code error;
-    if (is_there(to / name)) {
-      // A file is the same one, linked; a directory of the same name may hold something else.
-      all = all && !is_directory_itself(from / name);
-      continue;
-    }
-    if (name.has_parent_path()) fs::create_directory(to / name.parent_path(), error);
-    fs::rename(from / name, to / name, error);
-    all = all && !error;
+    std::error_code ignored;
+    if (name.has_parent_path()) fs::create_directory(to / name.parent_path(), ignored);
+    all = move_missing(from / name, to / name) && all;
   }
   return all;
 }
@@ -219,14 +241,17 @@ const fs::path& OutputSet::draft() {
   return draft_;
 }
 
-// Files that no plan wrote stand in both directories when they are swapped. What cannot be linked, as a
-// directory, is moved after that.
+// What no plan wrote stands in both directories when they are swapped: whatever stops the writer, it is
+// there. What cannot be linked is moved after that.
 void OutputSet::link_others() const {
   for (const fs::path& name : others(place_)) {
     std::error_code ignored;
     if (name.has_parent_path()) fs::create_directory(draft_ / name.parent_path(), ignored);
-    if (is_directory_itself(place_ / name)) continue;
-    (void)::linkat(AT_FDCWD, (place_ / name).c_str(), AT_FDCWD, (draft_ / name).c_str(), 0);
+    if (is_directory_itself(place_ / name)) {
+      link_tree(place_ / name, draft_ / name);
+    } else {
+      (void)::linkat(AT_FDCWD, (place_ / name).c_str(), AT_FDCWD, (draft_ / name).c_str(), 0);
+    }
   }
 }
 

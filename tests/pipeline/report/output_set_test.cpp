@@ -78,6 +78,28 @@ TEST_F(OutputSetTest, IsNotGivenUpOnceItIsInItsPlace) {
   EXPECT_EQ(testing::read_bytes(cut_ / "program.json"), "new");
 }
 
+// A kill between the exchange and what follows it leaves both directories as they are then.
+TEST_F(OutputSetTest, HasTheUsersDirectoriesBeforeItIsInItsPlace) {
+  fs::create_directories(cut_ / "mine" / "deep");
+  write(cut_ / "mine" / "deep" / "notes", "notes");
+  {
+    OutputSet set(cut_, true);
+    const fs::path draft = set.draft();
+    write(draft / "program.json", "new");
+    set.commit();
+    EXPECT_FALSE(fs::exists(draft)) << "the older set is gone";
+  }
+  EXPECT_EQ(testing::read_bytes(cut_ / "mine" / "deep" / "notes"), "notes");
+  // As it is after such a kill: the older set beside the new one, with files of the user that came since.
+  const fs::path older = files_ / ".cut.hotblade-1";
+  fs::create_directories(older / "mine" / "deep");
+  write(older / "mine" / "deep" / "more", "more");
+  { const OutputSet set(cut_, true); }
+  EXPECT_EQ(testing::read_bytes(cut_ / "mine" / "deep" / "more"), "more");
+  EXPECT_EQ(testing::read_bytes(cut_ / "mine" / "deep" / "notes"), "notes");
+  EXPECT_FALSE(fs::exists(older));
+}
+
 TEST_F(OutputSetTest, ThatIsNeverCommittedLeavesNoDirectory) {
   { const OutputSet set(cut_, false); }
   EXPECT_FALSE(fs::exists(cut_));
