@@ -14,8 +14,6 @@
 
 #include "pipeline/settings/error.hpp"
 
-extern char** environ;
-
 namespace hotblade::pipeline::batch {
 namespace {
 

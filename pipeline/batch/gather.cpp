@@ -1,7 +1,6 @@
 #include "pipeline/batch/gather.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <map>
@@ -39,31 +38,6 @@ std::vector<Cells> flat_settings(const fs::path& file) {
   }
   return flat;
 }
-
-// A file that is put in its place when it is whole.
-class NewFile {
- public:
-  explicit NewFile(fs::path target)
-      : target_(std::move(target)),
-        draft_(target_.parent_path() / fmt::format(".{}.{}.tmp", target_.filename().string(), ::getpid())) {}
-  ~NewFile() {
-    std::error_code ignored;
-    fs::remove(draft_, ignored);
-  }
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-
-  [[nodiscard]] const fs::path& draft() const { return draft_; }
-  void place() const {
-    std::error_code error;
-    fs::rename(draft_, target_, error);
-    if (error)
-      throw Error(ErrorKind::kFile, target_.string() + ": cannot be written (" + error.message() + ")");
-  }
-
- private:
-  fs::path target_, draft_;
-};
 
 class Gatherer {
  public:
@@ -155,8 +129,8 @@ class Gatherer {
   }
 
   void write_database() const {
-    const NewFile file(directory_.path() / "results.sqlite");
-    Database database(file.draft());
+    const DraftFile file(directory_.path() / "results.sqlite");
+    Database database(file.path());
     {
       Database::Table jobs = database.table("jobs", columns());
       for (const Job& job : table_.jobs) jobs.add(cells_of(job));

@@ -9,40 +9,13 @@
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
-namespace {
 
 namespace fs = std::filesystem;
-
-// VTK writes to a name; the film gets its own when it is whole.
-class MovieDraft {
- public:
-  explicit MovieDraft(const fs::path& target)
-      : target_(target), path_(target.parent_path() / ("." + target.filename().string() + ".draft")) {}
-  ~MovieDraft() {
-    std::error_code ignored;
-    fs::remove(path_, ignored);
-  }
-  MovieDraft(const MovieDraft&) = delete;
-  MovieDraft& operator=(const MovieDraft&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  void place() const {
-    std::error_code error;
-    fs::rename(path_, target_, error);
-    if (error)
-      throw Error(ErrorKind::kFile, target_.string() + ": cannot be written (" + error.message() + ")");
-  }
-
- private:
-  fs::path target_, path_;
-};
-
-}  // namespace
 
 void write_movie(const ViewModel& model, ViewState state, const MovieOptions& options, const fs::path& file,
                  bool force, const std::function<void(double)>& report) {
   expect_writable(file, force);
-  const MovieDraft draft(file);
+  const DraftFile draft(file);
   vtkNew<vtkOggTheoraWriter> writer;
   writer->SetFileName(draft.path().c_str());
   writer->SetRate(options.frames_per_s);

@@ -125,6 +125,19 @@ void StagedFile::place() {
   draft_->place(force_);
 }
 
+DraftFile::DraftFile(const fs::path& target)
+    : target_(target),
+      path_(target.parent_path() / fmt::format(".{}.{}.tmp", target.filename().string(), ::getpid())) {}
+
+DraftFile::~DraftFile() {
+  std::error_code ignored;
+  fs::remove(path_, ignored);
+}
+
+void DraftFile::place() const {
+  if (::rename(path_.c_str(), target_.c_str()) != 0) fail_with_errno(target_, "cannot be written", errno);
+}
+
 void write_file_atomically(const fs::path& path, std::string_view bytes, bool force) {
   write_file_atomically(
       path, [bytes](const WritePiece& write) { write(bytes); }, force);

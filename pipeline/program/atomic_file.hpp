@@ -37,6 +37,22 @@ class StagedFile {
   bool force_;
 };
 
+// A file that a library writes by a name: `path()`, beside its target until `place()` puts it there. One that
+// was not placed leaves nothing. Throws Error (kFile) where it cannot be put there.
+class DraftFile {
+ public:
+  explicit DraftFile(const std::filesystem::path& target);
+  ~DraftFile();
+  DraftFile(const DraftFile&) = delete;
+  DraftFile& operator=(const DraftFile&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  void place() const;
+
+ private:
+  std::filesystem::path target_, path_;
+};
+
 // Throws as write_file_atomically would when a file of this name is in the way: asked before long work, so
 // that its result is not lost.
 void expect_writable(const std::filesystem::path& path, bool force);

@@ -1,16 +1,15 @@
 #include "pipeline/plan/arms/arms.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <stdexcept>
 
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
+#include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/verify/verify.hpp"
 
@@ -23,16 +22,6 @@ using robot::kDegree_rad;
 constexpr double kRaiseStep_mm = 100;
 // Margins below which a program is warned of.
 constexpr double kSmallJoint_rad = 10 * kDegree_rad, kSmallWrist_rad = 10 * kDegree_rad;
-
-std::string sha256_hex(const std::string& bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned length = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1)
-    throw std::runtime_error("SHA-256 failed");
-  std::string hex;
-  for (unsigned i = 0; i < length; ++i) hex += fmt::format("{:02x}", digest[i]);
-  return hex;
-}
 
 // Of the description and of every mesh's corners.
 std::string files_sha256(const robot::CellArm& arm) {
