@@ -1,22 +1,16 @@
 #include "pipeline/batch/gather.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <utility>
 #include <vector>
 
 #include "pipeline/batch/csv.hpp"
+#include "pipeline/batch/cut_page.hpp"
 #include "pipeline/batch/database.hpp"
 #include "pipeline/batch/index_page.hpp"
 #include "pipeline/batch/plan_facts.hpp"
-#include "pipeline/batch/result.hpp"
-#include "pipeline/batch/run.hpp"
 #include "pipeline/program/atomic_file.hpp"
-#include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -24,6 +18,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using Columns = std::vector<std::string>;
+
+// Sizes of blocks unless another step is asked for.
+constexpr double kWholeMm = 1;
 
 // Settings as pairs of key and value: "design.tolerance_mm", 1.
 std::vector<Cells> flat_settings(const fs::path& file) {
@@ -39,63 +36,34 @@ std::vector<Cells> flat_settings(const fs::path& file) {
   return flat;
 }
 
+std::string name_of(const BatchDirectory& directory) {
+  return fs::weakly_canonical(directory.path()).filename().string();
+}
+
+void write_cut_list(const BatchDirectory& directory, const CutList& list) {
+  write_file_atomically(directory.path() / "cut_list.csv", cut_list_table(list), true);
+  write_file_atomically(directory.path() / "cut_list.html", cut_page(name_of(directory), list), true);
+}
+
 class Gatherer {
  public:
   Gatherer(const BatchDirectory& directory, bool partial, const GatherHooks& hooks)
-      : directory_(directory),
-        hooks_(hooks),
-        batch_(read_batch(directory)),
-        table_(read_jobs(directory, batch_)) {
-    for (int chunk = 0; chunk < batch_.chunks; ++chunk) take_chunk(chunk);
-    read_facts(partial);
-  }
+      : directory_(directory), all_(read_facts(directory, partial, hooks)) {}
 
   GatherReport write() {
     write_csv();
     write_database();
-    std::vector<IndexRow> rows;
-    for (const Job& job : table_.jobs) rows.push_back({&job, &facts_.at(job.key)});
-    const std::string name = fs::weakly_canonical(directory_.path()).filename().string();
-    write_file_atomically(directory_.path() / "index.html", index_page(name, table_, rows), true);
-    return {table_.jobs.size(), missing_};
+    const std::vector<JobFacts> rows = all_.rows();
+    write_file_atomically(directory_.path() / "index.html", index_page(name_of(directory_), all_.table, rows),
+                          true);
+    write_cut_list(directory_, cut_list(rows, kWholeMm));
+    return {all_.table.jobs.size(), all_.missing};
   }
 
  private:
-  void take_chunk(int chunk) {
-    for (const PlannedKey& planned : read_chunk(directory_, chunk))
-      settings_of_key_.emplace(planned.key, planned.settings_sha256);
-    for (Failure& failure : read_failures(directory_, chunk)) {
-      const std::string key = failure.key;
-      failures_.insert_or_assign(key, std::move(failure));
-    }
-  }
-
-  void read_facts(bool partial) {
-    double read = 0;
-    for (const Job& job : table_.jobs) {
-      if (hooks_.stop && hooks_.stop())
-        throw Error(ErrorKind::kInterrupted, "interrupted: nothing was written");
-      if (hooks_.progress) hooks_.progress(++read / static_cast<double>(table_.jobs.size()));
-      const bool there = has_result(directory_, job.key);
-      missing_ += there ? 0U : 1U;
-      if (facts_.contains(job.key)) continue;
-      if (!there && !partial) fail_missing(job);
-      const auto failure = failures_.find(job.key);
-      facts_.emplace(job.key,
-                     there ? facts_of(directory_, job.key)
-                           : facts_of_failure(failure != failures_.end() ? &failure->second : nullptr));
-    }
-  }
-
-  [[noreturn]] void fail_missing(const Job& job) const {
-    throw Error(ErrorKind::kFile,
-                fmt::format("{}: job {} (panel {}) has no result: run chunk {}, or gather with --partial",
-                            directory_.path().string(), job.number, job.panel, job.chunk));
-  }
-
   [[nodiscard]] Columns columns() const {
     Columns all{"job", "panel", "key"};
-    all.insert(all.end(), table_.keys.begin(), table_.keys.end());
+    all.insert(all.end(), all_.table.keys.begin(), all_.table.keys.end());
     all.insert(all.end(), plan_columns().begin(), plan_columns().end());
     return all;
   }
@@ -109,7 +77,7 @@ class Gatherer {
   [[nodiscard]] Cells cells_of(const Job& job) const {
     Cells all{{std::to_string(job.number), true}, {job.panel, false}, {job.key, false}};
     for (const std::string& value : job.values) all.push_back({value, false});
-    const Cells& plan = facts_.at(job.key).cells;
+    const Cells& plan = all_.of_key.at(job.key).cells;
     all.insert(all.end(), plan.begin(), plan.end());
     return all;
   }
@@ -119,7 +87,7 @@ class Gatherer {
         directory_.path() / "results.csv",
         [this](const WritePiece& write_piece) {
           write_piece(csv_line(columns()));
-          for (const Job& job : table_.jobs) {
+          for (const Job& job : all_.table.jobs) {
             std::vector<std::string> texts;
             for (const Cell& cell : cells_of(job)) texts.push_back(cell.text);
             write_piece(csv_line(texts));
@@ -133,7 +101,7 @@ class Gatherer {
     Database database(file.path());
     {
       Database::Table jobs = database.table("jobs", columns());
-      for (const Job& job : table_.jobs) jobs.add(cells_of(job));
+      for (const Job& job : all_.table.jobs) jobs.add(cells_of(job));
     }
     write_rows(database, "strips", strip_columns(), &PlanFacts::strips);
     write_rows(database, "refusals", refusal_columns(), &PlanFacts::refusals);
@@ -151,16 +119,16 @@ class Gatherer {
     Columns all{"job"};
     all.insert(all.end(), of_row.begin(), of_row.end());
     Database::Table table = database.table(name, all);
-    for (const Job& job : table_.jobs) {
-      for (const Cells& cells : facts_.at(job.key).*rows) table.add(with_job(job, cells));
+    for (const Job& job : all_.table.jobs) {
+      for (const Cells& cells : all_.of_key.at(job.key).*rows) table.add(with_job(job, cells));
     }
   }
 
   void write_settings(Database& database) const {
     std::map<std::string, std::vector<Cells>> flat;  // by the settings' hash
     Database::Table table = database.table("settings", {"job", "key", "value"});
-    for (const Job& job : table_.jobs) {
-      const std::string& sha256 = settings_of_key_.at(job.key);
+    for (const Job& job : all_.table.jobs) {
+      const std::string& sha256 = all_.settings_of_key.at(job.key);
       auto found = flat.find(sha256);
       if (found == flat.end()) found = flat.emplace(sha256, flat_settings(directory_.settings(sha256))).first;
       for (const Cells& cells : found->second) table.add(with_job(job, cells));
@@ -168,19 +136,21 @@ class Gatherer {
   }
 
   const BatchDirectory& directory_;
-  const GatherHooks& hooks_;
-  const Batch batch_;
-  const JobTable table_;
-  std::map<std::string, std::string> settings_of_key_;
-  std::map<std::string, Failure> failures_;  // by key
-  std::map<std::string, PlanFacts> facts_;   // by key
-  std::size_t missing_ = 0;
+  const BatchFacts all_;
 };
 
 }  // namespace
 
 GatherReport gather(const BatchDirectory& directory, bool partial, const GatherHooks& hooks) {
   return Gatherer(directory, partial, hooks).write();
+}
+
+StockReport list_stock(const BatchDirectory& directory, bool partial, double step_mm,
+                       const GatherHooks& hooks) {
+  const BatchFacts all = read_facts(directory, partial, hooks);
+  StockReport report{cut_list(all.rows(), step_mm), all.missing};
+  write_cut_list(directory, report.list);
+  return report;
 }
 
 }  // namespace hotblade::pipeline::batch

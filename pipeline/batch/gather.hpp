@@ -1,9 +1,9 @@
-// All results of a batch in three files: results.csv, results.sqlite and index.html, each written whole.
+// All results of a batch in files: results.csv, results.sqlite, index.html, and the blocks that are cut in
+// cut_list.csv and cut_list.html. Each is written whole.
 #pragma once
 
-#include <functional>
-
-#include "pipeline/batch/batch.hpp"
+#include "pipeline/batch/batch_facts.hpp"
+#include "pipeline/batch/cut_list.hpp"
 
 namespace hotblade::pipeline::batch {
 
@@ -11,14 +11,17 @@ struct GatherReport {
   std::size_t jobs = 0, missing = 0;  // missing: without a result
 };
 
-struct GatherHooks {
-  std::function<void(double share)> progress = nullptr;
-  std::function<bool()> stop = nullptr;
+// Gathers all results into these five files. Throws Error as read_facts() does, and kFile for a file that
+// cannot be written.
+[[nodiscard]] GatherReport gather(const BatchDirectory& directory, bool partial, const GatherHooks& hooks);
+
+struct StockReport {
+  CutList list;
+  std::size_t missing = 0;  // jobs without a result
 };
 
-// Gathers all results. A job without one is an error, unless `partial`: then it has the verdict `failed` with
-// what is known of it, or `missing`. Throws Error: kFile for a missing result or a file that cannot be
-// written, kBadInput for a result that cannot be read, kInterrupted.
-[[nodiscard]] GatherReport gather(const BatchDirectory& directory, bool partial, const GatherHooks& hooks);
+// Writes the cut list alone, its sizes to the next whole `step_mm`, and returns it. Throws as gather() does.
+[[nodiscard]] StockReport list_stock(const BatchDirectory& directory, bool partial, double step_mm,
+                                     const GatherHooks& hooks);
 
 }  // namespace hotblade::pipeline::batch

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "pipeline/batch/html_text.hpp"
+
 namespace hotblade::pipeline::batch {
 namespace {
 
@@ -99,29 +101,6 @@ constexpr const char* kScript = R"(<script>
 </script>
 )";
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 double value_of(const PlanFacts& facts, const std::string& column) {
   const Cell& cell = facts.cells[plan_column(column)];
   return cell.number ? std::strtod(cell.text.c_str(), nullptr) : 0;
@@ -159,38 +138,38 @@ std::string number_cell(const Cell& cell, const Shown& shown) {
   return fmt::format("<td class=\"n\">{:.{}f}</td>", value, shown.digits);
 }
 
-std::string row_text(const JobTable& table, const IndexRow& row) {
+std::string row_text(const JobTable& table, const JobFacts& row) {
   const PlanFacts& facts = *row.facts;
   const std::string& verdict = verdict_in(facts);
   const std::string& message = facts.cells[plan_column("message")].text;
   std::string text = fmt::format("<tr data-v=\"{}\"><td class=\"n\">{}</td><td>", verdict, row.job->number);
   if (!facts.picture.empty())
     text += fmt::format("<img loading=\"lazy\" width=\"160\" height=\"90\" alt=\"\" src=\"{}\">",
-                        escaped(facts.picture));
-  const std::string panel = escaped(row.job->panel);
+                        html_text(facts.picture));
+  const std::string panel = html_text(row.job->panel);
   text += "</td><td>";
-  text += facts.page.empty() ? panel : fmt::format("<a href=\"{}\">{}</a>", escaped(facts.page), panel);
+  text += facts.page.empty() ? panel : fmt::format("<a href=\"{}\">{}</a>", html_text(facts.page), panel);
   text += fmt::format("</td><td data-s=\"{}\"><span class=\"{}\">{}</span>", verdict,
                       verdict.substr(0, verdict.find(' ')), verdict);
-  if (!message.empty()) text += "<small>" + escaped(message) + "</small>";
+  if (!message.empty()) text += "<small>" + html_text(message) + "</small>";
   text += "</td>";
   for (std::size_t i = 0; i < table.keys.size(); ++i) {
     const std::string& value = row.job->values[i];
     char* end = nullptr;
     (void)std::strtod(value.c_str(), &end);
     const bool number = !value.empty() && *end == '\0';
-    text += fmt::format("<td{}>{}</td>", number ? " class=\"n\"" : "", escaped(value));
+    text += fmt::format("<td{}>{}</td>", number ? " class=\"n\"" : "", html_text(value));
   }
   for (const Shown& shown : kShown) text += number_cell(facts.cells[plan_column(shown.column)], shown);
   return text + "</tr>\n";
 }
 
 // Sums over all jobs; processor time over plans, which several jobs may share.
-std::string totals(const std::vector<IndexRow>& rows) {
+std::string totals(const std::vector<JobFacts>& rows) {
   std::map<int, std::pair<std::string, std::size_t>> verdicts;
   double blocks = 0, foam_m3 = 0, machine_s = 0, cpu_s = 0;
   std::set<const PlanFacts*> counted;
-  for (const IndexRow& row : rows) {
+  for (const JobFacts& row : rows) {
     const std::string& verdict = verdict_in(*row.facts);
     auto& [name, count] = verdicts[rank(verdict)];
     name = verdict;
@@ -217,12 +196,12 @@ std::string totals(const std::vector<IndexRow>& rows) {
 
 std::string heading(const std::string& text, bool number) {
   return fmt::format("<th scope=\"col\"{}><button type=\"button\">{}</button></th>",
-                     number ? " class=\"n\"" : "", escaped(text));
+                     number ? " class=\"n\"" : "", html_text(text));
 }
 
-std::string controls(const std::vector<IndexRow>& rows) {
+std::string controls(const std::vector<JobFacts>& rows) {
   std::map<int, std::string> verdicts;
-  for (const IndexRow& row : rows) verdicts[rank(verdict_in(*row.facts))] = verdict_in(*row.facts);
+  for (const JobFacts& row : rows) verdicts[rank(verdict_in(*row.facts))] = verdict_in(*row.facts);
   std::string text =
       "<form><label>words <input id=\"words\" type=\"search\"></label>\n<label>verdict <select "
       "id=\"verdict\">"
@@ -233,20 +212,20 @@ std::string controls(const std::vector<IndexRow>& rows) {
 
 }  // namespace
 
-std::string index_page(const std::string& name, const JobTable& table, const std::vector<IndexRow>& rows) {
-  std::vector<IndexRow> ordered = rows;
-  std::stable_sort(ordered.begin(), ordered.end(), [](const IndexRow& a, const IndexRow& b) {
+std::string index_page(const std::string& name, const JobTable& table, const std::vector<JobFacts>& rows) {
+  std::vector<JobFacts> ordered = rows;
+  std::stable_sort(ordered.begin(), ordered.end(), [](const JobFacts& a, const JobFacts& b) {
     return rank(verdict_in(*a.facts)) < rank(verdict_in(*b.facts));
   });
   std::string text = kHead;
-  text +=
-      "<title>" + escaped(name) + "</title></head>\n<body>\n<h1>" + escaped(name) + "</h1>\n" + totals(rows);
+  text += "<title>" + html_text(name) + "</title></head>\n<body>\n<h1>" + html_text(name) + "</h1>\n" +
+          totals(rows) + "<p><a href=\"cut_list.html\">Foam, blades and order of cutting</a></p>\n";
   text += controls(rows) + "<table><thead><tr>" + heading("job", true) + "<th scope=\"col\">cut</th>" +
           heading("panel", false) + heading("verdict", false);
   for (const std::string& key : table.keys) text += heading(key, false);
   for (const Shown& shown : kShown) text += heading(shown.heading, true);
   text += "</tr></thead>\n<tbody>\n";
-  for (const IndexRow& row : ordered) text += row_text(table, row);
+  for (const JobFacts& row : ordered) text += row_text(table, row);
   return text + "</tbody></table>\n<button type=\"button\" id=\"more\" hidden>more</button>\n" + kScript +
          "</body></html>\n";
 }

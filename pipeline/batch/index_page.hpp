@@ -5,19 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/batch/batch.hpp"
-#include "pipeline/batch/plan_facts.hpp"
+#include "pipeline/batch/batch_facts.hpp"
 
 namespace hotblade::pipeline::batch {
 
-// One row of the page.
-struct IndexRow {
-  const Job* job = nullptr;
-  const PlanFacts* facts = nullptr;
-};
-
 // Returns the page; what has failed or did not pass comes first. `name` is the batch's.
 [[nodiscard]] std::string index_page(const std::string& name, const JobTable& table,
-                                     const std::vector<IndexRow>& rows);
+                                     const std::vector<JobFacts>& rows);
 
 }  // namespace hotblade::pipeline::batch

@@ -17,8 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kMm3PerM3 = 1e9;
-
 Cell number_cell(double value) {
   return {fmt::format("{}", value), true};
 }
@@ -70,7 +68,7 @@ Cell optional_cell(const std::optional<double>& value) {
   return value ? number_cell(*value) : Cell{};
 }
 
-Cells strip_cells(const Json& strip) {
+Cells strip_cells(const Json& strip, const Json& blade) {
   Cells cells{text_at(strip, "id")};
   for (const char* key : {"ribs", "blade_length_mm", "deviation_max_mm", "duration_s", "cut_s"})
     cells.push_back(number_at(strip, key));
@@ -81,6 +79,7 @@ Cells strip_cells(const Json& strip) {
   }
   for (const char* key : {"foam_kept_share", "blade_radius_min_mm", "margin_mm_min"})
     cells.push_back(number_at(strip, key));
+  for (const char* key : {"width_mm", "thickness_mm"}) cells.push_back(number_at(blade, key));
   return cells;
 }
 
@@ -135,6 +134,12 @@ Cells cells_of(const Result& result, const Json& report, const std::string& page
           {page, false}};
 }
 
+std::size_t place_of(const std::vector<std::string>& columns, const std::string& name) {
+  const auto at = std::find(columns.begin(), columns.end(), name);
+  if (at == columns.end()) throw std::logic_error("no column " + name);
+  return static_cast<std::size_t>(at - columns.begin());
+}
+
 }  // namespace
 
 const std::vector<std::string>& plan_columns() {
@@ -165,7 +170,9 @@ const std::vector<std::string>& strip_columns() {
                                                 "stock_z_mm",
                                                 "foam_kept_share",
                                                 "smallest_radius_mm",
-                                                "margin_mm_min"};
+                                                "margin_mm_min",
+                                                "blade_width_mm",
+                                                "blade_thickness_mm"};
   return columns;
 }
 
@@ -181,10 +188,10 @@ const std::vector<std::string>& warning_columns() {
 }
 
 std::size_t plan_column(const std::string& name) {
-  const std::vector<std::string>& columns = plan_columns();
-  const auto at = std::find(columns.begin(), columns.end(), name);
-  if (at == columns.end()) throw std::logic_error("no column " + name);
-  return static_cast<std::size_t>(at - columns.begin());
+  return place_of(plan_columns(), name);
+}
+std::size_t strip_column(const std::string& name) {
+  return place_of(strip_columns(), name);
 }
 
 PlanFacts facts_of(const BatchDirectory& directory, const std::string& key) {
@@ -199,7 +206,10 @@ PlanFacts facts_of(const BatchDirectory& directory, const std::string& key) {
   }
   try {
     facts.cells = cells_of(result, report, facts.page);
-    for (const Json& strip : list_at(report, "strips")) facts.strips.push_back(strip_cells(strip));
+    const Json blade = report.is_object()
+                           ? report.value(Json::json_pointer("/settings/blade"), Json::object())
+                           : Json::object();
+    for (const Json& strip : list_at(report, "strips")) facts.strips.push_back(strip_cells(strip, blade));
     for (const Json& refusal : list_at(report, "refusals")) facts.refusals.push_back(refusal_cells(refusal));
     for (const Json& warning : list_at(report, "warnings")) {
       if (warning.is_string()) facts.warnings.push_back({{warning.get<std::string>(), false}});

@@ -9,6 +9,8 @@
 
 namespace hotblade::pipeline::batch {
 
+inline constexpr double kMm3PerM3 = 1e9;
+
 // A value of a table: a number as it is written, text, or nothing.
 struct Cell {
   std::string text;
@@ -30,8 +32,10 @@ struct PlanFacts {
 [[nodiscard]] const std::vector<std::string>& refusal_columns();
 [[nodiscard]] const std::vector<std::string>& warning_columns();
 
-// Returns the place of a column among plan_columns(); throws std::logic_error where there is none.
+// Return the place of a column among plan_columns() and strip_columns(); throw std::logic_error where there
+// is none.
 [[nodiscard]] std::size_t plan_column(const std::string& name);
+[[nodiscard]] std::size_t strip_column(const std::string& name);
 
 // Returns the facts of a key that has a result. Throws Error as read_result() does.
 [[nodiscard]] PlanFacts facts_of(const BatchDirectory& directory, const std::string& key);

@@ -1,4 +1,4 @@
-// hotblade batch and its commands.
+// hotblade batch and its commands, and stock list.
 #pragma once
 
 #include <string>
@@ -13,6 +13,9 @@ namespace hotblade::pipeline {
 
 // Registers `batch`, as command.hpp says of the others.
 void add_batch(CLI::App& app, const Console& console, Action& action);
+
+// Registers `stock`.
+void add_stock(CLI::App& app, const Console& console, Action& action);
 
 // Registers what works on a batch that is there: run, status and gather.
 void add_batch_work(CLI::App& batch, const Console& console, Action& action);

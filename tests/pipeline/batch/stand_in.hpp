@@ -35,7 +35,7 @@ report() {
     \"refusals\": [$1], \"warnings\": [\"a warning\"], \"strips\": [{\"id\": \"S001\", \"ribs\": 4, \"poses\": 100,
     \"blade_length_mm\": 400.0, \"deviation_max_mm\": 0.25, \"duration_s\": $z, \"cut_s\": 60.0, \"stock_volume_mm3\": 2e8,
     \"foam_kept_share\": 0.5, \"stock_size_mm\": [1000.0, 500.0, 400.0], \"blade_radius_min_mm\": 700.0,
-    \"margin_mm_min\": 2.5}]}" > "$out/report.json"
+    \"margin_mm_min\": 2.5}], \"settings\": {\"blade\": {\"width_mm\": 8.0, \"thickness_mm\": 0.5}}}" > "$out/report.json"
   echo "<p>report</p>" > "$out/report.html"
 }
 case $z in

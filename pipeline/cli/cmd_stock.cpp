@@ -1,0 +1,111 @@
+// hotblade stock list: the foam, the blades and the order of cutting of a whole batch.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/batch/gather.hpp"
+#include "pipeline/cli/batch_commands.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kHourS = 3600;
+constexpr double kLeastStepMm = 0.1, kMostStepMm = 1000;
+
+struct StockArguments {
+  std::string directory;
+  double step_mm = 1;
+  bool partial = false, as_json = false;
+};
+
+std::string sum_text(const std::string& what, const batch::BlockSum& sum) {
+  return fmt::format("  {:24} {:6} {:10.3f} {:10.2f} {:10.2f}\n", what, sum.blocks, sum.foam_m3,
+                     sum.machine_s / kHourS, sum.cut_s / kHourS);
+}
+
+std::string table(const batch::StockReport& report, const fs::path& directory) {
+  const batch::CutList& list = report.list;
+  std::string text = fmt::format("panels {}, without a plan that passed {}\n", list.panels, list.not_cut);
+  text += fmt::format("blocks {}, foam {:.3f} m3, machine {:.2f} h, blades {}\n", list.all.blocks,
+                      list.all.foam_m3, list.all.machine_s / kHourS, list.blades.size());
+  const auto heading = [&](const std::string& what) {
+    text += fmt::format("{:26} {:>6} {:>10} {:>10} {:>10}\n", what, "blocks", "foam m3", "machine h",
+                        "cutting h");
+  };
+  heading("blades: length (section)");
+  for (const auto& [blade, sum] : list.blades)
+    text +=
+        sum_text(fmt::format("{:g} ({:g} x {:g})", blade.length_mm, blade.width_mm, blade.thickness_mm), sum);
+  heading("blocks by size, mm");
+  for (const auto& [size, sum] : list.sizes)
+    text += sum_text(fmt::format("{:g} x {:g} x {:g}", size[0], size[1], size[2]), sum);
+  return text + fmt::format("order of cutting {}\npage to print {}\n", (directory / "cut_list.csv").string(),
+                            (directory / "cut_list.html").string());
+}
+
+Json sum_json(const batch::BlockSum& sum) {
+  return {
+      {"blocks", sum.blocks}, {"foam_m3", sum.foam_m3}, {"machine_s", sum.machine_s}, {"cut_s", sum.cut_s}};
+}
+
+std::string json_text(const batch::StockReport& report) {
+  const batch::CutList& list = report.list;
+  Json blades = Json::array(), sizes = Json::array();
+  for (const auto& [blade, sum] : list.blades) {
+    Json one{
+        {"width_mm", blade.width_mm}, {"thickness_mm", blade.thickness_mm}, {"length_mm", blade.length_mm}};
+    one.update(sum_json(sum));
+    blades.push_back(std::move(one));
+  }
+  for (const auto& [size, sum] : list.sizes) {
+    Json one{{"size_mm", size}};
+    one.update(sum_json(sum));
+    sizes.push_back(std::move(one));
+  }
+  Json json{{"panels", list.panels},       {"not_cut", list.not_cut},     {"missing", report.missing},
+            {"total", sum_json(list.all)}, {"blades", std::move(blades)}, {"sizes", std::move(sizes)}};
+  return json.dump(2) + "\n";
+}
+
+Exit list_stock_of(const StockArguments& arguments, const Console& console) {
+  batch::GatherHooks hooks;
+  hooks.progress = [&console](double share) { console.report_progress("stock", share); };
+  hooks.stop = [] { return interrupted(); };
+  const batch::StockReport report = batch::list_stock(batch::BatchDirectory(arguments.directory),
+                                                      arguments.partial, arguments.step_mm, hooks);
+  console.end_progress();
+  std::cout << (arguments.as_json ? json_text(report) : table(report, arguments.directory));
+  return Exit::kOk;
+}
+
+}  // namespace
+
+void add_stock(CLI::App& app, const Console& console, Action& action) {
+  auto arguments = std::make_shared<StockArguments>();
+  auto* stock = app.add_subcommand("stock", "Foam and blades of a batch");
+  stock->require_subcommand(1);
+  stock->footer("Example: hotblade stock list facade");
+  auto* list =
+      stock->add_subcommand("list", "Say what foam and blades a batch takes, and in which order it is cut");
+  add_batch_directory(*list, arguments->directory);
+  list->add_option("--step-mm", arguments->step_mm, "Count blocks by sizes up to the next whole step")
+      ->check(CLI::Range(kLeastStepMm, kMostStepMm))
+      ->type_name("MM");
+  list->add_flag("--partial", arguments->partial, "Also while jobs are without a result");
+  list->add_flag("--json", arguments->as_json, "Print JSON instead of tables");
+  list->footer(
+      "Writes cut_list.csv and cut_list.html, as `batch gather` does.\n"
+      "Example: hotblade stock list facade --step-mm 50");
+  list->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return list_stock_of(*arguments, console); };
+  });
+}
+
+}  // namespace hotblade::pipeline
