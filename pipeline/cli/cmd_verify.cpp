@@ -155,6 +155,7 @@ void print_joints(const JointCheck& check) {
       "straight, speeds up to {:.0f} %, accelerations up to {:.0f} % of the cell's\n",
       check.off_mm, check.off_rad, check.joint_margin_rad / robot::kDegree_rad,
       check.wrist_rad / robot::kDegree_rad, 100 * check.speed_share, 100 * check.acceleration_share);
+  for (const std::string& line : check.nearest) std::cout << "nearest: " << line << "\n";
   for (const std::string& line : check.breaches) std::cout << line << "\n";
 }
 
@@ -165,6 +166,7 @@ nlohmann::ordered_json joints_json(const JointCheck& check) {
           {"wrist_rad", check.wrist_rad},
           {"speed_share", check.speed_share},
           {"acceleration_share", check.acceleration_share},
+          {"nearest", check.nearest},
           {"breaches", check.breaches}};
 }
 

@@ -7,6 +7,7 @@
 
 #include "pipeline/program/program_limits.hpp"
 #include "pipeline/settings/error.hpp"
+#include "robot/arm/clearance.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -74,6 +75,21 @@ StripArms::Nearest nearest_of(const JsonNode& node, bool joint) {
   return nearest;
 }
 
+std::vector<StripArms::NearestPair> nearest_pairs_of(const JsonNode& node) {
+  if (!node.json().is_object()) node.fail("is no object");
+  std::vector<StripArms::NearestPair> pairs;
+  for (const auto& [key, value] : node.json().items()) {
+    const bool known = std::any_of(robot::kPairKinds.begin(), robot::kPairKinds.end(),
+                                   [&](robot::PairKind kind) { return key == robot::name(kind); });
+    if (!known) node.fail("has the unknown kind \"" + key + "\"");
+    const JsonNode pair = node.field(key.c_str());
+    (void)pair.items(2, true);
+    const JsonNode mm = pair.item(0), t = pair.item(1);
+    pairs.push_back({key, mm.number({0, robot::kWidest_mm}), t.number(kTime)});
+  }
+  return pairs;
+}
+
 ProgramArm program_arm_of(const JsonNode& node) {
   node.expect_keys(std::array{"id", "model", "files_sha256", "base", "jaw", "joints"});
   ProgramArm arm;
@@ -122,7 +138,11 @@ ClampJoints joints_of(const JsonNode& node) {
 }
 
 StripArms strip_arms_of(const JsonNode& node) {
-  node.expect_keys(std::array{"a", "b", "joint_margin_rad", "wrist_rad", "place"});
+  std::vector<const char*> keys{"a", "b", "joint_margin_rad", "wrist_rad", "place"};
+  // Programs without it were made before distances were looked at, and keep reading.
+  const bool has_nearest = node.json().is_object() && node.json().contains("nearest_mm");
+  if (has_nearest) keys.push_back("nearest_mm");
+  node.expect_keys(keys);
   StripArms arms;
   const JsonNode a = node.field("a"), b = node.field("b"), place = node.field("place");
   arms.a = held_of(a);
@@ -130,6 +150,10 @@ StripArms strip_arms_of(const JsonNode& node) {
   const JsonNode margin = node.field("joint_margin_rad"), wrist = node.field("wrist_rad");
   arms.joint_margin_rad = nearest_of(margin, true);
   arms.wrist_rad = nearest_of(wrist, false);
+  if (has_nearest) {
+    const JsonNode nearest = node.field("nearest_mm");
+    arms.nearest_mm = nearest_pairs_of(nearest);
+  }
   place.expect_keys(std::array{"raise_mm"});
   arms.raise_mm = place.field("raise_mm").number();
   return arms;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "robot/pose/pose.hpp"
 
@@ -49,7 +50,14 @@ struct StripArms {
   };
   Nearest joint_margin_rad;  // to a joint's limit
   Nearest wrist_rad;         // from axes 4 and 6 in one line
-  double raise_mm = 0;       // what the block stands higher for the arms
+  // The least distance of each kind of pair (robot::PairKind) and when; kinds that come no nearer than
+  // robot::kWidest_mm are left out.
+  struct NearestPair {
+    std::string kind;
+    double mm = 0, t = 0;
+  };
+  std::vector<NearestPair> nearest_mm;
+  double raise_mm = 0;  // what the block stands higher for the arms
 };
 
 // The joints of both arms at one pose.

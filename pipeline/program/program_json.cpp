@@ -163,6 +163,12 @@ void write_arms(Text& out, const StripArms& arms) {
     if (joint) out.raw(",").raw(std::to_string(n.joint));
     out.field(",", n.t).raw("]");
   };
+  out.raw(",\"nearest_mm\":{");
+  for (const StripArms::NearestPair& pair : arms.nearest_mm) {
+    if (&pair != arms.nearest_mm.data()) out.raw(",");
+    out.raw("\"" + pair.kind + "\":[").field("", pair.mm).field(",", pair.t).raw("]");
+  }
+  out.raw("}");
   nearest(",\"joint_margin_rad\":[", arms.joint_margin_rad, true);
   nearest(",\"wrist_rad\":[", arms.wrist_rad, false);
   out.field(",\"place\":{\"raise_mm\":", arms.raise_mm).raw("}},\n");

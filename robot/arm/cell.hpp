@@ -69,14 +69,14 @@ struct CellArm {
   std::string model_file;  // as the cell names it
   std::string model_text;  // of the URDF, whose hash programs carry
   ArmModel model;          // with the cell's limits
-  Pose base;               // of base_link in the cell
+  Pose base{};             // of base_link in the cell
   double speed_share = 0.8;
   std::array<double, kJoints> acceleration_rad_s2{1.5, 1.0, 1.5, 8, 8, 8};
   bool acceleration_assumed = true;
   std::array<double, kJoints> jerk_rad_s3{15, 10, 15, 80, 80, 80};
-  ArmTool tool;
-  RapidNames rapid;
-  KrlNumbers krl;
+  ArmTool tool{};
+  RapidNames rapid{};
+  KrlNumbers krl{};
 };
 
 struct Obstacle {

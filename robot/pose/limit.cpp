@@ -74,6 +74,7 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
     {Limit::kShoulderDistance, "distance of an arm's wrist from axis 1", "mm", "the arm is next to singular"},
     {Limit::kJointSpeed, "joint speed of an arm", "rad/s", ""},
     {Limit::kJointAcceleration, "joint acceleration of an arm", "rad/s2", ""},
+    {Limit::kArmClearance, "clearance of an arm", "mm", ""},
     {Limit::kWarnings, "warnings with --strict", "", ""},
 
     {Limit::kUnknown, "unknown limit", "", "", 0, "unknown limit"},

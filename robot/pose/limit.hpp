@@ -67,6 +67,7 @@ enum class Limit : std::uint8_t {
   kShoulderDistance,
   kJointSpeed,
   kJointAcceleration,
+  kArmClearance,
   kWarnings,
   // A code that this table does not know.
   kUnknown,

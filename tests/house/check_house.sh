@@ -15,7 +15,7 @@ header_list=${2:-}
 cd "$root"
 
 readonly rooms='elastica surface gpu robot pipeline'
-readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml|tinyxml2)'
+readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml|tinyxml2|fcl/)'
 readonly max_lines=600
 
 # Headers that only sources may include: the half-edge mesh is a template of OpenMesh, which the reader, the repair and

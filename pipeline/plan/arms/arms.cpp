@@ -9,6 +9,7 @@
 
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/verify/verify.hpp"
@@ -98,7 +99,17 @@ double outside(const Strip& strip, double raise_mm, const robot::MotionLimits& l
 struct Tried {
   ArmPlace place;
   ArmChoice a, b;
-  [[nodiscard]] bool served() const { return a.stage == ArmStage::kServed && b.stage == ArmStage::kServed; }
+  robot::Clearance clearance{};  // where both are served
+  [[nodiscard]] bool held() const { return a.stage == ArmStage::kServed && b.stage == ArmStage::kServed; }
+  [[nodiscard]] bool served() const { return held() && !clearance.worst; }
+  [[nodiscard]] ArmStage stage() const {
+    return held() ? served() ? ArmStage::kServed : ArmStage::kClearance : worse().stage;
+  }
+  // Within a stage, the larger the nearer to the next.
+  [[nodiscard]] double rank() const {
+    return held() && clearance.worst ? clearance.worst->distance_mm - clearance.worst->clearance_mm
+                                     : worse().rank;
+  }
   // The arm that stands in the way.
   [[nodiscard]] const ArmChoice& worse() const {
     const bool b_first = b.stage != a.stage ? b.stage < a.stage : b.rank < a.rank;
@@ -118,6 +129,10 @@ void take(const Tried& tried, Strip& strip) {
   arms.a = tried.a.held;
   arms.b = tried.b.held;
   arms.raise_mm = tried.place.raise_mm;
+  for (const robot::PairKind kind : robot::kPairKinds) {
+    if (const auto& nearest = tried.clearance.nearest[static_cast<std::size_t>(kind)])
+      arms.nearest_mm.push_back({robot::name(kind), nearest->mm, strip.poses[nearest->pose].t});
+  }
   const auto nearer = [&](const robot::Least& a, const robot::Least& b, int joint_of_wrist) {
     const bool at_b = b.value < a.value;
     const robot::Least& least = at_b ? b : a;
@@ -144,26 +159,68 @@ void warn_of(const Strip& strip, std::vector<std::string>& warnings) {
   }
 }
 
-// The refusal of the place that came furthest, and what stopped the others.
-Refusal refusal_of(const std::vector<Tried>& tried, const robot::Cell& cell) {
-  const auto further = [](const Tried& x, const Tried& y) {
-    const ArmChoice &a = x.worse(), &b = y.worse();
-    return a.stage != b.stage ? a.stage < b.stage : a.rank < b.rank;
-  };
-  const Tried& furthest = *std::max_element(tried.begin(), tried.end(), further);
-  Refusal refusal = furthest.worse().refusal;
-  std::array<int, 4> counts{};
-  for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.worse().stage)];
-  refusal.note += fmt::format(
-      " (raised {:.0f} mm; of {} choices of height and arms {} are out of reach, {} at joint "
-      "limits, {} next to singular, {} too fast for a joint; cell {})",
-      furthest.place.raise_mm, tried.size(), counts[0], counts[1], counts[2], counts[3], cell.name);
+const char* help_of(robot::PairKind kind) {
+  switch (kind) {
+    case robot::PairKind::kToolBlock:
+    case robot::PairKind::kLinkBlock:
+      return ": another jaw, or another place of the block";
+    case robot::PairKind::kPlinth:
+      return ": raise the block (cell.raise_mm) or make the plinth smaller (plinth.inset_mm)";
+    case robot::PairKind::kTable:
+      return ": raise the block (cell.raise_mm)";
+    case robot::PairKind::kArms:
+      return ": another jaw, or bases farther apart";
+    default:
+      return ": another jaw, or another place of the block or of what stands there";
+  }
+}
+
+Refusal unclear(const Strip& strip, const Tried& tried) {
+  const robot::Contact& contact = *tried.clearance.worst;
+  const BladePose& at = strip.poses[contact.pose];
+  Refusal refusal{strip.id,
+                  "",
+                  Limit::kArmClearance,
+                  contact.distance_mm,
+                  contact.clearance_mm,
+                  describe(contact, strip) + help_of(contact.kind)};
+  refusal.when = when(contact, strip);
+  refusal.at = middle_of(at);
   return refusal;
 }
 
+// The refusal of the place that came furthest, and what stopped the others.
+Refusal refusal_of(const Strip& strip, const std::vector<Tried>& tried, const robot::Cell& cell) {
+  const auto further = [](const Tried& x, const Tried& y) {
+    return x.stage() != y.stage() ? x.stage() < y.stage() : x.rank() < y.rank();
+  };
+  const Tried& furthest = *std::max_element(tried.begin(), tried.end(), further);
+  Refusal refusal = furthest.held() ? unclear(strip, furthest) : furthest.worse().refusal;
+  std::array<int, 5> counts{};
+  for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.stage())];
+  refusal.note += fmt::format(
+      " (raised {:.0f} mm; of {} choices of height and arms {} are out of reach, {} at joint "
+      "limits, {} next to singular, {} too fast for a joint, {} not clear; cell {})",
+      furthest.place.raise_mm, tried.size(), counts[0], counts[1], counts[2], counts[3], counts[4],
+      cell.name);
+  return refusal;
+}
+
+// Proves both arms clear where they are held.
+void prove(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell, Tried& tried) {
+  if (!tried.held()) return;
+  Strip there = strip;
+  there.design_to_cell = raised(strip.design_to_cell, tried.place.raise_mm);
+  HeldJoints held;
+  held.arm = tried.place.swapped ? std::array<std::size_t, 2>{1, 0} : std::array<std::size_t, 2>{0, 1};
+  held.joints = {tried.a.joints, tried.b.joints};
+  tried.clearance = prove_clear(there, blade, cell, held);
+}
+
 // The first place that serves both arms: good ones by height, then the others by score.
-std::optional<Tried> choose(const Strip& strip, const robot::Cell& cell, const robot::MotionLimits& limits,
-                            std::vector<Tried>& failed, double& least_outside) {
+std::optional<Tried> choose(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell,
+                            const robot::MotionLimits& limits, std::vector<Tried>& failed,
+                            double& least_outside) {
   struct Scored {
     ArmPlace place;
     double score = 0;
@@ -180,6 +237,7 @@ std::optional<Tried> choose(const Strip& strip, const robot::Cell& cell, const r
   for (const Scored& one : order) {
     Tried tried{one.place, choose_branch(strip, cell, one.place, false),
                 choose_branch(strip, cell, one.place, true)};
+    prove(strip, blade, cell, tried);
     if (tried.served()) return tried;
     failed.push_back(std::move(tried));
   }
@@ -202,22 +260,22 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
     if (strip.arms) strip.design_to_cell = raised(strip.design_to_cell, -strip.arms->raise_mm);
     std::vector<Tried> failed;
     double least_outside = 1e9;
-    if (const auto tried = choose(strip, cell, limits, failed, least_outside)) {
+    if (const auto tried = choose(strip, program.blade, cell, limits, failed, least_outside)) {
       take(*tried, strip);
       warn_of(strip, armed.report.warnings);
     } else if (failed.empty()) {
       armed.report.refusals.push_back(
           {strip.id, "", Limit::kEnvelope, least_outside, 0, "at any height of cell.raise_mm"});
     } else {
-      armed.report.refusals.push_back(refusal_of(failed, cell));
+      armed.report.refusals.push_back(refusal_of(strip, failed, cell));
     }
   }
   if (armed.report.refusals.empty()) {
     armed.program.cell = cell_data(cell);
-    // Reach was looked at here, and nothing else of the arms.
+    // What was looked at here is not among it.
     for (std::string& item : armed.program.verification.not_checked) {
       if (item == kArmsNotChecked)
-        item = "arm collision; the arms' approach from park, cables, load and torque; jerk of the joints";
+        item = "the arms' approach from park, cables, load and torque; jerk of the joints";
     }
     return armed;
   }
@@ -237,6 +295,11 @@ std::string describe_arms(const Program& program) {
                         fmt::format("{:.1f} deg {} J{}", arms.joint_margin_rad.value * degrees,
                                     arms.joint_margin_rad.arm, arms.joint_margin_rad.joint),
                         fmt::format("{:.1f} deg {}", arms.wrist_rad.value * degrees, arms.wrist_rad.arm));
+    std::string nearest;
+    for (const StripArms::NearestPair& pair : arms.nearest_mm)
+      nearest +=
+          fmt::format("{}{} {:.0f} mm at {:.1f} s", nearest.empty() ? "" : ", ", pair.kind, pair.mm, pair.t);
+    if (!nearest.empty()) text += fmt::format("{:<6}nearest: {}\n", "", nearest);
   }
   return text;
 }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -151,6 +152,53 @@ class StripCheck {
   JointCheck& check_;
 };
 
+// Poses between those that are sampled besides the proof.
+constexpr std::size_t kSampleStep = 5;
+
+std::vector<robot::JointAngles> angles_of(const Strip& strip, bool b) {
+  std::vector<robot::JointAngles> all;
+  for (const BladePose& pose : strip.poses)
+    all.emplace_back(Eigen::Map<const robot::JointAngles>((b ? pose.joints->b : pose.joints->a).data()));
+  return all;
+}
+
+// The proof again, from the program's joints, and every fifth pose sampled: what the program says of its
+// distances has to be no more than what is measured.
+void check_clear(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell,
+                 JointCheck& check) {
+  HeldJoints held;
+  const std::size_t a = cell.arms[0].id == strip.arms->a.arm ? 0 : 1;
+  held.arm = {a, 1 - a};
+  held.joints = {angles_of(strip, false), angles_of(strip, true)};
+  const robot::CellPath path = cell_path(strip, blade, held);
+  const std::vector<robot::Standing> standing = surroundings(strip, cell);
+  const robot::Clearance proved = robot::prove_clear(cell, standing, path);
+  const robot::Clearance sampled = robot::sampled_clearance(cell, standing, path, kSampleStep);
+  for (const auto& worst : {proved.worst, sampled.worst}) {
+    if (!worst) continue;
+    check.breaches.push_back(
+        fmt::format("{} at {:.2f} s: {}", strip.id, strip.poses[worst->pose].t, describe(*worst, strip)));
+    break;
+  }
+  for (const robot::PairKind kind : robot::kPairKinds) {
+    const auto i = static_cast<std::size_t>(kind);
+    const std::string key = robot::name(kind);
+    const auto said = std::find_if(strip.arms->nearest_mm.begin(), strip.arms->nearest_mm.end(),
+                                   [&](const StripArms::NearestPair& pair) { return pair.kind == key; });
+    double measured = robot::kWidest_mm;
+    for (const auto& nearest : {proved.nearest[i], sampled.nearest[i]}) {
+      if (nearest) measured = std::min(measured, nearest->mm);
+    }
+    const double claimed = said == strip.arms->nearest_mm.end() ? robot::kWidest_mm : said->mm;
+    if (claimed > measured + robot::kNearestWithin_mm) {
+      check.breaches.push_back(fmt::format("{}: {} comes within {:.1f} mm, the program says {:.1f}", strip.id,
+                                           key, measured, claimed));
+    }
+    if (measured < robot::kWidest_mm)
+      check.nearest.push_back(fmt::format("{} {} {:.1f} mm", strip.id, key, measured));
+  }
+}
+
 }  // namespace
 
 JointCheck check_joints(const Program& program, const robot::Cell& cell) {
@@ -162,7 +210,10 @@ JointCheck check_joints(const Program& program, const robot::Cell& cell) {
   }
   JointCheck check;
   check.joint_margin_rad = check.wrist_rad = std::numeric_limits<double>::infinity();
-  for (const Strip& strip : program.strips) StripCheck(strip, cell, check).run();
+  for (const Strip& strip : program.strips) {
+    StripCheck(strip, cell, check).run();
+    check_clear(strip, program.blade, cell, check);
+  }
   return check;
 }
 

@@ -26,6 +26,7 @@ inline Program with_joints() {
     arms.b = {"R2", {-1, 1, -1}, true, {}};
     arms.joint_margin_rad = {0.5, "R1", 4, 1.25};
     arms.wrist_rad = {0.25, "R2", 5, 0.5};
+    arms.nearest_mm = {{"arm_arm", 412.5, 1.5}, {"blade", 61.25, 0.5}};
     arms.raise_mm = 200;
     strip.arms = arms;
     for (std::size_t i = 0; i < strip.poses.size(); ++i) {

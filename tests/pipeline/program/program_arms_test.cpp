@@ -25,6 +25,14 @@ TEST(ProgramArms, RoundTripByteForByte) {
   EXPECT_EQ(to_json(parse_program(Json::parse(text).dump(1), "job.json")), text);
 }
 
+TEST(ProgramArms, AreReadWithoutDistances) {
+  Json json = Json::parse(to_json(with_joints()));
+  for (Json& strip : json["strips"]) strip["arms"].erase("nearest_mm");
+  const Program read = parse_program(json.dump(), "job.json");
+  EXPECT_TRUE(read.strips[0].arms->nearest_mm.empty());
+  EXPECT_EQ(read.strips[1].arms->joint_margin_rad.value, 0.5);
+}
+
 TEST(ProgramArms, LeaveNoTraceWhereThereAreNone) {
   const std::string text = to_json(testing::vault_program({.strips = 2}));
   for (const char* word : {"\"cell\"", "\"arms\"", "\"joints\""})
@@ -57,6 +65,10 @@ TEST(ProgramArms, AreRefusedWithThePlace) {
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["b"]["arm"] = "R1"; }),
               HasSubstr("are not both arms"));
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["b"]["branch"][1] = 0; }), HasSubstr("branch[1]"));
+  EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["nearest_mm"]["arm_cat"] = {1, 2}; }),
+              HasSubstr("strips[0].arms.nearest_mm: has the unknown kind \"arm_cat\""));
+  EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["nearest_mm"]["blade"][0] = -1; }),
+              HasSubstr("nearest_mm.blade[0]"));
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["a"]["turns"][1] = 0.5; }), HasSubstr("turns[1]"));
   EXPECT_THAT(refusal([](Json& j) { j["cell"]["sha256"] = "x"; }),
               HasSubstr("cell.sha256: is not a SHA-256"));

@@ -32,6 +32,16 @@ Program slow_vault() {
   return program;
 }
 
+// The vault where the arms of a cell are clear of everything.
+Program clear_vault(const robot::Cell& cell) {
+  Program program = slow_vault();
+  const ArmedProgram armed = with_arms(program, cell);
+  EXPECT_THAT(armed.report.refusals, IsEmpty());
+  for (std::size_t i = 0; i < program.strips.size(); ++i)
+    program.strips[i].design_to_cell = armed.program.strips[i].design_to_cell;
+  return program;
+}
+
 robot::Cell cell_named(const std::string& name) {
   robot::Cell cell = read_cell(name);
   cell.place.raise_mm = {0, 400};
@@ -84,13 +94,15 @@ TEST(WithArms, TakesTheLeastHeightThatIsGood) {
   EXPECT_EQ(armed.program.strips[0].design_to_cell.p.z(), program.strips[0].design_to_cell.p.z() + raise);
   for (double lower = 0; lower < raise; lower += 100)
     EXPECT_LT(score(program.strips[0], cell, {lower, false}), 1) << "a lower place was as good";
+  EXPECT_FALSE(armed.program.strips[0].arms->nearest_mm.empty());
+  const Program clear = clear_vault(cell);
   cell.place.how = robot::Placing::kFixed;
-  const ArmedProgram fixed = with_arms(program, cell);
+  const ArmedProgram fixed = with_arms(clear, cell);
   ASSERT_THAT(fixed.report.refusals, IsEmpty());
   EXPECT_EQ(fixed.program.strips[0].arms->raise_mm, 0);
   cell.place.how = robot::Placing::kRaise;
-  cell.place.raise_mm = {200, 200};
-  EXPECT_EQ(with_arms(program, cell).program.strips[0].arms->raise_mm, 200);
+  cell.place.raise_mm = {raise + 100, raise + 100};
+  EXPECT_EQ(with_arms(program, cell).program.strips[0].arms->raise_mm, raise + 100);
 }
 
 TEST(WithArms, SaysTheMarginsThatAreThere) {
@@ -132,10 +144,25 @@ TEST(WithArms, RefusesAnArmThatStandsTooFarOff) {
   EXPECT_THAT(said, HasSubstr("of 10 choices of height and arms 10 are out of reach"));
 }
 
+TEST(WithArms, RefusesAFenceInTheWayByName) {
+  robot::Cell cell = cell_named("two_irb4600");
+  ASSERT_THAT(with_arms(slow_vault(), cell).report.refusals, IsEmpty());
+  robot::Obstacle fence{"fence", {}, {Isometry3d::Identity(), robot::Box{{50, 4000, 2000}}}};
+  fence.at.p = {-1300, 0, 1000};
+  cell.obstacles.push_back(fence);
+  const std::string said = refusal_in(cell, slow_vault(), Limit::kArmClearance);
+  EXPECT_THAT(said, HasSubstr("S001: clearance of an arm 0 mm (limit 20 mm) in phase"));
+  EXPECT_THAT(said, HasSubstr("from fence, 20 at least (20.0 mm too near)"));
+  EXPECT_THAT(
+      said,
+      HasSubstr(
+          "5 are out of reach, 0 at joint limits, 0 next to singular, 0 too fast for a joint, 5 not clear"));
+}
+
 TEST(WithArms, RefusesALimitJustBelowNeed) {
   robot::Cell cell = cell_named("two_irb4600");
+  const Program program = clear_vault(cell);
   cell.place.how = robot::Placing::kFixed;
-  const Program program = slow_vault();
   const ArmedProgram free = with_arms(program, cell);
   ASSERT_THAT(free.report.refusals, IsEmpty());
   // The range that each arm's joint 5 has to have, less a hundredth of a degree, with what is kept.
@@ -200,8 +227,8 @@ TEST(WithArms, HasAHashOfTheWholeCell) {
 
 TEST(WithArms, ForgetsTheArmsThatWereThere) {
   robot::Cell cell = cell_named("two_irb4600");
-  cell.place.raise_mm = {200, 200};
   const Program once = with_arms(slow_vault(), cell).program;
+  ASSERT_GT(once.strips[0].arms->raise_mm, 0);
   const ArmedProgram twice = with_arms(once, cell);
   ASSERT_THAT(twice.report.refusals, IsEmpty());
   EXPECT_EQ(to_json(twice.program), to_json(once));
@@ -211,7 +238,7 @@ TEST(WithArms, SaysWhatIsLeftToLookAt) {
   Program program = slow_vault();
   program.verification.not_checked = {"melt-back", "arm reach and arm collision"};
   const Program armed = with_arms(program, cell_named("two_kr50")).program;
-  EXPECT_THAT(armed.verification.not_checked[1], HasSubstr("arm collision; the arms' approach"));
+  EXPECT_THAT(armed.verification.not_checked[1], HasSubstr("the arms' approach from park"));
 }
 
 Program armed_vault(const robot::Cell& cell) {
