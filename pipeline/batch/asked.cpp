@@ -91,19 +91,13 @@ void add_keys(std::vector<std::string>& keys, const std::vector<std::string>& mo
 }  // namespace
 
 nlohmann::ordered_json to_json(const Asked& asked) {
-  return {{"design", asked.design},
-          {"list", asked.list},
-          {"split", asked.split},
-          {"group_index", asked.group_index},
-          {"units", asked.units},
-          {"up", asked.up},
-          {"configs", asked.configs},
-          {"set", asked.assignments},
-          {"sweeps", asked.sweeps},
-          {"sweep_file", asked.sweep_file},
-          {"pictures", asked.pictures},
-          {"keep", asked.keep},
-          {"chunk_minutes", asked.chunk_minutes}};
+  return {{"design", asked.design},     {"list", asked.list},
+          {"split", asked.split},       {"group_index", asked.group_index},
+          {"units", asked.units},       {"up", asked.up},
+          {"configs", asked.configs},   {"set", asked.assignments},
+          {"sweeps", asked.sweeps},     {"sweep_file", asked.sweep_file},
+          {"pictures", asked.pictures}, {"keep", asked.keep},
+          {"gzip", asked.gzip},         {"chunk_minutes", asked.chunk_minutes}};
 }
 
 Asked asked_from(const nlohmann::ordered_json& json) {
@@ -120,6 +114,7 @@ Asked asked_from(const nlohmann::ordered_json& json) {
   json.at("sweep_file").get_to(asked.sweep_file);
   json.at("pictures").get_to(asked.pictures);
   json.at("keep").get_to(asked.keep);
+  asked.gzip = json.value("gzip", false);  // batches of older programs do not say it
   json.at("chunk_minutes").get_to(asked.chunk_minutes);
   return asked;
 }

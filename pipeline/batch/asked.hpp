@@ -25,6 +25,7 @@ struct Asked {
   std::vector<std::string> configs, assignments, sweeps;
   std::string sweep_file;
   std::string pictures = kPicturesThumb, keep = kKeepProgram;
+  bool gzip = false;  // programs are packed
   double chunk_minutes = 10;
 };
 

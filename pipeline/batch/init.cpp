@@ -234,8 +234,9 @@ class Maker {
       expect_going_on();
       for (const Case& one : cases_.list) {
         const std::string& settings = settings_sha256(design.given, one, true);
-        const std::string key = key_of({batch_.version, batch_.commit, batch_.simd, settings, design.sha256,
-                                        batch_.asked.pictures, batch_.asked.keep});
+        const std::string key =
+            key_of({batch_.version, batch_.commit, batch_.simd, settings, design.sha256,
+                    batch_.asked.pictures, batch_.asked.keep + (batch_.asked.gzip ? " gzip" : "")});
         if (plans_.emplace(key, PlannedKey{key, design.sha256, settings}).second) {
           seconds += kEstimateS + kEstimateSPerM2 * design.area_m2 +
                      kEstimateSPerTriangle * static_cast<double>(design.triangles);

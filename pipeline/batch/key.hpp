@@ -12,7 +12,7 @@ struct KeyParts {
   std::string simd;             // results of different instruction sets differ by rounding
   std::string settings_sha256;  // of all settings, as `hotblade config show` prints them
   std::string design_sha256;    // of the panel's text
-  std::string pictures, keep;   // what is drawn, and what is kept
+  std::string pictures, keep;   // what is drawn, and what is kept, packed or not
 };
 
 // Returns 64 hexadecimal digits.

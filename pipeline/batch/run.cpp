@@ -161,21 +161,23 @@ class Runner {
   }
 
   [[nodiscard]] std::vector<std::string> words(const PlannedKey& planned, const WorkPlace& place) const {
-    return {options_.program.string(),
-            "plan",
-            directory_.design(planned.design_sha256).string(),
-            "--config",
-            directory_.settings(planned.settings_sha256).string(),
-            "-o",
-            place.output().string(),
-            "--jobs",
-            "1",
-            "--backend",
-            "cpu",
-            "--pictures",
-            batch_.asked.pictures,
-            "--progress",
-            "none"};
+    std::vector<std::string> words{options_.program.string(),
+                                   "plan",
+                                   directory_.design(planned.design_sha256).string(),
+                                   "--config",
+                                   directory_.settings(planned.settings_sha256).string(),
+                                   "-o",
+                                   place.output().string(),
+                                   "--jobs",
+                                   "1",
+                                   "--backend",
+                                   "cpu",
+                                   "--pictures",
+                                   batch_.asked.pictures,
+                                   "--progress",
+                                   "none"};
+    if (batch_.asked.gzip) words.emplace_back("--gzip");
+    return words;
   }
 
   void sleep() const {

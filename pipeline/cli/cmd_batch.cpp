@@ -103,6 +103,7 @@ void add_batch_init(CLI::App& batch, const Console& console, Action& action) {
   command->add_option("--keep", asked.keep, "Files of each plan: the reports, the program too, or all")
       ->check(CLI::IsMember({batch::kKeepReport, batch::kKeepProgram, batch::kKeepAll}))
       ->type_name("report|program|all");
+  command->add_flag("--gzip", asked.gzip, "Keep programs as program.json.gz, a quarter as large");
   command->add_flag("--update", arguments->update,
                     "Bring a batch that is there up to date; without --design and --list, as asked before");
   command->footer("Example: hotblade batch init facade --design facade.obj --split group --units mm");

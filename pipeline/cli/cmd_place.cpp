@@ -7,13 +7,15 @@
 #include "pipeline/cli/command.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/gzip.hpp"
+#include "pipeline/report/output_set.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
 struct PlaceArguments {
   std::string program, cell, output, how;
-  bool force = false;
+  bool force = false, gzip = false;
 };
 
 // A program that was refused has other worries than its arms.
@@ -24,7 +26,7 @@ void expect_passed(const Program& program, const std::string& file) {
 }
 
 Exit place(const PlaceArguments& arguments, const Console& console) {
-  const std::filesystem::path output = std::filesystem::path(arguments.output) / "program.json";
+  const std::filesystem::path output = std::filesystem::path(arguments.output) / program_name(arguments.gzip);
   robot::Cell cell = read_cell(arguments.cell);
   if (arguments.how == "fixed") cell.place.how = robot::Placing::kFixed;
   if (arguments.how == "raise") cell.place.how = robot::Placing::kRaise;
@@ -38,7 +40,8 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   for (const Refusal& refusal : armed.report.refusals) console.warn("refused: " + describe(refusal));
   if (!armed.report.refusals.empty()) return Exit::kNotCuttable;
   ensure_directory(arguments.output);
-  write_file_atomically(output, to_json(armed.program), arguments.force);
+  const std::string text = to_json(armed.program);
+  write_file_atomically(output, arguments.gzip ? packed(text) : text, arguments.force);
   std::cout << describe_arms(armed.program) << "program " << output.string() << "\n";
   return Exit::kOk;
 }
@@ -58,6 +61,7 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--place", arguments->how, "Instead of the cell's own: may blocks be raised?")
       ->check(CLI::IsMember({"fixed", "raise"}))
       ->type_name("fixed|raise");
+  command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--force", arguments->force, "Overwrite a program that is there");
   command->footer(
       "Cuts and times stay as they are. Exit code 4 when a strip's arms cannot do it: which, when and by how "

@@ -37,7 +37,7 @@ struct PlanArguments {
   std::string tolerance_mm, output, backend = "auto", pictures = "full", cell;
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false, no_pictures = false, advise = false,
-       json = false;
+       json = false, gzip = false;
 };
 
 fs::path output_directory(const PlanArguments& arguments) {
@@ -69,7 +69,8 @@ std::string plinth_line(const PlanResult& result) {
                      high_text == low_text ? "" : " to " + high_text);
 }
 
-void print_summary(const PlanResult& result, const fs::path& directory, const Emitted& emitted) {
+void print_summary(const PlanResult& result, const fs::path& program, const fs::path& report,
+                   const Emitted& emitted) {
   const Verification& v = result.program.verification;
   const Deviation& d = v.deviation_mm;
   std::size_t ribs = 0;
@@ -96,8 +97,8 @@ void print_summary(const PlanResult& result, const fs::path& directory, const Em
   std::cout << "status " << painted(name(v.status), paint, STDOUT_FILENO) << "\n";
   std::cout << "verdict " << painted(name(verdict.color), paint, STDOUT_FILENO) << ": " << headline(verdict)
             << "\n";
-  if (emitted.program_written) std::cout << "program " << (directory / "program.json").string() << "\n";
-  std::cout << "report " << (directory / "report.html").string() << "\n";
+  if (emitted.program_written) std::cout << "program " << program.string() << "\n";
+  std::cout << "report " << report.string() << "\n";
 }
 
 void print_refusals(const PlanResult& result, const Console& console) {
@@ -235,7 +236,8 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
     return pictures;
   };
-  const Emitted emitted = emit(result, output, facts, arguments.override_refusal, pictures_of);
+  const Emitted emitted =
+      emit(result, output, facts, {arguments.override_refusal, arguments.gzip}, pictures_of);
   console.report_progress("done", 1);
   tell_backend(result.verification, hooks.backend, console);
   for (const std::string& line : found) console.warn("warning: " + line);
@@ -244,7 +246,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   if (arguments.json) {
     std::cout << report_json(result, emitted.program_sha256);
   } else {
-    print_summary(result, directory, emitted);
+    print_summary(result, directory / program_name(arguments.gzip), directory / "report.html", emitted);
   }
   return result.refusals.empty() ? Exit::kOk : Exit::kNotCuttable;
 }
@@ -277,6 +279,7 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
                    "full: all of them; thumb: a small preview.png alone; none: as --no-pictures")
       ->check(CLI::IsMember({"none", "thumb", "full"}))
       ->type_name("none|thumb|full");
+  command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--advise", arguments->advise,
                     "Plan a refused job again with settings that may help, and say which passed");
   command->add_flag("--strict", arguments->strict, "Exit code 4 on any warning");

@@ -16,6 +16,7 @@
 #include "pipeline/preview/stage.hpp"
 #include "pipeline/preview/window.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/program/refused_plan.hpp"
@@ -202,7 +203,8 @@ DesignSurface design_alone(const PreviewOptions& options) {
 }
 
 bool is_program(const PreviewOptions& options) {
-  return fs::path(options.input.file).extension() == ".json";
+  const fs::path file = options.input.file;
+  return file.extension() == ".json" || is_gzip_name(file);
 }
 
 Viewed viewed(const PreviewOptions& options, preview::View view) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
 
@@ -29,7 +30,9 @@ const char* name(VerificationStatus status) {
   return status == VerificationStatus::kPassed ? "passed" : "refused";
 }
 
-std::string file_text(const std::filesystem::path& file) {
+namespace {
+
+std::string bytes_of(const std::filesystem::path& file) {
   std::error_code error;
   if (std::filesystem::is_directory(file, error)) {
     throw Error(ErrorKind::kFile, file.string() + ": is a directory: give its program.json");
@@ -48,6 +51,16 @@ std::string file_text(const std::filesystem::path& file) {
     throw Error(ErrorKind::kFile, file.string() + ": cannot be read" + reason);
   }
   return text;
+}
+
+}  // namespace
+
+std::string file_text(const std::filesystem::path& file) {
+  std::string bytes = bytes_of(file);
+  if (is_gzip_name(file)) return unpacked(bytes, file.string());
+  if (bytes.starts_with("\x1f\x8b"))
+    throw Error(ErrorKind::kBadInput, file.string() + ": is packed (gzip): give it a name that ends in .gz");
+  return bytes;
 }
 
 Program read_program(const std::filesystem::path& file) {

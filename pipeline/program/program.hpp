@@ -139,8 +139,8 @@ struct Program {
 [[nodiscard]] Program parse_program(const std::string& text, const std::string& file_name,
                                     std::size_t least_strips = 1);
 
-// Returns the program of a file. Throws Error: kFile when it cannot be read, kNotCuttable when it is what a
-// refused plan found, kBadInput when it is not a program.
+// Returns the program of a file, unpacked where its name ends in .gz. Throws Error: kFile when it cannot be
+// read, kNotCuttable when it is what a refused plan found, kBadInput when it is not a program.
 [[nodiscard]] Program read_program(const std::filesystem::path& file);
 
 // Returns the controller's waypoints of a strip: its poses in the cell frame, times rounded to microseconds.

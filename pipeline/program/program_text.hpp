@@ -23,7 +23,8 @@ struct ProgramFrame {
 // What a file of a refused plan calls itself (pipeline/program/refused_plan.hpp).
 inline constexpr std::string_view kRefusedPlanFormat = "hotblade-refused-plan";
 
-// Returns the text of a program's file. Throws Error (kFile) when it cannot be read.
+// Returns the text of a program's file, unpacked where its name ends in .gz. Throws Error: kFile when it
+// cannot be read, and as unpacked() does (pipeline/program/gzip.hpp).
 [[nodiscard]] std::string file_text(const std::filesystem::path& file);
 
 }  // namespace hotblade::pipeline

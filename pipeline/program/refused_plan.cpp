@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "pipeline/program/gzip.hpp"
 #include "pipeline/program/json_node.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
@@ -60,7 +61,10 @@ std::string to_json(const RefusedPlan& plan) {
 }
 
 bool is_refused_plan(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (is_gzip_name(file) && !std::filesystem::exists(file, ignored)) return false;
   const std::string beginning = "{\"format\": \"" + std::string(kRefusedPlanFormat) + "\"";
+  if (is_gzip_name(file)) return file_text(file).starts_with(beginning);
   std::ifstream stream(file, std::ios::binary);
   std::string read(beginning.size(), '\0');
   return stream.read(read.data(), static_cast<std::streamsize>(read.size())) && read == beginning;

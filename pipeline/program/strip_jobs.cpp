@@ -5,19 +5,15 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <span>
 
+#include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
-robot::Sha256 hash_of(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) throw Error(ErrorKind::kFile, file.string() + ": cannot be read");
+robot::Sha256 hash_of(const std::string& text) {
   return robot::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
@@ -32,9 +28,13 @@ void require_passed(const std::filesystem::path& file, const Program& program, b
 
 StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden) {
   StripJobs result;
-  result.program = read_program(program_file);
+  robot::Sha256 hash;
+  {
+    const std::string text = file_text(program_file);
+    hash = hash_of(text);
+    result.program = parse_program(text, program_file.string());
+  }
   require_passed(program_file, result.program, overridden);
-  const robot::Sha256 hash = hash_of(program_file);
   for (const Strip& strip : result.program.strips) {
     try {
       const robot::ClampedBlade blade{result.program.blade, strip.blade_length_mm};

@@ -19,6 +19,7 @@
 #include "elastica/kernels/simd_pin.hpp"
 #include "pipeline/export/rib_files.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/report/advice.hpp"
@@ -155,9 +156,11 @@ constexpr std::size_t kStripsAtOnce = 8;
 StagedFile staged_program(const Program& program, const fs::path& file, Sha256& sha256) {
   const ProgramFrame frame = program_frame(program);
   const auto produce = [&](const WritePiece& write_piece) {
+    std::optional<GzipWriter> gzip;
+    if (is_gzip_name(file)) gzip.emplace(write_piece);
     const auto write = [&](std::string_view piece) {
       sha256.add(piece);
-      write_piece(piece);
+      gzip ? gzip->add(piece) : write_piece(piece);
     };
     write(frame.before);
     const std::size_t count = program.strips.size();
@@ -173,6 +176,7 @@ StagedFile staged_program(const Program& program, const fs::path& file, Sha256& 
       }
     }
     write(frame.after);
+    if (gzip) gzip->finish();
   };
   return {file, produce, false};
 }
@@ -193,7 +197,7 @@ class ProgramWriter {
   ProgramWriter(const ProgramWriter&) = delete;
   ProgramWriter& operator=(const ProgramWriter&) = delete;
 
-  // Returns the file's SHA-256.
+  // Returns the SHA-256 of the program's text.
   std::string place() {
     tasks_.wait();
     if (error_) std::rethrow_exception(error_);
@@ -306,17 +310,17 @@ void write_reports(const PlanResult& result, const fs::path& directory, const Ru
 
 namespace {
 
-Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts, bool override_refusal,
+Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
                    const TakePictures& take_pictures) {
   Emitted emitted;
   const bool passed = result.program.verification.status == VerificationStatus::kPassed;
-  if (!passed && override_refusal) {
+  if (!passed && options.override_refusal) {
     for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
   }
-  emitted.program_written = passed || (override_refusal && !result.program.strips.empty());
+  emitted.program_written = passed || (options.override_refusal && !result.program.strips.empty());
   const fs::path& draft = output.draft();
   std::optional<ProgramWriter> program;
-  if (emitted.program_written) program.emplace(result.program, draft / "program.json");
+  if (emitted.program_written) program.emplace(result.program, draft / program_name(options.gzip));
   const ReportPictures pictures = take_pictures(result);
   if (program) {
     write_ribs(result.program, draft / "ribs");
@@ -333,10 +337,10 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
 
 }  // namespace
 
-Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, bool override_refusal,
+Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
              const TakePictures& take_pictures) {
   try {
-    return emit_draft(result, output, facts, override_refusal, take_pictures);
+    return emit_draft(result, output, facts, options, take_pictures);
   } catch (const Error& error) {
     if (error.kind != ErrorKind::kFile) throw;
     // The draft is gone when this is read: the place that it was for is what a user knows.

@@ -20,22 +20,26 @@ struct RunFacts {
   double total_s = 0;
 };
 
+struct EmitOptions {
+  bool override_refusal = false;  // writes the program of a refused plan, its refusals in program.overrides
+  bool gzip = false;              // writes program.json.gz
+};
+
 struct Emitted {
   bool program_written = false;
-  std::string program_sha256{};  // empty where none was written
+  std::string program_sha256{};  // of its text, packed or not; empty where none was written
 };
 
 // Writes the set and puts it in its place whole; preview.png (the first picture) and scene.gltf are absent
-// where there are none. A refused plan's program is written only with `override_refusal`, its refusals
-// recorded in program.overrides. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes
+// where there are none. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes
 // them) come and go with the program. `take_pictures` is called once, on this thread, while others write the
 // program. Throws Error (kFile), and what `take_pictures` throws; the older set then stays.
 using TakePictures = std::function<ReportPictures(const PlanResult&)>;
-Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, bool override_refusal,
+Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
              const TakePictures& take_pictures);
 
 // The text of report.json: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
-// `program_sha256` is that of the program.json beside it, in hex; empty: there is none.
+// `program_sha256` is that of the text of the program beside it, in hex; empty: there is none.
 [[nodiscard]] std::string report_json(const PlanResult& result, const std::string& program_sha256 = "");
 
 }  // namespace hotblade::pipeline

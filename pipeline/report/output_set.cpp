@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kFiles{"program.json", "report.json", "report.html", "preview.png",
-                            "scene.gltf",   "run.json",    "refused.json"};
+constexpr std::array kFiles{"program.json", "program.json.gz", "report.json", "report.html",
+                            "preview.png",  "scene.gltf",      "run.json",    "refused.json"};
 constexpr const char* kRibs = "ribs";
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {

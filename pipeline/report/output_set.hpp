@@ -12,6 +12,11 @@
 
 namespace hotblade::pipeline {
 
+// Returns the name of a plan's program, packed or not.
+[[nodiscard]] inline const char* program_name(bool gzip) {
+  return gzip ? "program.json.gz" : "program.json";
+}
+
 class OutputSet {
  public:
   // Makes the directory where it is missing, and holds a lock on it until the end. Throws Error (kFile): an

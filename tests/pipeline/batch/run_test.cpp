@@ -68,6 +68,20 @@ TEST(Batch, RefusalsAreResults) {
   EXPECT_EQ(batch.starts(), 4U);
 }
 
+TEST(Batch, ProgramsAreKeptPackedWhereThatIsAskedUnderOtherKeys) {
+  const StandInBatch batch({1});
+  const std::string key = read_chunk(batch.directory(), 0).front().key;
+  Asked asked = batch.asked();
+  asked.gzip = true;
+  (void)init_batch(batch.directory(), asked, true, {});
+  EXPECT_NE(read_chunk(batch.directory(), 0).front().key, key);
+  EXPECT_TRUE(read_batch(batch.directory()).asked.gzip);
+  (void)batch.run();
+  const fs::path result = batch.directory().result(read_chunk(batch.directory(), 0).front().key);
+  EXPECT_TRUE(fs::exists(result / "program.json.gz"));
+  EXPECT_FALSE(fs::exists(result / "program.json"));
+}
+
 TEST(Batch, CrashIsRetriedThenNamed) {
   const StandInBatch batch({1, kExits, kNoFile, kAborts, kSleeps, kEats, 2});
   const RunReport report = batch.run(2, 3, 40);

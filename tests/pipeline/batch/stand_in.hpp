@@ -26,7 +26,7 @@ constexpr int kExits = 901, kBadInput = 903, kRefused = 904, kOver = 905, kNoFil
 // Writes what plan would; every start is a line of `started` beside it.
 inline constexpr const char* kStandIn = R"SH(#!/bin/sh
 design=$2
-while [ $# -gt 0 ]; do [ "$1" = -o ] && out=$2; shift; done
+while [ $# -gt 0 ]; do [ "$1" = -o ] && out=$2; [ "$1" = --gzip ] && packed=.gz; shift; done
 read -r v x y z rest < "$design"
 echo "$design" >> "$(dirname "$0")/started"
 report() {
@@ -50,7 +50,7 @@ case $z in
   912*) x=$(head -c 100000000 /dev/zero | tr '\0' x) ;;  # and passes, where it may
 esac
 report
-echo "{}" > "$out/program.json"
+echo "{}" > "$out/program.json$packed"
 mkdir "$out/ribs"
 echo "ribs" > "$out/ribs/S001.dxf"
 )SH";

@@ -1,0 +1,43 @@
+// Texts packed as gzip (RFC 1952), for programs of megabytes: a name that ends in .gz says that a file is.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace hotblade::pipeline {
+
+// Returns whether a file of this name is packed.
+[[nodiscard]] bool is_gzip_name(const std::filesystem::path& file);
+
+// Returns the plain text of a packed one, of all its members. Throws Error (kBadInput) with the file's name:
+// for what is no gzip, is cut off, damaged or followed by something else, and for a text of over 64 MiB that
+// is over 200 times as long as its file: programs pack to a quarter, and no memory should go to a file made
+// to fill it.
+[[nodiscard]] std::string unpacked(std::string_view bytes, const std::string& file_name);
+
+// Packs a text piece by piece: the same text gives the same bytes however it is parted, and nothing of time
+// or place is in them.
+class GzipWriter {
+ public:
+  using Write = std::function<void(std::string_view)>;
+  explicit GzipWriter(Write write);
+  ~GzipWriter();
+  GzipWriter(const GzipWriter&) = delete;
+  GzipWriter& operator=(const GzipWriter&) = delete;
+
+  void add(std::string_view text);
+  // Writes the end: what comes before it is no whole file.
+  void finish();
+
+ private:
+  struct Stream;
+  std::unique_ptr<Stream> stream_;
+};
+
+// Returns a whole text packed in this way.
+[[nodiscard]] std::string packed(std::string_view text);
+
+}  // namespace hotblade::pipeline
