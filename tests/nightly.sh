@@ -20,6 +20,7 @@ long() {
   HOTBLADE_HOSTILE=full build/release/hotblade_robot_controller_tests --gtest_filter='*Hostile*' || failed=1
   HOTBLADE_STOPPED_CUTS=20 build/release/hotblade_pipeline_cli_tests --gtest_filter='*StoppedCut*' || failed=1
   HOTBLADE_INTERRUPTS=50 ctest --preset release -R '^Latency.AnInterrupt' || failed=1
+  HOTBLADE_BROWSER_ROOF=1 ./run test-browser || failed=1
   HOTBLADE_PLAN_SETS=100 ctest --preset release -R '^PlanSet' || failed=1
   return "$failed"
 }

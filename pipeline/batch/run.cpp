@@ -174,6 +174,8 @@ class Runner {
                                    "cpu",
                                    "--pictures",
                                    batch_.asked.pictures,
+                                   "--viewer",
+                                   "none",
                                    "--progress",
                                    "none"};
     if (batch_.asked.gzip) words.emplace_back("--gzip");

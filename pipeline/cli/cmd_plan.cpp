@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 struct PlanArguments {
   DesignOptions design;
-  std::string tolerance_mm, output, backend = "auto", pictures = "full", cell;
+  std::string tolerance_mm, output, backend = "auto", pictures = "full", viewer, cell;
   int jobs = 0;
   bool force = false, override_refusal = false, strict = false, no_pictures = false, advise = false,
        json = false, gzip = false;
@@ -224,16 +224,18 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
   const auto pictures_of = [&](const PlanResult& planned) {
-    if (arguments.no_pictures || arguments.pictures == "none") {
-      console.report_progress("write", kDrawn);
-      return ReportPictures{{}, "not asked for (--no-pictures)", {}};
-    }
+    const Pictures asked = arguments.no_pictures
+                               ? Pictures::kNone
+                               : pictures_named(arguments.pictures).value_or(Pictures::kFull);
+    const Viewer viewer =
+        viewer_named(arguments.viewer).value_or(asked == Pictures::kFull ? Viewer::kFull : Viewer::kNone);
     const auto drawn = [&](double share) {
       console.report_progress(share < 1 ? "draw" : "write", kPlanned + share * (kDrawn - kPlanned));
     };
-    ReportPictures pictures = arguments.pictures == "thumb" ? take_thumbnail(planned, design)
-                                                            : take_pictures(planned, design, drawn);
-    if (pictures.pictures.empty()) console.warn("warning: no pictures: " + pictures.note);
+    ReportPictures pictures = take_pictures(planned, design, asked, viewer, drawn);
+    console.report_progress("write", kDrawn);
+    if (pictures.pictures.empty() && asked != Pictures::kNone)
+      console.warn("warning: no pictures: " + pictures.note);
     return pictures;
   };
   const Emitted emitted =
@@ -279,6 +281,13 @@ void add_plan(CLI::App& app, const Console& console, Action& action) {
                    "full: all of them; thumb: a small preview.png alone; none: as --no-pictures")
       ->check(CLI::IsMember({"none", "thumb", "full"}))
       ->type_name("none|thumb|full");
+  command
+      ->add_option(
+          "--viewer", arguments->viewer,
+          "View in three dimensions in report.html: full (default), light for small files (default none "
+          "with --pictures none and thumb)")
+      ->check(CLI::IsMember({"full", "light", "none"}))
+      ->type_name("full|light|none");
   command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--advise", arguments->advise,
                     "Plan a refused job again with settings that may help, and say which passed");

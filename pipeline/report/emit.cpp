@@ -297,7 +297,8 @@ void write_reports(const PlanResult& result, const fs::path& directory, const Ru
                    const ReportPictures& pictures, const std::string& program_sha256) {
   write_file_atomically(directory / "report.json", report_json(result, program_sha256), false);
   write_file_atomically(directory / "report.html",
-                        report_html(result, pictures.pictures, pictures.note, program_sha256), false);
+                        report_html(result, pictures.pictures, pictures.note, program_sha256, pictures.view),
+                        false);
   const std::string png = pictures.pictures.empty() ? "" : pictures.pictures.front().png;
   for (const auto& [name, bytes] :
        {std::pair{"preview.png", &png}, std::pair{"scene.gltf", &pictures.scene_gltf}}) {

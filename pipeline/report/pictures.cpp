@@ -39,36 +39,43 @@ std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
   return reasons;
 }
 
+std::optional<Pictures> pictures_named(const std::string& name) {
+  constexpr std::array<std::pair<Pictures, const char*>, 3> kPictures{
+      {{Pictures::kNone, "none"}, {Pictures::kThumb, "thumb"}, {Pictures::kFull, "full"}}};
+  for (const auto& [pictures, one] : kPictures) {
+    if (one == name) return pictures;
+  }
+  return std::nullopt;
+}
+
 ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design,
-                             const std::function<void(double)>& progress) {
-  // What measuring the cut for its colours takes, and the scene's file.
-  constexpr double kScene = 0.3, kFile = 0.4;
+                             Pictures pictures, Viewer viewer, const std::function<void(double)>& progress) {
   ReportPictures taken;
+  if (pictures == Pictures::kNone) taken.note = "not asked for (--no-pictures)";
+  if (pictures == Pictures::kNone && viewer == Viewer::kNone) return taken;
+  // What measuring the cut for its colours takes, then the view, then the scene's file.
+  constexpr double kScene = 0.3, kView = 0.4, kFile = 0.5;
+  const preview::Scene scene = scene_of_plan(result, design);
+  progress(kScene);
+  if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
+  progress(kView);
+  if (pictures == Pictures::kNone) return taken;
   try {
-    const preview::Scene scene = scene_of_plan(result, design);
-    progress(kScene);
-    taken.scene_gltf = preview::gltf_of(scene);
-    progress(kFile);
-    // The first picture says it; the others are shown small, and their space is for the geometry.
     std::vector<preview::Shot> shots;
-    for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});
-    std::vector<std::string> pngs = preview::pngs_of(scene, {}, shots);
+    if (pictures == Pictures::kFull) {
+      taken.scene_gltf = preview::gltf_of(scene);
+      // The first picture says it; the others are shown small, and their space is for the geometry.
+      for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});
+    } else {
+      shots.push_back({kViews[0].first, false});
+    }
+    progress(kFile);
+    const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
+    std::vector<std::string> pngs = preview::pngs_of(scene, size, shots);
     for (std::size_t i = 0; i < pngs.size(); ++i)
       taken.pictures.push_back({caption_of(result, kViews[i].second), std::move(pngs[i])});
   } catch (const Error& error) {
     taken.pictures.clear();
-    taken.note = error.what();
-  }
-  return taken;
-}
-
-ReportPictures take_thumbnail(const PlanResult& result, const surface::DesignSurface& design) {
-  ReportPictures taken;
-  try {
-    const std::array shots{preview::Shot{kViews[0].first, false}};
-    std::vector<std::string> pngs = preview::pngs_of(scene_of_plan(result, design), kThumbnail, shots);
-    taken.pictures.push_back({caption_of(result, kViews[0].second), std::move(pngs[0])});
-  } catch (const Error& error) {
     taken.note = error.what();
   }
   return taken;

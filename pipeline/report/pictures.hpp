@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,18 +17,22 @@ struct ReportPictures {
   std::vector<ReportPicture> pictures;
   std::string note;        // why there are none
   std::string scene_gltf;  // the same scene for viewers; empty: not asked for
+  std::optional<ViewerScene> view{};
 };
 
 // Returns why a plan is refused, in words and with the places.
 [[nodiscard]] std::vector<RefusedReason> refused_reasons(const PlanResult& result);
 
-// The pictures of a plan, drawn without a display. A machine that cannot draw gets none and a note, never an
-// error: the figures do not depend on pictures. `progress` is told the share that is done.
-[[nodiscard]] ReportPictures take_pictures(
-    const PlanResult& result, const surface::DesignSurface& design,
-    const std::function<void(double)>& progress = [](double) {});
+// What `plan --pictures` says: none, the first alone of 320 x 180 pixels and no scene.gltf (of thousands of
+// plans it is what is looked at), or all of them.
+enum class Pictures { kNone, kThumb, kFull };
+[[nodiscard]] std::optional<Pictures> pictures_named(const std::string& name);
 
-// The first of them alone, of 320 x 180 pixels, and no scene: of thousands of plans it is what is looked at.
-[[nodiscard]] ReportPictures take_thumbnail(const PlanResult& result, const surface::DesignSurface& design);
+// Returns the pictures of a plan, drawn without a display, and the scene of its view. A machine that cannot
+// draw gets no pictures and a note, never an error: the figures do not depend on pictures, and the view is
+// drawn where it is looked at. `progress` is told the share that is done.
+[[nodiscard]] ReportPictures take_pictures(
+    const PlanResult& result, const surface::DesignSurface& design, Pictures pictures = Pictures::kFull,
+    Viewer viewer = Viewer::kNone, const std::function<void(double)>& progress = [](double) {});
 
 }  // namespace hotblade::pipeline

@@ -1,61 +1,24 @@
 #include "pipeline/report/report_html.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
 
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/advice.hpp"
+#include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
+#include "pipeline/report/viewer_html.hpp"
 #include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-constexpr const char* kStyle = R"css(
-:root{--ink:#22262b;--soft:#5c6670;--line:#d5dade;--good:#12703a;--bad:#b3261e;--warn:#a05a00}
-*{box-sizing:border-box}
-body{font:15px/1.45 "Helvetica Neue",Arial,sans-serif;color:var(--ink);margin:0 auto;max-width:1060px;padding:24px}
-h1{font-size:24px;margin:0 0 2px}h2{font-size:17px;margin:30px 0 8px;border-bottom:1px solid var(--line);padding-bottom:3px}
-p.sub,p.note{color:var(--soft);margin:0 0 16px;overflow-wrap:anywhere}p.note{font-size:13px;margin:6px 0 0}
-.verdict{border-left:6px solid;padding:10px 16px;margin:12px 0;background:#f5f6f7}
-.verdict b{font-size:20px}.green{border-color:var(--good)}.green b{color:var(--good)}
-.amber{border-color:var(--warn)}.amber b{color:var(--warn)}
-.red{border-color:var(--bad)}.red b{color:var(--bad)}
-.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(150px,1fr));gap:10px;margin:14px 0}
-.figures div{border:1px solid var(--line);padding:8px 12px}.figures b{display:block;font-size:19px}
-.figures span{color:var(--soft);font-size:13px}
-table{border-collapse:collapse;width:100%;font-size:13px}
-th,td{padding:4px 7px;text-align:right;border-bottom:1px solid var(--line);vertical-align:top}
-th{color:var(--soft);font-weight:600}th small{font-weight:400;display:block}
-td.l,th.l{text-align:left}td.n{white-space:nowrap}td.bad{color:var(--bad);font-weight:600}tr.bad td:first-child{color:var(--bad)}
-.pictures{display:grid;grid-template-columns:1fr 1fr;gap:12px}.pictures figure{margin:0}
-.pictures figure:first-child{grid-column:1/-1}.pictures img{width:100%;border:1px solid var(--line)}
-figcaption{color:var(--soft);font-size:13px}.scroll{overflow-x:auto}svg{max-width:100%;height:auto}
-.settings{columns:3 220px;font-size:12px;line-height:1.35}.settings div{break-inside:avoid;overflow-wrap:anywhere}
-.settings b{display:block;margin-top:6px;font-weight:600}
-@media print{@page{size:A4;margin:14mm}body{padding:0 1px;font-size:11px;max-width:none}h1{font-size:19px}h2{font-size:14px;margin:16px 0 6px;break-after:avoid}
-table{font-size:9px}th,td{padding:2px 4px}p.note,p.sub,figcaption,.figures span{font-size:9.5px}.figures{grid-template-columns:repeat(6,1fr);gap:6px}
-.figures b{font-size:14px}.figures div{padding:5px 8px}.verdict b{font-size:16px}.settings{font-size:8.5px;columns:3}
-.pictures{grid-template-columns:2fr 1fr;gap:8px}.pictures figure:first-child{grid-column:auto;grid-row:1/3}svg{max-width:125mm}
-figure,.verdict,svg,tr,.scroll{break-inside:avoid}.scroll{overflow:visible}}
-)css";
-
 // The rest would fill a page with directions nobody takes.
 constexpr std::size_t kDirectionsShown = 12, kTriesShown = 12;
-
-std::string base64(const std::string& bytes) {
-  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  const int n =
-      EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
-                      reinterpret_cast<const unsigned char*>(bytes.data()), static_cast<int>(bytes.size()));
-  text.resize(static_cast<std::size_t>(n));
-  return text;
-}
 
 std::string place(const Eigen::Vector3d& p) {
   return fmt::format("({:.1f}, {:.1f}, {:.1f})", p.x(), p.y(), p.z());
@@ -151,14 +114,21 @@ std::string figures_section(const PlanResult& result) {
   return html + "</div>\n";
 }
 
-std::string pictures_section(const std::vector<ReportPicture>& pictures, const std::string& note) {
-  if (pictures.empty()) return fmt::format("<h2>Pictures</h2><p>None: {}.</p>\n", escaped(note));
-  std::string html = "<h2>What is cut</h2><div class=\"pictures\">\n";
-  for (const ReportPicture& p : pictures) {
-    html += fmt::format(
-        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-        escaped(p.caption), base64(p.png));
-  }
+std::string picture(const ReportPicture& p) {
+  return fmt::format(
+      "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+      escaped(p.caption), base64(p.png));
+}
+
+// The view stands in the first picture's place, around it; without a picture, a line stands in for it.
+std::string pictures_section(const std::vector<ReportPicture>& pictures, const std::string& note,
+                             const std::optional<ViewerScene>& view) {
+  const std::string none = fmt::format("<p>No pictures: {}.</p>\n", escaped(note));
+  if (pictures.empty() && !view) return "<h2>Pictures</h2>" + none;
+  std::string html = "<h2>What is cut</h2>\n";
+  if (view) html += viewer_html(*view, pictures.empty() ? none : picture(pictures.front()));
+  html += view ? "<div class=\"pictures more\">\n" : "<div class=\"pictures\">\n";
+  for (std::size_t i = view ? 1 : 0; i < pictures.size(); ++i) html += picture(pictures[i]);
   return html + "</div>\n";
 }
 
@@ -307,20 +277,22 @@ std::string heading(const PlanResult& result, const std::string& program_sha256)
 }  // namespace
 
 std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
-                        const std::string& picture_note, const std::string& program_sha256) {
+                        const std::string& picture_note, const std::string& program_sha256,
+                        const std::optional<ViewerScene>& view) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width, initial-scale=1\"><title>" +
       escaped(result.program.design.file) + ": " + name(result.program.verification.status) +
-      "</title><style>" + kStyle + "</style></head><body>\n";
+      "</title><style>" + std::string(page_style()) + "</style></head><body>\n";
   html += heading(result, program_sha256) + verdict_section(result) + refusals_section(result) +
           remedies_section(result);
   html += figures_section(result);
-  html += pictures_section(pictures, picture_note) + strips_section(result) + deviation_section(result);
+  html += pictures_section(pictures, picture_note, view) + strips_section(result) + deviation_section(result);
   html += budget_section(result) + list_section("Warnings", result.warnings);
   html += list_section("Refusals overridden", result.program.overrides);
   html += list_section("Not checked", result.program.verification.not_checked);
   html += decisions_section(result) + ranking_section(result) + settings_section(result);
+  if (view) html += "<script>" + std::string(viewer_script()) + "</script>\n";
   return html + "</body></html>\n";
 }
 

@@ -113,8 +113,11 @@ std::string table(const PlanResult& result, StripTable which) {
         std::count_if(result.refusals.begin(), result.refusals.end(),
                       [&](const Refusal& r) { return names(r, result.strips[i].id); }));
     const StripRow row{result.strips[i], result.program.strips[i], result.program.blade, refused};
-    html += fmt::format("<tr{}><td class=\"l\">{}</td>", refused > 0 ? " class=\"bad\"" : "",
-                        escaped(row.facts.id));
+    // Links lead to the row of the first table; the view marks both.
+    html +=
+        fmt::format("<tr{}{} data-strip=\"{}\"><td class=\"l\">{}</td>", refused > 0 ? " class=\"bad\"" : "",
+                    which == kCut ? fmt::format(" id=\"strip-{}\"", escaped(row.facts.id)) : "",
+                    escaped(row.facts.id), escaped(row.facts.id));
     for (const StripColumn& c : kColumns) {
       if (c.table == which) html += "<td class=\"n\">" + escaped(c.cell(row)) + "</td>";
     }
