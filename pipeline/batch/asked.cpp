@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/settings/error.hpp"
+#include "surface/read/design_surface.hpp"
+#include "surface/read/obj_statements.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -184,6 +187,27 @@ Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given)
         "`units`");
   }
   return settings;
+}
+
+std::vector<NamedDesign> named_designs(const DesignList& list) {
+  std::vector<NamedDesign> named;
+  std::map<std::string, int> times;
+  for (const ListedDesign& design : list.designs) {
+    const int time = ++times[design.name];
+    named.push_back({design, time > 1 ? fmt::format("{}#{}", design.name, time) : design.name});
+  }
+  return named;
+}
+
+SplitOptions split_options(const Asked& asked, SplitBy by, const std::string& units,
+                           const std::string& only) {
+  SplitOptions options;
+  options.by = by;
+  options.group_index = asked.group_index;
+  options.only = only;
+  options.largest_coordinate = surface::kLargestCoordinateMm / surface::scale_to_mm(units);
+  options.whole_name = std::filesystem::path(asked.design).stem().string();
+  return options;
 }
 
 }  // namespace hotblade::pipeline::batch

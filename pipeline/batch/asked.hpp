@@ -66,6 +66,17 @@ struct DesignList {
 // list's folder. An empty cell gives nothing. Throws Error: kBadInput without a path, and as read_csv() does.
 [[nodiscard]] DesignList read_design_list(const std::string& file);
 
+// A design of a list with its panel's name: the n-th of a name is called NAME#n.
+struct NamedDesign {
+  ListedDesign design;
+  std::string name;
+};
+[[nodiscard]] std::vector<NamedDesign> named_designs(const DesignList& list);
+
+// Returns how a design in these units is split, the faces of `only` alone where that is not empty.
+[[nodiscard]] SplitOptions split_options(const Asked& asked, SplitBy by, const std::string& units,
+                                         const std::string& only);
+
 // Returns what the batch's settings and the given ones amount to, in the order they are given. Throws Error
 // (kBadSettings) as resolve() does, and without units.
 [[nodiscard]] Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given);

@@ -15,7 +15,7 @@ struct Batch {
   Asked asked;
   std::string version, commit, simd;                         // of the plans, part of every key
   std::size_t panels = 0, designs = 0, jobs = 0, plans = 0;  // designs and plans: those that differ
-  double estimate_s = 0;                                     // processor time of a plan
+  double estimate_s = 0;                                     // of a plan on a core of its own
   int chunks = 1;
   int threads = 1, mem_mb = 0, minutes = 0;  // what a chunk asks a cluster for
   std::string jobs_sha256{};                 // of jobs.csv

@@ -32,8 +32,10 @@ BatchFacts read_facts(const BatchDirectory& directory, bool partial, const Gathe
   all.table = read_jobs(directory, all.batch);
   std::map<std::string, Failure> failures;  // by key
   for (int chunk = 0; chunk < all.batch.chunks; ++chunk) {
-    for (const PlannedKey& planned : read_chunk(directory, chunk))
-      all.settings_of_key.emplace(planned.key, planned.settings_sha256);
+    for (PlannedKey& planned : read_chunk(directory, chunk)) {
+      const std::string key = planned.key;
+      all.planned.emplace(key, std::move(planned));
+    }
     for (Failure& failure : read_failures(directory, chunk)) {
       const std::string key = failure.key;
       failures.insert_or_assign(key, std::move(failure));

@@ -26,9 +26,9 @@ struct JobFacts {
 struct BatchFacts {
   Batch batch;
   JobTable table;
-  std::map<std::string, std::string> settings_of_key;  // hash of the settings, by key
-  std::map<std::string, PlanFacts> of_key;             // by key
-  std::size_t missing = 0;                             // jobs without a result
+  std::map<std::string, PlannedKey> planned;  // by key
+  std::map<std::string, PlanFacts> of_key;    // by key
+  std::size_t missing = 0;                    // jobs without a result
 
   // Returns every job with its facts, in the order of the jobs. They point into this object.
   [[nodiscard]] std::vector<JobFacts> rows() const;

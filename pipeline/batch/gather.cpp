@@ -8,6 +8,7 @@
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/batch/cut_page.hpp"
 #include "pipeline/batch/database.hpp"
+#include "pipeline/batch/given_lines.hpp"
 #include "pipeline/batch/index_page.hpp"
 #include "pipeline/batch/plan_facts.hpp"
 #include "pipeline/program/atomic_file.hpp"
@@ -48,7 +49,9 @@ void write_cut_list(const BatchDirectory& directory, const CutList& list) {
 class Gatherer {
  public:
   Gatherer(const BatchDirectory& directory, bool partial, const GatherHooks& hooks)
-      : directory_(directory), all_(read_facts(directory, partial, hooks)) {}
+      : directory_(directory), all_(read_facts(directory, partial, hooks)) {
+    name_given_lines(directory, all_);
+  }
 
   GatherReport write() {
     write_csv();
@@ -128,7 +131,7 @@ class Gatherer {
     std::map<std::string, std::vector<Cells>> flat;  // by the settings' hash
     Database::Table table = database.table("settings", {"job", "key", "value"});
     for (const Job& job : all_.table.jobs) {
-      const std::string& sha256 = all_.settings_of_key.at(job.key);
+      const std::string& sha256 = all_.planned.at(job.key).settings_sha256;
       auto found = flat.find(sha256);
       if (found == flat.end()) found = flat.emplace(sha256, flat_settings(directory_.settings(sha256))).first;
       for (const Cells& cells : found->second) table.add(with_job(job, cells));
@@ -136,7 +139,7 @@ class Gatherer {
   }
 
   const BatchDirectory& directory_;
-  const BatchFacts all_;
+  BatchFacts all_;
 };
 
 }  // namespace

@@ -13,19 +13,19 @@
 #include "pipeline/batch/commit.hpp"
 #include "pipeline/batch/key.hpp"
 #include "pipeline/batch/mapped_file.hpp"
+#include "pipeline/batch/measured.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/design_surface.hpp"
-#include "surface/read/obj_statements.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The processor time of a plan, before any was made: measured on panels of the samples.
+// The time of a plan on a core, before any was made: measured on panels of the samples.
 constexpr double kEstimateS = 1.5, kEstimateSPerM2 = 0.1, kEstimateSPerTriangle = 1e-5;
 
 // Schedulers take arrays of a thousand without being asked.
@@ -147,18 +147,11 @@ class Maker {
 
   // ---- designs ----
 
-  SplitOptions split_options(SplitBy by, const std::string& units) const {
-    SplitOptions options{by, batch_.asked.group_index, group_};
-    options.largest_coordinate = surface::kLargestCoordinateMm / surface::scale_to_mm(units);
-    return options;
-  }
-
   void take_design() {
     const fs::path file = batch_.asked.design;
     const MappedFile mapped(file);
     const std::string units = units_.at("");
-    SplitOptions options = split_options(*split_named(batch_.asked.split), units);
-    options.whole_name = file.stem().string();
+    const SplitOptions options = split_options(batch_.asked, *split_named(batch_.asked.split), units, group_);
     const double walks = options.by == SplitBy::kComponent ? 4 : 2;
     double walked = 0;
     const auto read = [&](std::size_t bytes) {
@@ -174,12 +167,11 @@ class Maker {
 
   void take_list() {
     double taken = 0;
-    std::map<std::string, int> times;
-    for (const ListedDesign& design : list_->designs) {
+    for (const NamedDesign& named : named_designs(*list_)) {
+      const ListedDesign& design = named.design;
       const std::string& units = units_.at(name_of(design.settings));
-      const int time = ++times[design.name];
       PanelText text = listed_text(design, units);
-      text.name = time > 1 ? fmt::format("{}#{}", design.name, time) : design.name;
+      text.name = named.name;
       std::vector<std::string> values;
       for (const std::string& key : list_->keys) {
         const auto at = std::find_if(design.settings.begin(), design.settings.end(),
@@ -193,8 +185,7 @@ class Maker {
 
   PanelText listed_text(const ListedDesign& design, const std::string& units) const {
     const MappedFile mapped(design.path);
-    SplitOptions options = split_options(SplitBy::kNone, units);
-    options.only = design.group;
+    const SplitOptions options = split_options(batch_.asked, SplitBy::kNone, units, design.group);
     PanelText text;
     try {
       split_obj(mapped.text(), design.path, options, [&](PanelText&& panel) { text = std::move(panel); });
@@ -246,6 +237,9 @@ class Maker {
         jobs_.jobs.push_back({jobs_.jobs.size() + 1, design.name, key, 0, std::move(values)});
       }
     }
+    // What plans have taken tells more than their sizes.
+    if (const std::optional<double> measured = measured_plan_s(directory_))
+      seconds = *measured * static_cast<double>(plans_.size());
     const double chunk_s = 60 * batch_.asked.chunk_minutes;
     batch_.chunks = before_
                         ? before_->chunks
@@ -257,7 +251,10 @@ class Maker {
     batch_.plans = plans_.size();
     batch_.estimate_s = seconds / static_cast<double>(plans_.size());
     batch_.mem_mb = kChunkMegabytes;
-    batch_.minutes = static_cast<int>(std::ceil(kChunkPatience * batch_.asked.chunk_minutes));
+    // Chunks are longer than was asked where there are no more of them, or where plans take longer than was
+    // thought when they were made.
+    const double chunk_minutes = std::max(batch_.asked.chunk_minutes, seconds / 60 / batch_.chunks);
+    batch_.minutes = static_cast<int>(std::ceil(kChunkPatience * chunk_minutes));
     batch_.jobs_sha256 = sha256_hex(jobs_text(jobs_));
   }
 

@@ -82,6 +82,11 @@ struct Running {
   Child child;  // ends before its place goes
 };
 
+struct Ended {
+  Running plan;
+  ChildEnd end;
+};
+
 struct ChunkState {
   std::string list;      // of its jobs
   std::size_t left = 0;  // jobs without result or failure
@@ -105,9 +110,11 @@ class Runner {
     while (!pending_.empty() || !shared_.empty() || !running_.empty()) {
       if (hooks_.stop && hooks_.stop()) stop();
       if (pending_.empty() && static_cast<int>(running_.size()) < options_.jobs) std::swap(pending_, shared_);
-      while (!pending_.empty() && static_cast<int>(running_.size()) < options_.jobs) start_next();
+      fill();
       sleep();
-      reap();
+      std::list<Ended> ended = take_ended();
+      fill();  // the next are planned while results are hashed and synced
+      for (Ended& one : ended) judge(one.plan, one.end);
     }
     return std::move(report_);
   }
@@ -120,6 +127,10 @@ class Runner {
       pending_.push_back({std::move(planned), chunk, 0});
       ++state.left;
     }
+  }
+
+  void fill() {
+    while (!pending_.empty() && static_cast<int>(running_.size()) < options_.jobs) start_next();
   }
 
   void start_next() {
@@ -192,17 +203,18 @@ class Runner {
     if (!ends.empty() || blind) ::poll(ends.data(), ends.size(), blind ? kSharedSleepMs : kLongestSleepMs);
   }
 
-  void reap() {
+  std::list<Ended> take_ended() {
+    std::list<Ended> ended;
     for (auto one = running_.begin(); one != running_.end();) {
       const std::optional<ChildEnd> end = one->child.poll();
       if (!end) {
         ++one;
         continue;
       }
-      Running ended = std::move(*one);
+      ended.push_back({std::move(*one), *end});
       one = running_.erase(one);
-      judge(ended, *end);
     }
+    return ended;
   }
 
   void judge(Running& ended, const ChildEnd& end) {

@@ -54,7 +54,9 @@ class Splitter {
     survey();
     if (options_.by == SplitBy::kComponent) part_components();
     local_.assign(offsets_.size(), 0);
-    for (const Panel& panel : panels_) take(text_of(panel));
+    for (const Panel& panel : panels_) {
+      if (!options_.wanted || options_.wanted(panel.name)) take(text_of(panel));
+    }
   }
 
  private:
@@ -201,7 +203,7 @@ class Splitter {
   // ---- the second walk: a panel's text ----
 
   PanelText text_of(const Panel& panel) {
-    PanelText made{panel.name, {}, 0, 0};
+    PanelText made{panel.name, {}, 0, 0, 0, {}};
     std::vector<int> order;  // its vertices
     std::string faces;
     std::vector<int> corners;
@@ -212,6 +214,7 @@ class Splitter {
       while (next() != Kind::kEnd && statements_.offset() < stretch.end) {
         if (statements_.keyword() != "f" && statements_.keyword() != "fo") continue;
         faces += 'f';
+        if (options_.with_lines) made.face_lines.push_back(statements_.line());
         for (const int corner : statements_.corners()) {
           int& local = local_[static_cast<std::size_t>(corner)];
           if (local == 0) {
@@ -226,6 +229,7 @@ class Splitter {
       }
     }
     const std::vector<Eigen::Vector3d> positions = add_vertices(order, made.text);
+    made.lines_before_faces = static_cast<std::size_t>(std::count(made.text.begin(), made.text.end(), '\n'));
     made.text += faces;
     std::size_t begin = 0;
     for (const std::size_t end : ends) {
@@ -274,6 +278,12 @@ class Splitter {
 };
 
 }  // namespace
+
+std::optional<std::size_t> PanelText::file_line(std::size_t text_line) const {
+  if (text_line <= lines_before_faces || text_line - lines_before_faces > face_lines.size())
+    return std::nullopt;
+  return face_lines[text_line - lines_before_faces - 1];
+}
 
 std::string_view name(SplitBy by) {
   return kWords[static_cast<std::size_t>(by)].second;

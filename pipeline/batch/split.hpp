@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hotblade::pipeline::batch {
 
@@ -24,14 +25,22 @@ struct SplitOptions {
   int group_index = 0;
   // With kNone the faces of this group or object alone; empty: all.
   std::string only{};
-  double largest_coordinate = 0;  // taken, in the file's units
-  std::string whole_name{};       // of the panel of kNone
+  double largest_coordinate = 0;                                  // taken, in the file's units
+  std::string whole_name{};                                       // of the panel of kNone
+  bool with_lines = false;                                        // PanelText::face_lines are wanted
+  std::function<bool(const std::string& name)> wanted = nullptr;  // panels to be made; absent: all
 };
 
 struct PanelText {
   std::string name, text;
   std::size_t triangles = 0;
   double area = 0;  // in the file's units, for an estimate of work
+  std::size_t lines_before_faces = 0;
+  std::vector<std::size_t> face_lines{};  // of the file, of each face; empty unless asked for
+
+  // Returns the line of the file where a face stands that a line of the text holds, both from 1; absent for
+  // lines of vertices and where lines were not asked for.
+  [[nodiscard]] std::optional<std::size_t> file_line(std::size_t text_line) const;
 };
 
 // Hands the panels of OBJ text to `take`, in the order of their first faces. Faces without a name are panel

@@ -1,22 +1,12 @@
 #include "pipeline/batch/status.hpp"
 
-#include <algorithm>
 #include <filesystem>
 #include <utility>
 
+#include "pipeline/batch/measured.hpp"
 #include "pipeline/batch/result.hpp"
 
 namespace hotblade::pipeline::batch {
-namespace {
-
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
-
 BatchStatus status_of(const BatchDirectory& directory) {
   BatchStatus status{read_batch(directory), 0, {}, 0, {}, 0};
   std::vector<double> seconds;
@@ -28,7 +18,7 @@ BatchStatus status_of(const BatchDirectory& directory) {
       const Result result = read_result(directory.result(planned.key));
       ++status.results;
       ++status.verdicts[result.verdict];
-      seconds.push_back(result.cpu_s);
+      seconds.push_back(result.seconds);
     }
     for (Failure& failure : read_failures(directory, chunk)) {
       if (!has_result(directory, failure.key)) status.failures.push_back(std::move(failure));

@@ -16,7 +16,7 @@ struct BatchStatus {
   std::map<std::string, std::size_t> verdicts;  // of the results
   int chunks_done = 0;
   std::vector<Failure> failures;  // of the last run of each chunk, without a result since
-  double left_s = 0;              // processor time, by the median of the results or by estimate
+  double left_s = 0;              // one plan after another, by the median of the results or by estimate
 };
 
 // Throws Error as read_batch() does.

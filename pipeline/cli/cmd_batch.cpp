@@ -63,7 +63,7 @@ Exit make_batch(const InitArguments& arguments, const Console& console) {
   std::cout << fmt::format("panels {}, of them {} different\njobs {}, plans {}, of them {} with a result\n",
                            made.panels, made.designs, made.jobs, made.plans, report.plans_there);
   std::cout << fmt::format("chunks {}, lists written {}\n", made.chunks, report.chunks_changed);
-  std::cout << fmt::format("instruction set {}, estimate {:.3g} min of processor time\n", made.simd,
+  std::cout << fmt::format("instruction set {}, estimate {:.3g} min on one core\n", made.simd,
                            made.estimate_s * static_cast<double>(made.plans - report.plans_there) / 60);
   return Exit::kOk;
 }
@@ -94,7 +94,7 @@ void add_batch_init(CLI::App& batch, const Console& console, Action& action) {
       ->type_name("KEY=VALUE,...");
   command->add_option("--sweep-file", asked.sweep_file, "Cases to plan: a column a key, a line a case")
       ->type_name("CSV");
-  command->add_option("--chunk-minutes", asked.chunk_minutes, "Processor time of a chunk, by estimate")
+  command->add_option("--chunk-minutes", asked.chunk_minutes, "Time of a chunk on one core, by estimate")
       ->check(CLI::Range(kLeastChunkMinutes, kMostChunkMinutes))
       ->type_name("MIN");
   command->add_option("--pictures", asked.pictures, "Pictures of each plan: none, a small one, or all")

@@ -111,7 +111,7 @@ std::string table(const batch::BatchStatus& status) {
   for (const batch::Failure& f : status.failures)
     text += fmt::format("failed: panel {} (job {}): {}, {} tries\n", f.panel, f.job, f.why, f.attempts);
   if (status.results < status.batch.plans)
-    text += fmt::format("left {:.3g} min of processor time, by estimate\n", status.left_s / 60);
+    text += fmt::format("left {:.3g} min on one core, by estimate\n", status.left_s / 60);
   return text;
 }
 

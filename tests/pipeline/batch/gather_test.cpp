@@ -124,5 +124,61 @@ TEST(Batch, GatheringTwiceGivesTheSameBytes) {
   EXPECT_EQ(bytes(), bytes());
 }
 
+// The messages and warnings of a gathered batch.
+struct Said {
+  std::vector<std::string> messages, warnings;
+};
+Said said_by(const StandInBatch& batch) {
+  (void)gather(batch.directory(), false, {});
+  const fs::path database = batch.directory().path() / "results.sqlite";
+  return {query(database, "SELECT message FROM jobs WHERE verdict = 'bad input' ORDER BY job"),
+          query(database, "SELECT text FROM warnings WHERE text LIKE '%cross%' ORDER BY job")};
+}
+
+TEST(Batch, TablesNameTheLinesOfTheFacade) {
+  const StandInBatch batch({20, kBadInput, 21, kCrosses});
+  (void)batch.run();
+  const std::string facade = batch.asked().design;
+  const std::size_t second = 2 * kSquarePanelLines, fourth = 4 * kSquarePanelLines;
+  const Said said = said_by(batch);
+  EXPECT_THAT(said.messages, ElementsAre(facade + ":" + std::to_string(second) + ": no face has an area"));
+  const std::string line = std::to_string(fourth);
+  EXPECT_THAT(said.warnings, ElementsAre("2 pairs of faces cross, the first those of lines " + line +
+                                         " and " + line + " near (1, 2, 3)"));
+  // Another panel before them moves the lines, though nothing is planned again.
+  const std::string text = read_bytes(facade);
+  std::ofstream(facade) << square_panel("first", 5) + text;
+  (void)init_batch(batch.directory(), std::nullopt, true, {});
+  EXPECT_EQ(batch.run().planned, 1U);
+  EXPECT_THAT(said_by(batch).messages, ElementsAre(facade + ":" + std::to_string(second + kSquarePanelLines) +
+                                                   ": no face has an area"));
+}
+
+TEST(Batch, LinesOfAFacadeThatHasChangedSinceAreNotNamed) {
+  const StandInBatch batch({20, kBadInput});
+  (void)batch.run();
+  const std::string facade = batch.asked().design, text = read_bytes(facade);
+  std::ofstream(facade) << std::string(text).replace(text.find(" 903.5"), 6, " 903.6");
+  EXPECT_THAT(said_by(batch).messages,
+              ElementsAre(AllOf(HasSubstr("designs/"), HasSubstr(".obj:5: no face"))));
+  fs::remove(facade);
+  EXPECT_THAT(said_by(batch).messages, ElementsAre(HasSubstr("designs/")));
+}
+
+TEST(Batch, TablesNameTheFilesOfAListAndTheirLines) {
+  const pipeline::testing::TemporaryDirectory files;
+  const StandInBatch batch({20});
+  const std::string odd = "# a comment\n" + square_panel("a", 1) + square_panel("b", kBadInput + 0.5);
+  std::ofstream(files / "odd.obj") << odd;
+  std::ofstream(files / "list.csv") << "path,units,group\nodd.obj,mm,b\nodd.obj,mm,a\n";
+  Asked asked;
+  asked.list = (files / "list.csv").string();
+  (void)init_batch(batch.directory(), asked, true, {});
+  (void)batch.run();
+  const std::string line = std::to_string(1 + 2 * kSquarePanelLines);
+  EXPECT_THAT(said_by(batch).messages,
+              ElementsAre((files / "odd.obj").string() + ":" + line + ": no face has an area"));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline::batch

@@ -9,25 +9,22 @@
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/batch/init.hpp"
 #include "pipeline/batch/key.hpp"
+#include "pipeline/batch/measured.hpp"
+#include "pipeline/batch/result.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/design_surface.hpp"
-#include "tests/pipeline/temporary_directory.hpp"
+#include "tests/pipeline/batch/stand_in.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
 
 namespace fs = std::filesystem;
+using pipeline::testing::read_bytes;
+using pipeline::testing::TemporaryDirectory;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::read_bytes;
-using testing::TemporaryDirectory;
-
-std::string panel(const std::string& name, double height) {
-  std::string text = "g " + name + "\n";
-  for (const char* xy : {"0 0", "100 0", "100 100", "0 100"})
-    text += "v " + std::string(xy) + " " + std::to_string(height) + "\n";
-  return text + "f -4 -3 -2 -1\n";
-}
+using testing::square_panel;
+using testing::StandInBatch;
 
 // Throws what the function throws as text; "nothing" where it throws nothing.
 template <typename Function>
@@ -63,8 +60,8 @@ class BatchInit : public ::testing::Test {
 };
 
 TEST_F(BatchInit, NamesGoToTheJobsAndEqualPanelsAreOnePlan) {
-  const InitReport report =
-      init(facade(panel("north wall", 1).replace(7, 1, "_") + panel("b", 2) + panel("c", 1)));
+  const InitReport report = init(
+      facade(square_panel("north wall", 1).replace(7, 1, "_") + square_panel("b", 2) + square_panel("c", 1)));
   EXPECT_EQ(report.batch.panels, 3U);
   EXPECT_EQ(report.batch.designs, 2U);
   EXPECT_EQ(report.batch.jobs, 3U);
@@ -87,7 +84,7 @@ TEST_F(BatchInit, NamesGoToTheJobsAndEqualPanelsAreOnePlan) {
 }
 
 TEST_F(BatchInit, SweepsMultiplyAndAreColumns) {
-  Asked asked = facade(panel("a", 1) + panel("b", 2));
+  Asked asked = facade(square_panel("a", 1) + square_panel("b", 2));
   asked.sweeps = {"design.tolerance_mm=0.5,1", "blade.free_lengths_mm=[400,600],[800]"};
   asked.sweep_file = write("sweep.csv", "motion.feed_mm_s,design.keep\n5,below\n6,above\n7,\"below\"\n");
   EXPECT_EQ(init(asked).batch.jobs, 24U);
@@ -100,7 +97,7 @@ TEST_F(BatchInit, SweepsMultiplyAndAreColumns) {
 }
 
 TEST_F(BatchInit, AListGivesEachDesignItsUnitGroupAndSettings) {
-  write("one.obj", panel("a", 1) + panel("b", 2));
+  write("one.obj", square_panel("a", 1) + square_panel("b", 2));
   write("broken.obj", "v 1 2\nf 1 2 3\n");
   Asked asked;
   asked.list = write("designs.csv",
@@ -126,7 +123,7 @@ TEST_F(BatchInit, AListGivesEachDesignItsUnitGroupAndSettings) {
 }
 
 TEST_F(BatchInit, WrongSettingsAreSaidBeforeAnythingIsWritten) {
-  const Asked good = facade(panel("a", 1));
+  const Asked good = facade(square_panel("a", 1));
   const auto refused = [&](const std::function<void(Asked&)>& change) {
     Asked asked = good;
     change(asked);
@@ -147,7 +144,7 @@ TEST_F(BatchInit, WrongSettingsAreSaidBeforeAnythingIsWritten) {
 }
 
 TEST_F(BatchInit, ABatchThatIsThereIsLeftAlone) {
-  const Asked asked = facade(panel("a", 1));
+  const Asked asked = facade(square_panel("a", 1));
   (void)init(asked);
   EXPECT_THAT(thrown([&] { (void)init(asked); }), HasSubstr("already there: use --update"));
   EXPECT_THAT(thrown([&] { (void)init_batch(BatchDirectory(files_ / "none"), std::nullopt, true, {}); }),
@@ -165,7 +162,7 @@ std::map<std::string, std::pair<std::string, fs::file_time_type>> snapshot(const
 }
 
 TEST_F(BatchInit, AnUpdateWithNothingNewWritesNothing) {
-  (void)init(facade(panel("a", 1) + panel("b", 2)));
+  (void)init(facade(square_panel("a", 1) + square_panel("b", 2)));
   const auto before = snapshot(directory_.path());
   const InitReport report = init(std::nullopt, true);  // as asked before
   EXPECT_EQ(report.chunks_changed, 0);
@@ -174,13 +171,13 @@ TEST_F(BatchInit, AnUpdateWithNothingNewWritesNothing) {
 
 TEST_F(BatchInit, ANewPanelAnywhereChangesOneChunkAndDropsItsStampAlone) {
   std::string many;
-  for (int i = 0; i < 60; ++i) many += panel("p" + std::to_string(i), i);
+  for (int i = 0; i < 60; ++i) many += square_panel("p" + std::to_string(i), i);
   Asked asked = facade(many);
   asked.chunk_minutes = 0.2;
   const int chunks = init(asked).batch.chunks;
   ASSERT_EQ(chunks, 8);  // 60 plans of 1.5 s in chunks of 12 s
   for (int i = 0; i < chunks; ++i) std::ofstream(directory_.stamp(i)) << "\n";
-  (void)facade(panel("first", 1000) + many);
+  (void)facade(square_panel("first", 1000) + many);
   const InitReport report = init(std::nullopt, true);
   EXPECT_EQ(report.batch.chunks, chunks);
   EXPECT_EQ(report.chunks_changed, 1);
@@ -190,13 +187,50 @@ TEST_F(BatchInit, ANewPanelAnywhereChangesOneChunkAndDropsItsStampAlone) {
 }
 
 TEST_F(BatchInit, WhatWasChangedByHandIsRefused) {
-  (void)init(facade(panel("a", 1)));
+  (void)init(facade(square_panel("a", 1)));
   std::string text = read_bytes(directory_.batch());
   std::ofstream(directory_.batch()) << text.replace(text.find("\"chunks\": 1"), 11, "\"chunks\": 2");
   EXPECT_THAT(thrown([&] { (void)read_batch(directory_); }), HasSubstr("was changed"));
   std::ofstream(directory_.batch()) << text.replace(text.find("\"chunks\": 2"), 11, "\"chunks\": 1");
   std::ofstream(directory_.jobs(), std::ios::app) << "2,b,0,0\n";
   EXPECT_THAT(thrown([&] { (void)jobs(); }), HasSubstr("not that of batch.json"));
+}
+
+// ---- estimates ----
+
+TEST(Batch, WhatPlansTookIsTheEstimateOfTheOthers) {
+  const StandInBatch batch({1, 2, 3});
+  EXPECT_DOUBLE_EQ(read_batch(batch.directory()).estimate_s, 1.5 + 0.1 * 0.01 + 1e-5 * 2);
+  EXPECT_EQ(measured_plan_s(batch.directory()), std::nullopt);
+  (void)batch.run();
+  std::vector<double> seconds;
+  for (const Job& job : read_jobs(batch.directory(), read_batch(batch.directory())).jobs)
+    seconds.push_back(read_result(batch.directory().result(job.key)).seconds);
+  const InitReport update = init_batch(batch.directory(), std::nullopt, true, {});
+  EXPECT_DOUBLE_EQ(update.batch.estimate_s, median_of(seconds));
+  EXPECT_LT(update.batch.estimate_s, 1);
+  EXPECT_EQ(update.batch.minutes, 30);  // three times what was asked
+}
+
+TEST(Batch, AChunkMayTakeAsLongAsItsPlansTook) {
+  const StandInBatch batch({1, 2, 3}, 0.5);
+  (void)batch.run();
+  // As if a plan had taken ten minutes.
+  for (const Job& job : read_jobs(batch.directory(), read_batch(batch.directory())).jobs) {
+    Result result = read_result(batch.directory().result(job.key));
+    result.seconds = 600;
+    std::ofstream(batch.directory().result(job.key) / "result.json") << result_text(result);
+  }
+  const InitReport update = init_batch(batch.directory(), std::nullopt, true, {});
+  EXPECT_EQ(update.batch.chunks, 1);  // stays
+  EXPECT_EQ(update.batch.minutes, 3 * 30);
+}
+
+TEST(Batch, AMedianIsTheMiddleOne) {
+  EXPECT_EQ(median_of({3}), 3);
+  EXPECT_EQ(median_of({9, 1, 5}), 5);
+  EXPECT_EQ(median_of({9, 1, 5, 7}), 7);
+  EXPECT_THROW((void)median_of({}), std::logic_error);
 }
 
 // ---- keys ----
@@ -218,19 +252,19 @@ TEST(Batch, KeyChangesWithEachOfItsParts) {
 }
 
 TEST_F(BatchInit, KeyChangesWithASettingAndAByteAndNotWithNameOrOrder) {
-  (void)init(facade(panel("a", 1) + panel("b", 2)));
+  (void)init(facade(square_panel("a", 1) + square_panel("b", 2)));
   const JobTable first = jobs();
-  (void)init(facade(panel("x", 2) + panel("y", 1)), true);
+  (void)init(facade(square_panel("x", 2) + square_panel("y", 1)), true);
   EXPECT_EQ(jobs().jobs[0].key, first.jobs[1].key);
   EXPECT_EQ(jobs().jobs[1].key, first.jobs[0].key);
   std::set<std::string> keys{first.jobs[0].key};
-  Asked asked = facade(panel("a", 1));
+  Asked asked = facade(square_panel("a", 1));
   for (const char* setting : {"design.tolerance_mm=0.9", "blade.kerf_mm=1.6", "motion.waypoint_s=0.04"}) {
     asked.assignments = {setting};
     (void)init(asked, true);
     EXPECT_TRUE(keys.insert(jobs().jobs[0].key).second) << setting;
   }
-  (void)init(facade(panel("a", 1.000001)), true);
+  (void)init(facade(square_panel("a", 1.000001)), true);
   EXPECT_TRUE(keys.insert(jobs().jobs[0].key).second);
 }
 

@@ -196,5 +196,22 @@ TEST(Batch, ContinuedLinesCommentsAndCarriageReturnsAreNoPartOfAPanel) {
   EXPECT_THAT(panels[0].text, testing::StartsWith("v 0 0 0\nv 1 0 \\\r\n0\nv 0 1 0\nf 1 2 3\n"));
 }
 
+TEST(Batch, AFaceOfAPanelHasItsLineInTheFile) {
+  const std::string text =
+      "v 0 0 0\nv 1 0 \\\n0\nv 0 1 0\n# a comment\ng p\nf 1 2 3\ng q\nf 3 2 1\ng p\n\nf 1 3 2\n";
+  SplitOptions options{SplitBy::kGroup};
+  options.largest_coordinate = 1e7;
+  options.with_lines = true;
+  options.wanted = [](const std::string& name) { return name == "p"; };
+  std::vector<PanelText> panels;
+  split_obj(text, "facade.obj", options, [&](PanelText&& panel) { panels.push_back(std::move(panel)); });
+  ASSERT_THAT(names(panels), ElementsAre("p"));
+  // Four lines of three vertices, one of them continued; then the faces of lines 7 and 12.
+  EXPECT_EQ(panels[0].file_line(4), std::nullopt);
+  EXPECT_EQ(panels[0].file_line(5), 7U);
+  EXPECT_EQ(panels[0].file_line(6), 12U);
+  EXPECT_EQ(panels[0].file_line(7), std::nullopt);
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline::batch

@@ -15,13 +15,14 @@
 
 #include "pipeline/batch/init.hpp"
 #include "pipeline/batch/run.hpp"
+#include "tests/pipeline/batch/square_panels.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline::batch::testing {
 
 // Heights of panels that do not pass; all others do.
-constexpr int kExits = 901, kBadInput = 903, kRefused = 904, kOver = 905, kNoFile = 907, kAborts = 910,
-              kSleeps = 911, kEats = 912;
+constexpr int kExits = 901, kBadInput = 903, kRefused = 904, kOver = 905, kCrosses = 906, kNoFile = 907,
+              kAborts = 910, kSleeps = 911, kEats = 912;
 
 // Writes what plan would; every start is a line of `started` beside it.
 inline constexpr const char* kStandIn = R"SH(#!/bin/sh
@@ -32,7 +33,7 @@ echo "$design" >> "$(dirname "$0")/started"
 report() {
   mkdir -p "$out"
   echo "{\"tolerance_mm\": 1.0, \"deviation_mm\": {\"max\": 0.25, \"p99\": 0.2}, \"uncut_share\": 0.0,
-    \"refusals\": [$1], \"warnings\": [\"a warning\"], \"strips\": [{\"id\": \"S001\", \"ribs\": 4, \"poses\": 100,
+    \"refusals\": [$1], \"warnings\": [\"${warning:-a warning}\"], \"strips\": [{\"id\": \"S001\", \"ribs\": 4, \"poses\": 100,
     \"blade_length_mm\": 400.0, \"deviation_max_mm\": 0.25, \"duration_s\": $z, \"cut_s\": 60.0, \"stock_volume_mm3\": 2e8,
     \"foam_kept_share\": 0.5, \"stock_size_mm\": [1000.0, 500.0, 400.0], \"blade_radius_min_mm\": 700.0,
     \"margin_mm_min\": 2.5}], \"settings\": {\"blade\": {\"width_mm\": 8.0, \"thickness_mm\": 0.5}}}" > "$out/report.json"
@@ -40,10 +41,11 @@ report() {
 }
 case $z in
   901*) echo "internal error: broken" >&2; exit 1 ;;
-  903*) echo "$design:3: not a number" >&2; exit 3 ;;
+  903*) echo "$design:5: no face has an area" >&2; exit 3 ;;
   904*) report '{"strip": "S001", "rib": "R01", "limit": "deviation", "value": 2.0, "bound": 1.0, "unit": "mm",
     "message": "S001: deviation 2 mm (limit 1)"}'; echo "{}" > "$out/refused.json"; exit 4 ;;
   905*) report; exit 5 ;;
+  906*) warning="2 pairs of faces cross, the first those of lines 5 and 5 near (1, 2, 3)" ;;  # and passes
   907*) echo "disk full" >&2; exit 7 ;;
   910*) kill -ABRT $$ ;;
   911*) sleep 60 ;;
@@ -64,12 +66,7 @@ class StandInBatch {
     std::ofstream(program()) << kStandIn;
     ::chmod(program().c_str(), 0755);
     std::ofstream facade(files_ / "facade.obj");
-    for (const int height : heights) {
-      facade << "g p" << height << "\n";
-      for (const char* xy : {"0 0", "100 0", "100 100", "0 100"})
-        facade << "v " << xy << " " << height << ".5\n";
-      facade << "f -4 -3 -2 -1\n";
-    }
+    for (const int height : heights) facade << square_panel("p" + std::to_string(height), height + 0.5);
     facade.close();
     asked_.design = files_ / "facade.obj";
     asked_.split = "group";
