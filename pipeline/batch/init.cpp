@@ -61,12 +61,15 @@ class Maker {
     check_settings();
     for (const char* folder : {"designs", "settings", "chunks", "results"})
       ensure_directory(directory_.path() / folder);
+    files_.emplace(directory_.path());
     list_ ? take_list() : take_design();
     make_jobs();
     InitReport report;
     report.chunks_changed = write_chunks();
     write(directory_.jobs(), jobs_text(jobs_));
-    write(directory_.batch(), batch_text(batch_));
+    files_->sync();
+    if (const std::string text = batch_text(batch_); !is_there(directory_.batch(), text))
+      write_file_atomically(directory_.batch(), text, true);
     report.batch = batch_;
     for (const auto& [key, planned] : plans_) {
       std::error_code ignored;
@@ -152,7 +155,7 @@ class Maker {
     const MappedFile mapped(file);
     const std::string units = units_.at("");
     const SplitOptions options = split_options(batch_.asked, *split_named(batch_.asked.split), units, group_);
-    const double walks = options.by == SplitBy::kComponent ? 4 : 2;
+    const double walks = options.by == SplitBy::kComponent ? 5 : 3;
     double walked = 0;
     const auto read = [&](std::size_t bytes) {
       expect_going_on();
@@ -208,11 +211,15 @@ class Maker {
   }
 
   // Writes a file unless it is there with these bytes; returns whether it was written.
-  static bool write(const fs::path& path, const std::string& text) {
-    std::error_code error;
-    if (fs::file_size(path, error) == text.size() && !error && MappedFile(path).text() == text) return false;
-    write_file_atomically(path, text, true);
+  bool write(const fs::path& path, const std::string& text) {
+    if (is_there(path, text)) return false;
+    files_->write(path, text);
     return true;
+  }
+
+  static bool is_there(const fs::path& path, const std::string& text) {
+    std::error_code error;
+    return fs::file_size(path, error) == text.size() && !error && MappedFile(path).text() == text;
   }
 
   // ---- jobs and chunks ----
@@ -258,7 +265,7 @@ class Maker {
     batch_.jobs_sha256 = sha256_hex(jobs_text(jobs_));
   }
 
-  int write_chunks() const {
+  int write_chunks() {
     std::vector<std::vector<PlannedKey>> chunks(static_cast<std::size_t>(batch_.chunks));
     for (const auto& [key, planned] : plans_)
       chunks[static_cast<std::size_t>(chunk_of(key, batch_.chunks))].push_back(planned);
@@ -284,6 +291,7 @@ class Maker {
   const std::optional<Batch>& before_;
   Cases cases_;
   Batch batch_;
+  std::optional<FilesSyncedTogether> files_;
   std::optional<DesignList> list_;
   std::string group_;  // of design.group, with a design that is not split
   std::unordered_map<std::string, SettingsFile> settings_;  // by what is given and swept

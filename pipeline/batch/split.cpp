@@ -48,7 +48,7 @@ class Splitter {
   Splitter(std::string_view text, const std::string& file, const SplitOptions& options, const BytesRead& read)
       : options_(options),
         read_(read),
-        statements_(surface::checked_obj_text(text, file), file, options.largest_coordinate) {}
+        statements_(surface::checked_obj_text(text, file, read), file, options.largest_coordinate) {}
 
   void split(const TakePanel& take) {
     survey();

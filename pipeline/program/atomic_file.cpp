@@ -54,12 +54,10 @@ fs::path resolve_target(const fs::path& path, bool force) {
   return fs::exists(status) ? fs::canonical(path) : fs::absolute(path);
 }
 
-}  // namespace
-
 // The file beside the target while it is being written; removed unless it was renamed into place.
-class StagedFile::Draft {
+class FileDraft {
  public:
-  explicit Draft(fs::path target) : target_(std::move(target)) {
+  explicit FileDraft(fs::path target) : target_(std::move(target)) {
     static std::atomic<unsigned> counter{0};
     const std::string name =
         fmt::format(".{}.{}.{}.tmp", target_.filename().string(), ::getpid(), counter.fetch_add(1));
@@ -67,9 +65,9 @@ class StagedFile::Draft {
     descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0) fail_with_errno(target_, "cannot be written", errno);
   }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-  ~Draft() {
+  FileDraft(const FileDraft&) = delete;
+  FileDraft& operator=(const FileDraft&) = delete;
+  ~FileDraft() {
     if (descriptor_ >= 0) ::close(descriptor_);
     if (!placed_) ::unlink(path_.c_str());
   }
@@ -83,12 +81,12 @@ class StagedFile::Draft {
     }
   }
 
-  void finish() {
-    if (::fsync(descriptor_) != 0) fail_with_errno(target_, "cannot be synced to disk", errno);
+  void finish(bool sync = true) {
+    if (sync && ::fsync(descriptor_) != 0) fail_with_errno(target_, "cannot be synced to disk", errno);
     if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_, "cannot be written", errno);
   }
 
-  void place(bool force) {
+  void place(bool force, bool sync = true) {
     if (!force) {
       // Two writers at once: only one of them may find the name free.
       if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0) {
@@ -102,13 +100,19 @@ class StagedFile::Draft {
     }
     if (::rename(path_.c_str(), target_.c_str()) != 0) fail_with_errno(target_, "cannot be written", errno);
     placed_ = true;
-    sync_directory(target_.parent_path());
+    if (sync) sync_directory(target_.parent_path());
   }
 
  private:
   fs::path target_, path_;
   int descriptor_ = -1;
   bool placed_ = false;
+};
+
+}  // namespace
+
+class StagedFile::Draft : public FileDraft {
+  using FileDraft::FileDraft;
 };
 
 StagedFile::StagedFile(const fs::path& path, const std::function<void(const WritePiece&)>& produce,
@@ -123,6 +127,26 @@ StagedFile& StagedFile::operator=(StagedFile&&) noexcept = default;
 
 void StagedFile::place() {
   draft_->place(force_);
+}
+
+FilesSyncedTogether::FilesSyncedTogether(const fs::path& directory)
+    : directory_(directory), descriptor_(::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+  if (descriptor_ < 0) fail_with_errno(directory, "cannot be written", errno);
+}
+
+FilesSyncedTogether::~FilesSyncedTogether() {
+  ::close(descriptor_);
+}
+
+void FilesSyncedTogether::write(const fs::path& path, std::string_view bytes) {
+  FileDraft draft(resolve_target(path, true));
+  draft.write(bytes);
+  draft.finish(false);
+  draft.place(true, false);
+}
+
+void FilesSyncedTogether::sync() {
+  if (::syncfs(descriptor_) != 0) fail_with_errno(directory_, "cannot be synced to disk", errno);
 }
 
 DraftFile::DraftFile(const fs::path& target)

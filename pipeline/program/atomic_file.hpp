@@ -37,6 +37,25 @@ class StagedFile {
   bool force_;
 };
 
+// Many files of one file system that are waited for once instead of twice each. Every reader finds each whole
+// or the one before it; through a power cut they last from sync() on, and what needs them is to be written
+// after that. Both throw Error (kFile).
+class FilesSyncedTogether {
+ public:
+  explicit FilesSyncedTogether(const std::filesystem::path& directory);
+  ~FilesSyncedTogether();
+  FilesSyncedTogether(const FilesSyncedTogether&) = delete;
+  FilesSyncedTogether& operator=(const FilesSyncedTogether&) = delete;
+
+  // Writes a file, in the place of one that is there.
+  void write(const std::filesystem::path& path, std::string_view bytes);
+  void sync();
+
+ private:
+  std::filesystem::path directory_;
+  int descriptor_ = -1;
+};
+
 // A file that a library writes by a name: `path()`, beside its target until `place()` puts it there. One that
 // was not placed leaves nothing. Throws Error (kFile) where it cannot be put there.
 class DraftFile {

@@ -31,6 +31,17 @@ bool is_line_end(char c) {
   throw MeshError(name + ":" + std::to_string(line) + ": " + what);
 }
 
+// The place of the first NUL byte, looked for in pieces.
+std::size_t first_nul(std::string_view text, const std::function<void(std::size_t)>& passed) {
+  constexpr std::size_t kStep = std::size_t{64} << 20;
+  for (std::size_t begin = 0; begin < text.size(); begin += kStep) {
+    const std::string_view part = text.substr(begin, kStep);
+    if (const std::size_t nul = part.find('\0'); nul != std::string_view::npos) return begin + nul;
+    if (passed) passed(part.size());
+  }
+  return std::string_view::npos;
+}
+
 }  // namespace
 
 std::string shown_token(std::string_view token) {
@@ -49,13 +60,14 @@ std::string joined_words(std::span<const std::string> words) {
 }
 
 // UTF-16 text reads as garbage or as nothing at all, so it is told apart before anything else.
-std::string_view checked_obj_text(std::string_view text, const std::string& name) {
+std::string_view checked_obj_text(std::string_view text, const std::string& name,
+                                  const std::function<void(std::size_t)>& passed) {
   const auto fail = [&name](std::size_t line, const std::string& what) { fail_at(name, line, what); };
   if (text.empty()) fail(1, "the file is empty (0 bytes): export the design again");
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
     fail(1, "the text is UTF-16, as its first two bytes say: " + std::string(kConvertHint));
   }
-  const std::size_t nul = text.find('\0');
+  const std::size_t nul = first_nul(text, passed);
   if (nul != std::string_view::npos) {
     const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(nul), '\n');
     if (nul < 2) fail(1, "NUL byte: the text looks like UTF-16: " + std::string(kConvertHint));

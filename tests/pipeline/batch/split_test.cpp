@@ -107,6 +107,23 @@ TEST(Batch, SplitKeepsBytes) {
   }
 }
 
+TEST(Batch, EveryWalkOverTheTextIsTold) {
+  constexpr double kStep = 1 << 26;  // what may be left untold at the end
+  const std::string text = Facade{std::vector<double>(20000, 1), false, false}.text();
+  const double whole = static_cast<double>(text.size());
+  ASSERT_GT(whole, kStep / 2);
+  for (const auto& [by, walks] : {std::pair{SplitBy::kGroup, 3}, std::pair{SplitBy::kComponent, 5}}) {
+    SplitOptions options{by, 0, ""};
+    options.largest_coordinate = 1e7;
+    double told = 0;
+    split_obj(
+        text, "facade.obj", options, [](PanelText&&) {},
+        [&](std::size_t bytes) { told += static_cast<double>(bytes); });
+    EXPECT_LE(told, walks * whole);
+    EXPECT_GT(told, walks * whole - kStep);
+  }
+}
+
 TEST(Batch, OnePanelMovedLeavesTheOthersHashes) {
   for (const SplitBy by : {SplitBy::kGroup, SplitBy::kComponent}) {
     const std::vector<PanelText> before = split(Facade{{1, 2, 3, 4}}.text(), by);

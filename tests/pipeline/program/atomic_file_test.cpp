@@ -140,6 +140,29 @@ TEST(StagedFile, LeavesNothingBehindWhenItIsNotPlaced) {
   EXPECT_TRUE(fs::is_empty(directory / "."));
 }
 
+TEST(FilesSyncedTogether, AreWholeBeforeTheyAreSyncedAndReplaceWhatIsThere) {
+  const TemporaryDirectory directory;
+  write_file_atomically(directory / "f", "old", false);
+  FilesSyncedTogether files(directory.path());
+  files.write(directory / "f", "new");
+  files.write(directory / "g", std::string(100000, 'x'));
+  EXPECT_EQ(read_bytes(directory / "f"), "new");
+  EXPECT_EQ(read_bytes(directory / "g"), std::string(100000, 'x'));
+  files.sync();
+  EXPECT_EQ(files_in(directory.path()), 2u);
+}
+
+TEST(FilesSyncedTogether, SayWhatCannotBeWritten) {
+  const TemporaryDirectory directory;
+  EXPECT_THAT(file_error([&] { const FilesSyncedTogether files(directory / "none"); }),
+              HasSubstr("none: cannot be written (No such file or directory)"));
+  FilesSyncedTogether files(directory.path());
+  EXPECT_THAT(file_error([&] { files.write(directory / "none" / "f", "x"); }),
+              HasSubstr("cannot be written"));
+  ensure_directory(directory / "d");
+  EXPECT_THAT(file_error([&] { files.write(directory / "d", "x"); }), HasSubstr("is a directory"));
+}
+
 TEST(EnsureDirectory, MakesParentsAndAcceptsAnExistingOne) {
   const TemporaryDirectory directory;
   ensure_directory(directory / "a" / "b");
