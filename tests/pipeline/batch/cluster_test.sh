@@ -7,7 +7,7 @@ set -euo pipefail
 program=$(realpath "$1") source=$(realpath "$2")
 shift 2
 trials=("$@")
-((${#trials[@]})) || trials=(all_once snakemake_killed node_lost over_memory refused_and_failed nothing_to_do)
+((${#trials[@]})) || trials=(all_once snakemake_killed node_lost controller_killed over_memory refused_and_failed nothing_to_do)
 [[ -n ${HOTBLADE_TEST_CLUSTER:-} ]] || { echo "only ./run test-cluster asks for it"; exit 77; }
 for needed in snakemake sbatch slurmctld slurmd munged; do
   PATH=$PATH:/usr/sbin type -P "$needed" > /dev/null || { echo "$needed is not installed"; exit 77; }
@@ -81,7 +81,8 @@ batch() {
   for height in $(seq 1 "$count") "$@"; do
     printf 'g p%s\nv 0 0 %s.5\nv 100 0 %s.5\nv 0 100 %s.5\nf -3 -2 -1\n' "$height" "$height" "$height" "$height"
   done > "$work/$name.obj"
-  hotblade batch init "$work/$name" --design "$work/$name.obj" --split group --units mm --chunk-minutes 0.25 > /dev/null
+  hotblade batch init "$work/$name" --design "$work/$name.obj" --split group --units mm \
+    --chunk-minutes "${chunk_minutes:-0.25}" > /dev/null
   : > "$STAND_IN_LOG"
 }
 through() { snakemake -s "$share/Snakefile" -d "$work/$1" --profile "$share/profiles/slurm" > "$work/$1.out" 2>&1; }
@@ -132,6 +133,31 @@ node_lost() {
   start_node n1
   wait "$run" || cat "$work/node_lost.out"
   each_once node_lost 200
+}
+
+# Slurm's controller writes what it allocated up to 6 s later. Killed before, it knows nothing of jobs that run: their nodes, asked
+# 3 s after it starts again, name them, and they are ended and queued. A job that has ended before that leaves its node drained
+# (`Duplicate jobid`), so chunks take longer here, and nothing is started before nodes were asked (batch_sched_delay).
+controller_killed() {
+  chunk_minutes=1.25 batch controller_killed 300
+  local chunks ended
+  chunks=$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["chunks"])' "$work/controller_killed/batch.json")
+  sbatch --requeue --array="0-$((chunks - 1))" --mem=500 --time=30 --output="$work/array-%a.log" \
+    --wrap "hotblade batch run '$work/controller_killed' --chunk \$SLURM_ARRAY_TASK_ID"
+  for ended in 30 150; do
+    while (($(grep -c ^end "$STAND_IN_LOG") < ended)); do sleep 0.5; done
+    end_by "$work/slurmctld.pid" -KILL
+    sleep 4
+    slurmctld
+  done
+  for ((i = 0; i < 300; ++i)); do
+    [[ -n $(squeue -h 2> /dev/null || echo unknown) ]] || break
+    sleep 1
+  done
+  expect "controller_killed: queued or running" 0 "$(squeue -h | wc -l)"
+  expect "controller_killed: drained" 0 "$(sinfo -h -R | wc -l)"
+  hotblade batch gather "$work/controller_killed" --partial > /dev/null
+  each_once controller_killed 300
 }
 
 over_memory() {
