@@ -38,7 +38,7 @@ void move_file(const fs::path& from, const fs::path& to) {
 }
 
 bool is_kept(const std::string& name, const std::string& keep) {
-  constexpr std::array kReport{"report.json", "report.html", "preview.png"};
+  constexpr std::array kReport{"report.json", "report.html", "sheets.html", "preview.png"};
   constexpr std::array kProgram{"program.json", "program.json.gz", "refused.json"};
   const auto among = [&](const auto& names) {
     return std::find(names.begin(), names.end(), name) != names.end();

@@ -24,6 +24,7 @@
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/report/advice.hpp"
 #include "pipeline/report/report_plots.hpp"
+#include "pipeline/report/sheets.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -326,6 +327,7 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   if (program) {
     write_ribs(result.program, draft / "ribs");
     emitted.program_sha256 = program->place();
+    write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
   }
   if (!result.refusals.empty()) {
     write_file_atomically(draft / "refused.json",

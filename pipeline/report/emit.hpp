@@ -1,6 +1,6 @@
-// The emit stage: program.json, report.json, report.html, preview.png, scene.gltf, run.json, ribs/ and, of a
-// refused plan, refused.json (pipeline/program/refused_plan.hpp) in one directory, all of one plan
-// (output_set.hpp).
+// The emit stage: program.json, report.json, report.html, sheets.html, preview.png, scene.gltf, run.json,
+// ribs/ and, of a refused plan, refused.json (pipeline/program/refused_plan.hpp) in one directory, all of one
+// plan (output_set.hpp).
 #pragma once
 
 #include <filesystem>
@@ -32,8 +32,8 @@ struct Emitted {
 
 // Writes the set and puts it in its place whole; preview.png (the first picture) and scene.gltf are absent
 // where there are none. The ribs (a DXF file a strip and beziers.csv, as export/rib_files.hpp makes
-// them) come and go with the program. `take_pictures` is called once, on this thread, while others write the
-// program. Throws Error (kFile), and what `take_pictures` throws; the older set then stays.
+// them) and sheets.html come and go with the program. `take_pictures` is called once, on this thread, while
+// others write the program. Throws Error (kFile), and what `take_pictures` throws; the older set then stays.
 using TakePictures = std::function<ReportPictures(const PlanResult&)>;
 Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
              const TakePictures& take_pictures);

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kFiles{"program.json", "program.json.gz", "report.json", "report.html",
+constexpr std::array kFiles{"program.json", "program.json.gz", "report.json", "report.html", "sheets.html",
                             "preview.png",  "scene.gltf",      "run.json",    "refused.json"};
 constexpr const char* kRibs = "ribs";
 

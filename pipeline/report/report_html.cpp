@@ -268,10 +268,12 @@ std::string heading(const PlanResult& result, const std::string& program_sha256)
   return fmt::format(
       "<h1>{}</h1><p class=\"sub\">{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}. SHA-256 "
       "{}. "
-      "{}.{}</p>\n",
+      "{}.{}</p>{}\n",
       escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), name(d.keep),
       escaped(d.sha256), escaped(result.program.created_by),
-      program_sha256.empty() ? "" : " SHA-256 of program.json: " + escaped(program_sha256) + ".");
+      program_sha256.empty() ? "" : " SHA-256 of program.json: " + escaped(program_sha256) + ".",
+      program_sha256.empty() ? ""
+                             : "<p><a href=\"sheets.html\">Sheets for the floor</a>: one for each block</p>");
 }
 
 }  // namespace

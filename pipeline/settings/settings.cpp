@@ -106,6 +106,12 @@ struct Reader {
     return values;
   }
 
+  std::string spelled() const {
+    std::ostringstream text;
+    node.is_date() ? text << *node.as_date() : text << *node.as_integer();
+    return text.str();
+  }
+
   template <std::size_t N>
   std::array<double, N> tuple() const {
     const std::string wanted = "a list of " + std::to_string(N) + " numbers";
@@ -128,6 +134,10 @@ struct Reader {
         std::clamp<std::int64_t>(*integer, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
   }
   void operator()(std::string* place) const {
+    if (field.choices == kAnyText && (node.is_date() || node.is_integer())) {
+      *place = spelled();  // the date or the number of a job, which TOML knows without quotes
+      return;
+    }
     const auto text = node.value_exact<std::string>();
     if (!text) wrong_type("a string");
     *place = *text;
@@ -242,15 +252,21 @@ void check(Settings settings, const Origins& origins) {
 
 // ---- applying ----
 
-void apply_value(Settings& settings, Origins& origins, const std::string& section, const std::string& key,
-                 const toml::node& node, const std::string& where) {
+// Null for an unknown key.
+const SettingField* field_of(const std::string& section, const std::string& key) {
   const auto fields = setting_fields();
   const auto field = std::find_if(fields.begin(), fields.end(), [&](const SettingField& f) {
     return f.section == section && f.key == key;
   });
+  return field == fields.end() ? nullptr : &*field;
+}
+
+void apply_value(Settings& settings, Origins& origins, const std::string& section, const std::string& key,
+                 const toml::node& node, const std::string& where) {
+  const SettingField* field = field_of(section, key);
   if (const auto why = refused_because(section, key))
     fail(where, section + "." + key + ": " + std::string(*why));
-  if (field == fields.end()) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
+  if (field == nullptr) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
   const SettingPlace place = field->place(settings);
   std::visit(Reader{node, *field, where}, place);
   origins[full_key(*field)] = where;
@@ -341,8 +357,13 @@ void apply_assignment(Settings& settings, Origins& origins, const std::string& k
   if (dot == std::string::npos) fail(where, key + ": a key outside a section: " + key_hint("", key));
   const std::string section = key.substr(0, dot);
   if (!is_section(section)) fail(where, "[" + section + "]: unknown section: " + section_hint(section));
-  const toml::table table = parse_value(value, where + " " + key);
-  apply_value(settings, origins, section, key.substr(dot + 1), *table.get("value"), where);
+  const std::string own_key = key.substr(dot + 1);
+  const SettingField* field = field_of(section, own_key);
+  // Any text is the text itself, unless it is quoted as TOML quotes it.
+  const bool text =
+      field != nullptr && field->choices == kAnyText && !value.starts_with('"') && !value.starts_with('\'');
+  const toml::table table = text ? toml::table{{"value", value}} : parse_value(value, where + " " + key);
+  apply_value(settings, origins, section, own_key, *table.get("value"), where);
 }
 
 void apply_assignments(Settings& settings, Origins& origins, const std::vector<std::string>& assignments) {

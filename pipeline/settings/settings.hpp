@@ -52,7 +52,7 @@ struct SliceSettings {
 struct FitSettings {
   double lambda_threshold = 0.22;  // ribs whose Bezier is above are projected (the paper's best class)
   double deviation_share = 0.5;    // of the tolerance that one rib's elastica may deviate from its target
-  int max_splits = 12;         // along a rib
+  int max_splits = 12;             // along a rib
 };
 
 struct BladeSettings : robot::BladeSet {
@@ -90,6 +90,12 @@ struct MachineSettings {
   double clamp_error_mm = 0.1, clamp_error_rad = 0.0002;
 };
 
+// What stands on the report and the sheets of a job; it changes no cut.
+struct JobSettings {
+  std::string number, date, author;  // any text; empty: left out
+  std::string language = "en";       // of the sheets: en or de
+};
+
 struct Settings {
   DesignSettings design;
   SliceSettings slice;
@@ -98,6 +104,7 @@ struct Settings {
   StockSettings stock;
   MotionSettings motion;
   MachineSettings machine;
+  JobSettings job;
 };
 
 // A setting given by a flag of its own; errors name the flag.

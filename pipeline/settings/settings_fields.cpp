@@ -135,6 +135,16 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.machine.clamp_error_mm; }},
     {"machine", "clamp_error_rad", "rad", 0, 0.1, "", "Error of a clamp's angle, for the error budget",
      [](S& s) -> Place { return &s.machine.clamp_error_rad; }},
+
+    {"job", "number", "", 0, 0, kAnyText,
+     "Number or name of the job, on the report and every sheet for the floor",
+     [](S& s) -> Place { return &s.job.number; }},
+    {"job", "date", "", 0, 0, kAnyText, "Date of the job on report and sheets, as it is to be read there",
+     [](S& s) -> Place { return &s.job.date; }},
+    {"job", "author", "", 0, 0, kAnyText, "Who planned the job, on report and sheets",
+     [](S& s) -> Place { return &s.job.author; }},
+    {"job", "language", "", 0, 0, "en|de", "Language of the sheets",
+     [](S& s) -> Place { return &s.job.language; }},
 };
 
 template <typename Numbers>

@@ -178,7 +178,10 @@ const std::vector<Change>& changes() {
 TEST(SettingKeys, AllOfThemAreTried) {
   std::set<std::string> tried, known;
   for (const Change& c : changes()) tried.insert(c.key);
-  for (const SettingInfo& info : describe_settings()) known.insert(info.key);
+  for (const SettingInfo& info : describe_settings()) {
+    // What stands on the sheets changes no cut: tests/pipeline/report/sheets_test.cpp tries these.
+    if (!info.key.starts_with("job.")) known.insert(info.key);
+  }
   EXPECT_EQ(tried, known);
 }
 

@@ -103,6 +103,10 @@ TEST(Settings, AssignmentsTakeTomlValuesAndBareWords) {
   EXPECT_EQ(with("fit.max_splits=3").fit.max_splits, 3);
   EXPECT_EQ(with("slice.direction=[0, 1, 0.5]").slice.direction, (std::array<double, 3>{0, 1, 0.5}));
   EXPECT_EQ(with("design.group=").design.group, "");
+  EXPECT_EQ(with("job.author=A. Planner, Ltd").job.author, "A. Planner, Ltd") << "a text needs no quotes";
+  EXPECT_EQ(with("job.author='A \\ B'").job.author, "A \\ B");
+  EXPECT_EQ(with("job.number=17").job.number, "17");
+  EXPECT_EQ(with("job.date=2026-11-23").job.date, "2026-11-23");
   EXPECT_EQ(with("design.group=\"roof | \u00fc\"").design.group, "roof | \u00fc");
 }
 

@@ -1,0 +1,30 @@
+// The words of report.html and sheets.html in the language of job.language: a table from the English ones.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace hotblade::pipeline {
+
+class Words {
+ public:
+  // Takes "en" or "de".
+  explicit Words(std::string_view language);
+
+  // Returns the words that stand for these English ones. Throws std::logic_error where the language's table
+  // has none: a test renders every page in every language.
+  [[nodiscard]] std::string operator()(std::string_view english) const;
+
+  // Returns the language's code.
+  [[nodiscard]] const std::string& language() const { return language_; }
+
+  // Returns all pairs of the language's table, English first; none for English.
+  [[nodiscard]] std::span<const std::pair<std::string_view, std::string_view>> table() const;
+
+ private:
+  std::string language_;
+};
+
+}  // namespace hotblade::pipeline
