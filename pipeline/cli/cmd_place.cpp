@@ -64,7 +64,8 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--force", arguments->force, "Overwrite a program that is there");
   command->footer(
-      "Cuts and times stay as they are. Exit code 4 when a strip's arms cannot do it: which, when and by how "
+      "Cuts stay as they are, waypoints are met later where joints ask for it. Exit code 4 when a strip's "
+      "arms cannot do it: which, when and by how "
       "much.\n"
       "Example: hotblade place vault_cut/program.json --cell two_irb4600 -o vault_armed");
   command->callback([arguments, &console, &action] {

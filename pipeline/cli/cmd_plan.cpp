@@ -143,7 +143,10 @@ void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
   ArmedProgram armed = with_arms(result.program, *cell);
   result.program = std::move(armed.program);
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    if (const auto& arms = result.program.strips[i].arms) result.strips[i].plinth_mm += arms->raise_mm;
+    const Strip& strip = result.program.strips[i];
+    if (!strip.arms) continue;
+    result.strips[i].plinth_mm += strip.arms->raise_mm;
+    time_facts(strip.poses, result.strips[i].motion);
   }
   result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
   result.refusals = std::move(armed.report.refusals);

@@ -152,9 +152,10 @@ void print_joints(const JointCheck& check) {
   std::cout << fmt::format(
       "joints: jaws within {:.2g} mm and {:.2g} rad of their clamps, limits {:.1f} degrees away, wrists "
       "{:.1f} degrees from "
-      "straight, speeds up to {:.0f} %, accelerations up to {:.0f} % of the cell's\n",
+      "straight, speeds up to {:.0f} %, accelerations up to {:.0f} %, jerk up to {:.0f} % of the cell's\n",
       check.off_mm, check.off_rad, check.joint_margin_rad / robot::kDegree_rad,
-      check.wrist_rad / robot::kDegree_rad, 100 * check.speed_share, 100 * check.acceleration_share);
+      check.wrist_rad / robot::kDegree_rad, 100 * check.speed_share, 100 * check.acceleration_share,
+      100 * check.jerk_share);
   for (const std::string& line : check.nearest) std::cout << "nearest: " << line << "\n";
   for (const std::string& line : check.breaches) std::cout << line << "\n";
 }
@@ -166,6 +167,7 @@ nlohmann::ordered_json joints_json(const JointCheck& check) {
           {"wrist_rad", check.wrist_rad},
           {"speed_share", check.speed_share},
           {"acceleration_share", check.acceleration_share},
+          {"jerk_share", check.jerk_share},
           {"nearest", check.nearest},
           {"breaches", check.breaches}};
 }

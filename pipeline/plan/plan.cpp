@@ -360,6 +360,10 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   v.budget_mm = error_budget(design, program, pose_errors(result.strips));
   v.samples = result.verification.cut_samples + result.verification.design_samples;
   v.not_checked = not_checked();
+  if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
+    for (std::string& item : v.not_checked)
+      if (item == kJerkNotChecked) item = "jerk of the clamps in the ramps of a hold";
+  }
   if (!result.verification.within_tolerance && result.refusals.empty()) {
     throw std::logic_error("a deviation that is not a number must not pass");
   }

@@ -139,9 +139,11 @@ ClampJoints joints_of(const JsonNode& node) {
 
 StripArms strip_arms_of(const JsonNode& node) {
   std::vector<const char*> keys{"a", "b", "joint_margin_rad", "wrist_rad", "place"};
-  // Programs without it were made before distances were looked at, and keep reading.
+  // Programs without these were made before distances and times were looked at, and keep reading.
   const bool has_nearest = node.json().is_object() && node.json().contains("nearest_mm");
   if (has_nearest) keys.push_back("nearest_mm");
+  const bool has_added = node.json().is_object() && node.json().contains("added_s");
+  if (has_added) keys.push_back("added_s");
   node.expect_keys(keys);
   StripArms arms;
   const JsonNode a = node.field("a"), b = node.field("b"), place = node.field("place");
@@ -156,6 +158,12 @@ StripArms strip_arms_of(const JsonNode& node) {
   }
   place.expect_keys(std::array{"raise_mm"});
   arms.raise_mm = place.field("raise_mm").number();
+  if (has_added) {
+    const JsonNode added = node.field("added_s");
+    added.expect_keys(std::array{"jerk", "joints"});
+    arms.jerk_s = added.field("jerk").number(kNotNegative);
+    arms.joints_s = added.field("joints").number(kNotNegative);
+  }
   return arms;
 }
 

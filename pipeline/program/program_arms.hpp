@@ -58,6 +58,8 @@ struct StripArms {
   };
   std::vector<NearestPair> nearest_mm;
   double raise_mm = 0;  // what the block stands higher for the arms
+  // What the arms take longer than the plan's clamps, s: speeds and accelerations, and jerk.
+  double joints_s = 0, jerk_s = 0;
 };
 
 // The joints of both arms at one pose.

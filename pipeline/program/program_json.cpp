@@ -171,7 +171,8 @@ void write_arms(Text& out, const StripArms& arms) {
   out.raw("}");
   nearest(",\"joint_margin_rad\":[", arms.joint_margin_rad, true);
   nearest(",\"wrist_rad\":[", arms.wrist_rad, false);
-  out.field(",\"place\":{\"raise_mm\":", arms.raise_mm).raw("}},\n");
+  out.field(",\"place\":{\"raise_mm\":", arms.raise_mm);
+  out.field("},\"added_s\":{\"jerk\":", arms.jerk_s).field(",\"joints\":", arms.joints_s).raw("}},\n");
 }
 
 void write_rib(Text& out, const Rib& rib) {

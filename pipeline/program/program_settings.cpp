@@ -59,8 +59,6 @@ void read_section(const JsonNode& node, const std::string& section, Settings& se
   if (!node.json().is_object()) node.fail("is not an object of settings");
   const auto fields = setting_fields();
   for (const auto& [key, value] : node.json().items()) {
-    // Programs of before carry it, and it never changed them.
-    if (refused_because(section, key)) continue;
     const JsonNode setting = node.field(key.c_str());
     const auto field = std::find_if(fields.begin(), fields.end(), [&](const SettingField& f) {
       return f.section == section && f.key == key;

@@ -264,8 +264,6 @@ const SettingField* field_of(const std::string& section, const std::string& key)
 void apply_value(Settings& settings, Origins& origins, const std::string& section, const std::string& key,
                  const toml::node& node, const std::string& where) {
   const SettingField* field = field_of(section, key);
-  if (const auto why = refused_because(section, key))
-    fail(where, section + "." + key + ": " + std::string(*why));
   if (field == nullptr) fail(where, section + "." + key + ": unknown key: " + key_hint(section, key));
   const SettingPlace place = field->place(settings);
   std::visit(Reader{node, *field, where}, place);

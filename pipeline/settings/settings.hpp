@@ -73,8 +73,8 @@ struct StockSettings {
 
 struct MotionSettings {
   double feed_mm_s = 7, min_feed_mm_s = 1;
-  double travel_mm_s = 100, accel_mm_s2 = 500;
-  double angular_rad_s = 1, angular_accel_rad_s2 = 2;
+  double travel_mm_s = 100, accel_mm_s2 = 500, jerk_mm_s3 = 0;
+  double angular_rad_s = 1, angular_accel_rad_s2 = 2, angular_jerk_rad_s3 = 0;
   double waypoint_s = 0.05;  // 0.005 to 0.05
   double preheat_s = 2;
   double approach_mm = 60;  // the blade is formed this far above the stock

@@ -109,10 +109,15 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.motion.travel_mm_s; }},
     {"motion", "accel_mm_s2", "mm/s2", 1, 100000, "", "Largest acceleration of a clamp",
      [](S& s) -> Place { return &s.motion.accel_mm_s2; }},
+    {"motion", "jerk_mm_s3", "mm/s3", 0, 10000000, "", "Largest jerk of a clamp; 0: not limited",
+     [](S& s) -> Place { return &s.motion.jerk_mm_s3; }, true},
     {"motion", "angular_rad_s", "rad/s", 0.001, 20, "", "Largest turning speed of a clamp",
      [](S& s) -> Place { return &s.motion.angular_rad_s; }},
     {"motion", "angular_accel_rad_s2", "rad/s2", 0.001, 1000, "", "Largest turning acceleration of a clamp",
      [](S& s) -> Place { return &s.motion.angular_accel_rad_s2; }},
+    {"motion", "angular_jerk_rad_s3", "rad/s3", 0, 100000, "",
+     "Largest turning jerk of a clamp; 0: not limited",
+     [](S& s) -> Place { return &s.motion.angular_jerk_rad_s3; }, true},
     {"motion", "waypoint_s", "s", 0.005, 0.05, "", "Time between waypoints",
      [](S& s) -> Place { return &s.motion.waypoint_s; }},
     {"motion", "preheat_s", "s", 0, 600, "", "Dwell with the heat on before the blade enters the foam",
@@ -192,12 +197,6 @@ std::string_view name(OverBudget over_budget) {
 
 std::span<const SettingField> setting_fields() {
   return kFields;
-}
-
-std::optional<std::string_view> refused_because(std::string_view section, std::string_view key) {
-  if (section == "motion" && key == "jerk_mm_s3")
-    return "jerk is not limited yet: leave it out, motion.accel_mm_s2 limits the acceleration";
-  return std::nullopt;
 }
 
 std::string full_key(const SettingField& field) {

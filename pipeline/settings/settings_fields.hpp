@@ -34,13 +34,11 @@ struct SettingField {
                              // means unset; kAnyText: any
   std::string_view description;
   SettingPlace (*place)(Settings&);
+  bool off_at_zero = false;  // 0 leaves out what it is about, and programs and reports leave it out then
 };
 
 // The table, in the order of docs/configuration.md.
 [[nodiscard]] std::span<const SettingField> setting_fields();
-
-// Returns why a key that earlier versions took is refused, since nothing would act on it; absent for others.
-[[nodiscard]] std::optional<std::string_view> refused_because(std::string_view section, std::string_view key);
 
 // "section.key".
 [[nodiscard]] std::string full_key(const SettingField& field);

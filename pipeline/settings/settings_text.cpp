@@ -34,6 +34,7 @@ nlohmann::ordered_json to_json(const Settings& settings) {
   Settings copy = settings;
   nlohmann::ordered_json json;
   for (const SettingField& field : setting_fields()) {
+    if (field.off_at_zero && *std::get<double*>(field.place(copy)) == 0) continue;
     json[std::string(field.section)][std::string(field.key)] = std::visit(ToJson{}, field.place(copy));
   }
   return json;

@@ -396,7 +396,7 @@ std::vector<std::string> not_checked() {
           kArmsNotChecked,
           "thermal spring-back",
           "plinth outside the kept side",
-          "jerk of the clamps"};
+          kJerkNotChecked};
 }
 
 }  // namespace hotblade::pipeline

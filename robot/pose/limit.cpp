@@ -60,6 +60,8 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
     {Limit::kSnapError, "clamp error that makes the blade snap", "mm", ""},
     {Limit::kTipping, "margin against tipping out of the plane", "", ""},
     {Limit::kDuration, "duration", "s", "registers hold no more"},
+    {Limit::kJerk, "clamp jerk", "mm/s3", ""},
+    {Limit::kAngularJerk, "clamp angular jerk", "rad/s3", ""},
     {Limit::kCommonPlane, "distance of the clamps from a common plane", "mm", ""},
     {Limit::kClampHeight, "clamp height above the table", "mm", ""},
     {Limit::kSlowestFeed, "feed of the slowest blade point", "mm/s", "the blade would melt too wide there"},

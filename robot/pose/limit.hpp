@@ -53,6 +53,8 @@ enum class Limit : std::uint8_t {
   kSnapError,
   kTipping,
   kDuration,
+  kJerk,
+  kAngularJerk,
   kCommonPlane,
   kClampHeight,
   kSlowestFeed,

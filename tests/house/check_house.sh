@@ -52,7 +52,7 @@ pipeline/program: elastica/* surface/* robot/* pipeline/settings
 pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
-pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify
+pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion
 pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
 pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
 pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep

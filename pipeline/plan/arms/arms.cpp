@@ -10,6 +10,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
+#include "pipeline/plan/arms/strip_timing.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/verify/verify.hpp"
@@ -99,16 +100,20 @@ double outside(const Strip& strip, double raise_mm, const robot::MotionLimits& l
 struct Tried {
   ArmPlace place;
   ArmChoice a, b;
-  robot::Clearance clearance{};  // where both are served
+  robot::Clearance clearance{};  // where both are held
+  StripTiming timing{};          // where both are clear
   [[nodiscard]] bool held() const { return a.stage == ArmStage::kServed && b.stage == ArmStage::kServed; }
-  [[nodiscard]] bool served() const { return held() && !clearance.worst; }
+  [[nodiscard]] bool served() const { return stage() == ArmStage::kServed; }
   [[nodiscard]] ArmStage stage() const {
-    return held() ? served() ? ArmStage::kServed : ArmStage::kClearance : worse().stage;
+    if (!held()) return worse().stage;
+    if (clearance.worst) return ArmStage::kClearance;
+    return timing.refusal ? ArmStage::kTooSlow : ArmStage::kServed;
   }
   // Within a stage, the larger the nearer to the next.
   [[nodiscard]] double rank() const {
-    return held() && clearance.worst ? clearance.worst->distance_mm - clearance.worst->clearance_mm
-                                     : worse().rank;
+    if (!held()) return worse().rank;
+    if (clearance.worst) return clearance.worst->distance_mm - clearance.worst->clearance_mm;
+    return timing.refusal ? timing.refusal->value : worse().rank;
   }
   // The arm that stands in the way.
   [[nodiscard]] const ArmChoice& worse() const {
@@ -129,6 +134,10 @@ void take(const Tried& tried, Strip& strip) {
   arms.a = tried.a.held;
   arms.b = tried.b.held;
   arms.raise_mm = tried.place.raise_mm;
+  // Times are those of arms that it had before, if any.
+  arms.joints_s = tried.timing.slower.joints_s + (strip.arms ? strip.arms->joints_s : 0);
+  arms.jerk_s = tried.timing.slower.jerk_s + (strip.arms ? strip.arms->jerk_s : 0);
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) strip.poses[i].t = tried.timing.slower.t[i];
   for (const robot::PairKind kind : robot::kPairKinds) {
     if (const auto& nearest = tried.clearance.nearest[static_cast<std::size_t>(kind)])
       arms.nearest_mm.push_back({robot::name(kind), nearest->mm, strip.poses[nearest->pose].t});
@@ -189,25 +198,31 @@ Refusal unclear(const Strip& strip, const Tried& tried) {
   return refusal;
 }
 
+Refusal refusal_at(const Strip& strip, const Tried& tried) {
+  if (!tried.held()) return tried.worse().refusal;
+  return tried.clearance.worst ? unclear(strip, tried) : *tried.timing.refusal;
+}
+
 // The refusal of the place that came furthest, and what stopped the others.
 Refusal refusal_of(const Strip& strip, const std::vector<Tried>& tried, const robot::Cell& cell) {
   const auto further = [](const Tried& x, const Tried& y) {
     return x.stage() != y.stage() ? x.stage() < y.stage() : x.rank() < y.rank();
   };
   const Tried& furthest = *std::max_element(tried.begin(), tried.end(), further);
-  Refusal refusal = furthest.held() ? unclear(strip, furthest) : furthest.worse().refusal;
+  Refusal refusal = refusal_at(strip, furthest);
   std::array<int, 5> counts{};
   for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.stage())];
   refusal.note += fmt::format(
       " (raised {:.0f} mm; of {} choices of height and arms {} are out of reach, {} at joint "
-      "limits, {} next to singular, {} too fast for a joint, {} not clear; cell {})",
+      "limits, {} next to singular, {} not clear, {} too slow a cut for a joint; cell {})",
       furthest.place.raise_mm, tried.size(), counts[0], counts[1], counts[2], counts[3], counts[4],
       cell.name);
   return refusal;
 }
 
-// Proves both arms clear where they are held.
-void prove(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell, Tried& tried) {
+// Proves both arms clear where they are held, and gives them their times where they are.
+void prove(const Strip& strip, const robot::BladeSection& blade, const MotionSettings& motion,
+           const robot::Cell& cell, Tried& tried) {
   if (!tried.held()) return;
   Strip there = strip;
   there.design_to_cell = raised(strip.design_to_cell, tried.place.raise_mm);
@@ -215,10 +230,11 @@ void prove(const Strip& strip, const robot::BladeSection& blade, const robot::Ce
   held.arm = tried.place.swapped ? std::array<std::size_t, 2>{1, 0} : std::array<std::size_t, 2>{0, 1};
   held.joints = {tried.a.joints, tried.b.joints};
   tried.clearance = prove_clear(there, blade, cell, held);
+  if (!tried.clearance.worst) tried.timing = time_for_arms(there, motion, cell, held);
 }
 
 // The first place that serves both arms: good ones by height, then the others by score.
-std::optional<Tried> choose(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell,
+std::optional<Tried> choose(const Strip& strip, const Program& program, const robot::Cell& cell,
                             const robot::MotionLimits& limits, std::vector<Tried>& failed,
                             double& least_outside) {
   struct Scored {
@@ -237,7 +253,7 @@ std::optional<Tried> choose(const Strip& strip, const robot::BladeSection& blade
   for (const Scored& one : order) {
     Tried tried{one.place, choose_branch(strip, cell, one.place, false),
                 choose_branch(strip, cell, one.place, true)};
-    prove(strip, blade, cell, tried);
+    prove(strip, program.blade, program.settings.motion, cell, tried);
     if (tried.served()) return tried;
     failed.push_back(std::move(tried));
   }
@@ -260,7 +276,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
     if (strip.arms) strip.design_to_cell = raised(strip.design_to_cell, -strip.arms->raise_mm);
     std::vector<Tried> failed;
     double least_outside = 1e9;
-    if (const auto tried = choose(strip, program.blade, cell, limits, failed, least_outside)) {
+    if (const auto tried = choose(strip, program, cell, limits, failed, least_outside)) {
       take(*tried, strip);
       warn_of(strip, armed.report.warnings);
     } else if (failed.empty()) {
@@ -274,8 +290,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
     armed.program.cell = cell_data(cell);
     // What was looked at here is not among it.
     for (std::string& item : armed.program.verification.not_checked) {
-      if (item == kArmsNotChecked)
-        item = "the arms' approach from park, cables, load and torque; jerk of the joints";
+      if (item == kArmsNotChecked) item = "the arms' approach from park, cables, load and torque";
     }
     return armed;
   }

@@ -3,7 +3,7 @@
 // Each strip's path of clamps is fixed in its design; what is left to choose is the block's height, which arm
 // takes which end, which way round the blade lies in each jaw, and the arms' branches. All are tried, and the
 // first that keeps every limit with its margins at every pose, and is proved clear of everything, is taken.
-// Speeds are checked, not lowered.
+// Waypoints are then met later where joints ask for it.
 #pragma once
 
 #include <string>

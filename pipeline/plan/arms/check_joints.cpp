@@ -9,6 +9,7 @@
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/settings/error.hpp"
+#include "robot/pose/motion.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -68,13 +69,14 @@ class StripCheck {
     for (const bool b : {false, true}) {
       const HeldClamp& held = b ? strip_.arms->b : strip_.arms->a;
       const robot::CellArm& arm = cell_.arms[cell_.arms[0].id == held.arm ? 0 : 1];
-      Worst off, limit, wrist, rate, change;
+      Worst off, limit, wrist, rate, change, jerk;
       for (std::size_t k = 0; k < strip_.poses.size(); ++k) {
         place(k, b, held, arm, off);
         limits(k, b, arm, limit, wrist);
         rates(k, b, arm, rate, change);
       }
-      for (const Worst* worst : {&off, &limit, &wrist, &rate, &change}) {
+      jerks(b, arm, jerk);
+      for (const Worst* worst : {&off, &limit, &wrist, &rate, &change, &jerk}) {
         if (!worst->what.empty()) check_.breaches.push_back(worst->what);
       }
     }
@@ -134,8 +136,9 @@ class StripCheck {
       const double after = k == last ? 0 : (joints(k + 1, b)[i] - joints(k, b)[i]) / after_s;
       const robot::Joint& joint = arm.model.arm.joints()[i];
       const double share = std::abs(after) / (arm.speed_share * joint.speed_rad_s);
+      const double ramp = robot::PathClock::kRampPerS * std::max(std::abs(before), std::abs(after));
       const double change =
-          std::abs(after - before) / ((before_s + after_s) / 2) / arm.acceleration_rad_s2[i];
+          (std::abs(after - before) / ((before_s + after_s) / 2) + ramp) / arm.acceleration_rad_s2[i];
       check_.speed_share = std::max(check_.speed_share, share);
       check_.acceleration_share = std::max(check_.acceleration_share, change);
       worst.offer(share, [&] {
@@ -144,6 +147,43 @@ class StripCheck {
       worst_change.offer(change, [&] {
         return fmt::format("{} {} {:.0f} % of its acceleration", at(k, arm), joint.name, 100 * change);
       });
+    }
+  }
+
+  // By divided differences of four poses; a pose as long outside as the nearest step stands for rest.
+  void jerks(bool b, const robot::CellArm& arm, Worst& worst) {
+    std::vector<double> t;
+    std::vector<std::size_t> pose;
+    const std::size_t last = strip_.poses.size() - 1;
+    const double first_s = strip_.poses[1].t - strip_.poses[0].t,
+                 last_s = strip_.poses[last].t - strip_.poses[last - 1].t;
+    for (const double out : {2.0, 1.0}) {
+      t.push_back(strip_.poses[0].t - out * first_s);
+      pose.push_back(0);
+    }
+    for (std::size_t k = 0; k <= last; ++k) {
+      t.push_back(strip_.poses[k].t);
+      pose.push_back(k);
+    }
+    for (const double out : {1.0, 2.0}) {
+      t.push_back(strip_.poses[last].t + out * last_s);
+      pose.push_back(last);
+    }
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      for (std::size_t k = 3; k < t.size(); ++k) {
+        std::array<double, 4> d{};
+        for (std::size_t m = 0; m < d.size(); ++m) d[m] = joints(pose[k - 3 + m], b)[i];
+        for (std::size_t order = 1; order < d.size(); ++order) {
+          for (std::size_t m = 0; m + order < d.size(); ++m)
+            d[m] = (d[m + 1] - d[m]) / (t[k - 3 + m + order] - t[k - 3 + m]);
+        }
+        const double share = 6 * std::abs(d[0]) / arm.jerk_rad_s3[i];
+        check_.jerk_share = std::max(check_.jerk_share, share);
+        worst.offer(share, [&] {
+          return fmt::format("{} {} {:.0f} % of its jerk", at(pose[k - 1], arm),
+                             arm.model.arm.joints()[i].name, 100 * share);
+        });
+      }
     }
   }
 

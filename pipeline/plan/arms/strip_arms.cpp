@@ -109,7 +109,6 @@ class Judge {
     choice.rank = score_of(choice.margins);
     check_limits(choice);
     if (choice.stage == ArmStage::kServed) check_singular(choice);
-    if (choice.stage == ArmStage::kServed) check_speeds(choice);
     return choice;
   }
 
@@ -161,40 +160,6 @@ class Judge {
       stop(choice, ArmStage::kSingular, choice.rank,
            refusal(Limit::kShoulderDistance, m.shoulder_mm.value, least.shoulder_mm, m.shoulder_mm.pose,
                    "arm " + arm_.id + " is next to singular" + help));
-    }
-  }
-
-  // The rate of each step, and rest before the first and after the last, as the controller sees them.
-  [[nodiscard]] robot::JointAngles rate(const ArmChoice& choice, std::size_t step) const {
-    if (step == 0 || step >= choice.joints.size()) return robot::JointAngles::Zero();
-    return (choice.joints[step] - choice.joints[step - 1]) / step_s(step);
-  }
-  [[nodiscard]] double step_s(std::size_t step) const {
-    const std::size_t k = std::clamp<std::size_t>(step, 1, strip_.poses.size() - 1);
-    return strip_.poses[k].t - strip_.poses[k - 1].t;
-  }
-
-  void check_speeds(ArmChoice& choice) const {
-    double worst = 1;
-    for (std::size_t k = 1; k <= choice.joints.size(); ++k) {
-      const robot::JointAngles before = rate(choice, k - 1), now = rate(choice, k);
-      const double between_s = (step_s(k - 1) + step_s(k)) / 2;
-      for (std::size_t i = 0; i < robot::kJoints; ++i) {
-        const robot::Joint& joint = arm_.model.arm.joints()[i];
-        const auto j = static_cast<int>(i);
-        const auto offer = [&](Limit limit, double value, double bound, const char* which) {
-          if (value <= worst * bound) return;
-          worst = value / bound;
-          stop(choice, ArmStage::kJointSpeed, -worst,
-               refusal(limit, value, bound, k - 1,
-                       fmt::format("arm {} {}, {}: slower clamps (motion.travel_mm_s, motion.accel_mm_s2)",
-                                   arm_.id, joint.name, which)));
-        };
-        offer(Limit::kJointSpeed, std::abs(now[j]), arm_.speed_share * joint.speed_rad_s,
-              "arm.speed_share of its speed");
-        offer(Limit::kJointAcceleration, std::abs(now[j] - before[j]) / between_s,
-              arm_.acceleration_rad_s2[i], "arm.acceleration_rad_s2");
-      }
     }
   }
 

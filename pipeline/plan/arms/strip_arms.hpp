@@ -32,7 +32,7 @@ struct ArmPlace {
 [[nodiscard]] double score(const Strip& strip, const robot::Cell& cell, const ArmPlace& place);
 
 // How far a choice came before something stood in the way, in this order.
-enum class ArmStage { kReach, kJointLimit, kSingular, kJointSpeed, kClearance, kServed };
+enum class ArmStage { kReach, kJointLimit, kSingular, kClearance, kTooSlow, kServed };
 
 // One arm through all poses.
 struct ArmChoice {

@@ -15,6 +15,7 @@
 #include "pipeline/plan/motion/clamp_plane.hpp"
 #include "pipeline/plan/motion/refuser.hpp"
 #include "pipeline/plan/motion/slow_feed.hpp"
+#include "pipeline/plan/motion/slower.hpp"
 #include "pipeline/plan/motion/timed_stretch.hpp"
 #include "robot/blade/common_plane.hpp"
 #include "robot/pose/rates.hpp"
@@ -80,6 +81,17 @@ void round_times(std::vector<BladePose>& poses) {
   for (BladePose& pose : poses) pose.t = std::round(pose.t * 1e6) * 1e-6;
 }
 
+// Meets the waypoints later where clamps would jerk. Returns what that takes, s.
+double limit_jerk(std::vector<BladePose>& poses, const MotionSettings& motion) {
+  if (!(motion.jerk_mm_s3 > 0) && !(motion.angular_jerk_rad_s3 > 0)) return 0;
+  std::vector<double> t;
+  for (const BladePose& pose : poses) t.push_back(pose.t);
+  const double before = t.back();
+  t = slower(std::move(t), moving_clamps(poses, motion)).t;
+  for (std::size_t i = 0; i < poses.size(); ++i) poses[i].t = t[i];
+  return t.back() - before;
+}
+
 // The pose nearest to each rib's plane carries its index.
 void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
   for (std::size_t r = 0; r < strip.ribs.size(); ++r) {
@@ -98,7 +110,7 @@ void mark_ribs(std::vector<BladePose>& poses, const StripPlan& strip) {
 }
 
 struct Measured {
-  double speed = 0, accel = 0, turn = 0, turn_accel = 0, shortest_step = 1e300;
+  double speed = 0, accel = 0, jerk = 0, turn = 0, turn_accel = 0, turn_jerk = 0, shortest_step = 1e300;
   double aside = 0;  // of the envelope
   double lowest = 1e300, highest = 0;
 };
@@ -109,14 +121,21 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
                  const MachineSettings& machine) {
   Measured m;
   for (const auto clamp : {&BladePose::a, &BladePose::b}) {
-    robot::ClampRates rates;
-    double dt = 0;  // of the step before; the strip starts from rest
+    robot::ClampRates rates, change;  // on the step before, and of that at its beginning
+    double dt = 0, dt_before = 0;     // of the steps before; the strip starts from rest
     const auto change_to = [&](const robot::ClampRates& then, double dt1) {
-      const robot::ClampAccelerations change =
-          robot::accelerations_between(rates, then, dt > 0 ? dt : dt1, dt1);
-      m.accel = std::max(m.accel, change.linear_mm_s2);
-      m.turn_accel = std::max(m.turn_accel, change.angular_rad_s2);
+      const double before = dt > 0 ? dt : dt1, first = dt_before > 0 ? dt_before : before;
+      const robot::ClampAccelerations accelerations = robot::accelerations_between(rates, then, before, dt1);
+      m.accel = std::max(m.accel, accelerations.linear_mm_s2);
+      m.turn_accel = std::max(m.turn_accel, accelerations.angular_rad_s2);
+      const double between = (before + dt1) / 2, third = (first + before + dt1) / 3;
+      const robot::ClampRates now{(then.linear - rates.linear) / between,
+                                  (then.angular - rates.angular) / between};
+      m.jerk = std::max(m.jerk, (now.linear - change.linear).norm() / third);
+      m.turn_jerk = std::max(m.turn_jerk, (now.angular - change.angular).norm() / third);
+      change = now;
       rates = then;
+      dt_before = before;
       dt = dt1;
     };
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -133,7 +152,7 @@ Measured measure(const std::vector<BladePose>& poses, const StripPlan& strip,
       m.turn = std::max(m.turn, then.angular.norm());
       change_to(then, dt1);
     }
-    if (dt > 0) change_to({}, dt);
+    for (int outside = 0; outside < 2 && dt > 0; ++outside) change_to({}, dt);
   }
   return m;
 }
@@ -152,6 +171,11 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   };
   at_most(Limit::kSpeed, m.speed, settings.motion.travel_mm_s);
   at_most(Limit::kAcceleration, m.accel, settings.motion.accel_mm_s2);
+  const auto at_most_if_limited = [&](Limit limit, double value, double bound) {
+    if (bound > 0) at_most(limit, value, bound);
+  };
+  at_most_if_limited(Limit::kJerk, m.jerk, settings.motion.jerk_mm_s3);
+  at_most_if_limited(Limit::kAngularJerk, m.turn_jerk, settings.motion.angular_jerk_rad_s3);
   at_most(Limit::kAngularSpeed, m.turn, settings.motion.angular_rad_s);
   at_most(Limit::kAngularAcceleration, m.turn_accel, settings.motion.angular_accel_rad_s2);
   at_most(Limit::kEnvelope, outside, 0);
@@ -169,6 +193,14 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
 
 }  // namespace
 
+void time_facts(const std::vector<BladePose>& poses, MotionFacts& facts) {
+  facts.duration_s = poses.back().t;
+  facts.cut_s = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (poses[i].phase == StripPhase::kCut) facts.cut_s += poses[i].t - poses[i - 1].t;
+  }
+}
+
 BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   BladeMotion motion;
   const BladePath path = make_path(strip, settings);
@@ -178,12 +210,9 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   }
   find_margins(motion.poses);
   round_times(motion.poses);
+  motion.facts.jerk_s = limit_jerk(motion.poses, settings.motion);
   mark_ribs(motion.poses, strip);
-  motion.facts.duration_s = motion.poses.back().t;
-  for (std::size_t i = 1; i < motion.poses.size(); ++i) {
-    if (motion.poses[i].phase == StripPhase::kCut)
-      motion.facts.cut_s += motion.poses[i].t - motion.poses[i - 1].t;
-  }
+  time_facts(motion.poses, motion.facts);
   const SlowFeed slow = slowest_feed(motion.poses, !strip.formed.empty());
   motion.facts.slowest_feed_mm_s = slow.slowest_mm_s;
   if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);

@@ -18,6 +18,7 @@ namespace hotblade::pipeline {
 // What the motion of a strip was measured to be, over all of its poses where nothing else is said.
 struct MotionFacts {
   double duration_s = 0, cut_s = 0;
+  double jerk_s = 0;        // of the duration, what limits of jerk take
   double off_plane_mm = 0;  // how far the clamps leave a common plane between waypoints, where planes turn
   double slowest_feed_mm_s = 0;  // of any blade point in foam while cutting at constant rate
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
@@ -48,6 +49,9 @@ struct BladeMotion {
   std::vector<std::string> warnings;  // what the clamps do not decide
   std::vector<Refusal> refusals;      // limits exceeded by the poses themselves, re-measured from them
 };
+
+// Sets how long a strip and its cut take.
+void time_facts(const std::vector<BladePose>& poses, MotionFacts& facts);
 
 // Returns the motion of the blade through the strip: every stretch of its path timed and checked.
 [[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings);

@@ -52,7 +52,7 @@ Held most_used(const std::vector<BladePose>& poses, std::size_t pose, const Moti
 
 }  // namespace
 
-SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
+std::vector<StepFeed> step_feeds(const std::vector<BladePose>& poses, bool same_points) {
   std::vector<elastica::Elastica> blades;
   std::vector<elastica::Part> foam;
   std::vector<Frame> frames;
@@ -67,16 +67,25 @@ SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
     before = feed_points(std::span(blades).first(poses.size() - 1), std::span(foam).last(poses.size() - 1),
                          std::span(frames).first(poses.size() - 1));
   }
+  std::vector<StepFeed> feeds(poses.size());
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    if (!poses[i - 1].foam || !poses[i].foam) continue;
+    feeds[i] = {std::numeric_limits<double>::infinity(), 0};
+    for (std::size_t k = 0; k < kFeedPoints; ++k) {
+      const double feed = (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t);
+      feeds[i].slowest_mm_s = std::min(feeds[i].slowest_mm_s, feed);
+      feeds[i].fastest_mm_s = std::max(feeds[i].fastest_mm_s, feed);
+    }
+  }
+  return feeds;
+}
+
+SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
+  const std::vector<StepFeed> feeds = step_feeds(poses, same_points);
   SlowFeed slow{std::numeric_limits<double>::infinity(), 0, 0};
   for (std::size_t i = 1; i < poses.size(); ++i) {
     if (!poses[i - 1].foam || !poses[i].foam) continue;
-    double slowest = std::numeric_limits<double>::infinity(), fastest = 0;
-    for (std::size_t k = 0; k < kFeedPoints; ++k) {
-      const double feed = (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t);
-      slowest = std::min(slowest, feed);
-      fastest = std::max(fastest, feed);
-    }
-    if (slowest < slow.slowest_mm_s) slow = {slowest, fastest, i};
+    if (feeds[i].slowest_mm_s < slow.slowest_mm_s) slow = {feeds[i].slowest_mm_s, feeds[i].fastest_mm_s, i};
   }
   return std::isfinite(slow.slowest_mm_s) ? slow : SlowFeed{};
 }

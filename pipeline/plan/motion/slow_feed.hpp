@@ -14,6 +14,12 @@ struct SlowFeed {
   std::size_t pose = 0;     // at the end of the step
 };
 
+// Of the blade's points in foam on the step that ends at a pose; 0 where it does not cut.
+struct StepFeed {
+  double slowest_mm_s = 0, fastest_mm_s = 0;
+};
+[[nodiscard]] std::vector<StepFeed> step_feeds(const std::vector<BladePose>& poses, bool same_points);
+
 // Returns it over the poses that cut; a slowest feed of 0 where none does. What of the blade forms the design
 // may change from pose to pose: with `same_points` the same points are looked at in both.
 [[nodiscard]] SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "pipeline/plan/motion/rate_bounds.hpp"
 #include "robot/pose/limits.hpp"
 #include "robot/pose/rates.hpp"
 
@@ -83,84 +83,21 @@ std::vector<double> speed_caps(const std::vector<PathSample>& samples,
   return cap;
 }
 
-// The path accelerations allowed; none where low > high.
-struct Interval {
-  double low = 0, high = 0;
-  [[nodiscard]] bool empty() const { return !(low <= high); }
-};
-
-// |p u + q x| <= most, of a path acceleration u at a squared rate x.
-struct Bound {
-  double pp = 0, pq = 0, qq = 0, most = 0;
-
-  Bound() = default;
-  Bound(const Vector3d& p, const Vector3d& q, double limit)
-      : pp(p.squaredNorm()), pq(p.dot(q)), qq(q.squaredNorm()), most(limit) {}
-
-  void narrow(Interval& u, double x) const {
-    const double b = pq * x, c = qq * x * x - most * most;
-    const double under_root = b * b - pp * c;
-    if (under_root < 0 || (pp == 0 && c > 0)) {
-      u.high = u.low - 1;
-      return;
-    }
-    if (pp == 0) return;
-    const double root = std::sqrt(under_root);
-    u.low = std::max(u.low, (-b - root) / pp);
-    u.high = std::min(u.high, (-b + root) / pp);
-  }
-};
-
 // What bounds the path acceleration of the step behind a sample, by its rate: each clamp's accelerations at
 // both ends of the step.
-using StepBounds = std::array<Bound, 2 * kTracks>;
-
-std::vector<StepBounds> step_bounds(const std::array<Moving, kTracks>& moving, const LawShares& shares) {
-  std::vector<StepBounds> all(moving.front().step.size());
-  for (std::size_t i = 0; i < all.size(); ++i) {
+std::vector<RateBound> step_bounds(const std::array<Moving, kTracks>& moving, const LawShares& shares) {
+  std::vector<RateBound> all;
+  all.reserve(2 * kTracks * moving.front().step.size());
+  for (std::size_t i = 0; i < moving.front().step.size(); ++i) {
     for (std::size_t t = 0; t < kTracks; ++t) {
       const Moving& m = moving[t];
       const Vector3d bend = m.second(i), then = m.second(i + 1);
-      all[i][2 * t] = Bound(m.first(i), bend, shares.accel[t][i] * m.accel);
+      all.emplace_back(m.first(i), bend, shares.accel[t][i] * m.accel);
       // The squared rate at the end is x + 2 u.
-      all[i][2 * t + 1] = Bound(m.first(i + 1) + 2 * then, then, shares.accel[t][i + 1] * m.accel);
+      all.emplace_back(m.first(i + 1) + 2 * then, then, shares.accel[t][i + 1] * m.accel);
     }
   }
   return all;
-}
-
-// Path accelerations from a squared rate x at the step's beginning to at most `most` at its end.
-Interval allowed(const StepBounds& bounds, double x, double most) {
-  Interval u{-0.5 * x, 0.5 * (most - x)};
-  for (const Bound& bound : bounds) {
-    if (u.empty()) break;
-    bound.narrow(u, x);
-  }
-  return u;
-}
-
-// The largest squared rate up to `cap` from which the step's end is reached with at most `most`. Rates and
-// path accelerations that hold all bounds are a convex set around rest, so that bisection finds it.
-double largest_rate2(const StepBounds& bounds, double cap, double most) {
-  if (!allowed(bounds, cap, most).empty()) return cap;
-  double good = 0, bad = cap;
-  constexpr double kClose = 1e-4;
-  while (bad - good > kClose * bad && bad > std::numeric_limits<double>::min()) {
-    // Rates differ by orders of magnitude: the middle by size while nothing is known to hold.
-    const double x = good > 0 ? 0.5 * (good + bad) : 0.1 * bad;
-    (allowed(bounds, x, most).empty() ? bad : good) = x;
-  }
-  return good;
-}
-
-std::vector<double> squared_rates(std::vector<double> most, const std::vector<StepBounds>& bounds) {
-  for (std::size_t i = bounds.size(); i-- > 0;) most[i] = largest_rate2(bounds[i], most[i], most[i + 1]);
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const Interval u = allowed(bounds[i], most[i], most[i + 1]);
-    // Empty by rounding alone.
-    if (!u.empty()) most[i + 1] = std::min(most[i + 1], std::max(0.0, most[i] + 2 * u.high));
-  }
-  return most;
 }
 
 // An even step in whole microseconds: times are those of the waypoints.

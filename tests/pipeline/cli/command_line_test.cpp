@@ -93,9 +93,9 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{
             "unknown_up", {"check", kVault, "--units", "mm", "--up", "x"}, "--up: design.up (\"x\", must be"},
         Usage{"unknown_key", {"config", "show", "--set", "blade.kerf=1"}, "did you mean blade.kerf_mm?"},
-        Usage{"jerk_that_nothing_limits",
-              {"config", "show", "--set", "motion.jerk_mm_s3=5000"},
-              "motion.jerk_mm_s3: jerk is not limited yet: leave it out"},
+        Usage{"jerk_below_none",
+              {"config", "show", "--set", "motion.jerk_mm_s3=-1"},
+              "motion.jerk_mm_s3 (-1, must be 0 to"},
         Usage{"value_not_finite",
               {"config", "show", "--set", "blade.kerf_mm=nan"},
               "blade.kerf_mm (nan, must be"}),

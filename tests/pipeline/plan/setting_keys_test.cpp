@@ -161,6 +161,8 @@ const std::vector<Change>& changes() {
       {"motion.min_feed_mm_s", "7", {kFan}},
       {"motion.travel_mm_s", "20", {kAlongX}},
       {"motion.accel_mm_s2", "50", {kAlongX}},
+      {"motion.jerk_mm_s3", "500", {kAlongX}},
+      {"motion.angular_jerk_rad_s3", "1", {kAlongX}},
       {"motion.angular_rad_s", "0.01", {kAlongX}},
       {"motion.angular_accel_rad_s2", "0.01", {kAlongX}},
       {"motion.waypoint_s", "0.02", {kAlongX}},

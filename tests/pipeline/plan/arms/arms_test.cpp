@@ -10,6 +10,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
+#include "pipeline/plan/motion/slower.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -22,10 +23,14 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
+Program envelope_for(Program program) {
+  program.settings.machine.envelope_mm = {4000, 4000, 3000};
+  return program;
+}
+
 // The vault at a tenth of its speed, which starts and ends abruptly.
 Program slow_vault() {
-  Program program = testing::vault_program();
-  program.settings.machine.envelope_mm = {4000, 4000, 3000};
+  Program program = envelope_for(testing::vault_program());
   for (Strip& strip : program.strips) {
     for (BladePose& pose : strip.poses) pose.t *= 10;
   }
@@ -155,8 +160,7 @@ TEST(WithArms, RefusesAFenceInTheWayByName) {
   EXPECT_THAT(said, HasSubstr("from fence, 20 at least (20.0 mm too near)"));
   EXPECT_THAT(
       said,
-      HasSubstr(
-          "5 are out of reach, 0 at joint limits, 0 next to singular, 0 too fast for a joint, 5 not clear"));
+      HasSubstr("5 are out of reach, 0 at joint limits, 0 next to singular, 5 not clear, 0 too slow a cut"));
 }
 
 TEST(WithArms, RefusesALimitJustBelowNeed) {
@@ -195,14 +199,59 @@ TEST(WithArms, RefusesWhatIsNextToSingular) {
   EXPECT_THAT(describe(armed.report.refusals[0]), HasSubstr("is next to singular"));
 }
 
-TEST(WithArms, RefusesJointsThatAreTooFast) {
+// The vault as it is starts and ends abruptly.
+TEST(WithArms, MeetsWaypointsLaterForJoints) {
+  for (const char* name : {"two_irb4600", "two_kr50"}) {
+    const robot::Cell cell = cell_named(name);
+    const Program program = testing::vault_program();
+    const ArmedProgram armed = with_arms(envelope_for(program), cell);
+    ASSERT_THAT(armed.report.refusals, IsEmpty()) << describe(armed.report.refusals.front());
+    const Strip &with = armed.program.strips[0], &without = program.strips[0];
+    ASSERT_EQ(with.poses.size(), without.poses.size());
+    for (std::size_t i = 1; i < with.poses.size(); ++i) {
+      EXPECT_EQ(with.poses[i].a.p, without.poses[i].a.p) << "the cut is the same";
+      EXPECT_GE(with.poses[i].t - with.poses[i - 1].t, without.poses[i].t - without.poses[i - 1].t - 1e-9);
+    }
+    EXPECT_NEAR(with.arms->joints_s + with.arms->jerk_s, with.poses.back().t - without.poses.back().t, 1e-9);
+    EXPECT_GT(with.arms->jerk_s, 0);
+    const JointCheck check = check_joints(armed.program, cell);
+    EXPECT_THAT(check.breaches, IsEmpty());
+    EXPECT_LE(check.acceleration_share, 1);
+    EXPECT_LE(check.jerk_share, 1);
+    double most = std::max({check.speed_share, check.acceleration_share, check.jerk_share});
+    std::vector<double> t;
+    for (const BladePose& pose : with.poses) t.push_back(pose.t);
+    for (const LimitedWay& clamp : moving_clamps(with.poses, program.settings.motion)) {
+      for (const Use& use : uses(t, clamp)) most = std::max(most, use.most());
+    }
+    EXPECT_GT(most, 0.5) << "slower than joints and clamps ask for";
+  }
+}
+
+TEST(WithArms, SlowerJointsTakeLonger) {
   robot::Cell cell = cell_named("two_irb4600");
+  const double usual_s = with_arms(slow_vault(), cell).program.strips[0].poses.back().t;
   for (robot::CellArm& arm : cell.arms) arm.speed_share = 0.002;
-  EXPECT_THAT(refusal_in(cell, slow_vault(), Limit::kJointSpeed), HasSubstr("arm.speed_share of its speed"));
-  cell = cell_named("two_irb4600");
-  EXPECT_THAT(refusal_in(cell, testing::vault_program(), Limit::kJointAcceleration),
-              HasSubstr("arm.acceleration_rad_s2"))
-      << "the vault starts abruptly";
+  Program program = slow_vault();
+  program.settings.motion.min_feed_mm_s = 0.01;
+  const ArmedProgram armed = with_arms(program, cell);
+  ASSERT_THAT(armed.report.refusals, IsEmpty()) << describe(armed.report.refusals.front());
+  EXPECT_GT(armed.program.strips[0].poses.back().t, 1.2 * usual_s);
+  EXPECT_GT(armed.program.strips[0].arms->joints_s, 0.2 * usual_s);
+  EXPECT_THAT(check_joints(armed.program, cell).breaches, IsEmpty());
+}
+
+TEST(WithArms, RefusesAJointThatSlowsTheCutTooMuch) {
+  robot::Cell cell = cell_named("two_irb4600");
+  for (robot::CellArm& arm : cell.arms) arm.speed_share = 0.0002;
+  Program program = slow_vault();
+  program.settings.motion.min_feed_mm_s = 1;
+  const std::string said = refusal_in(cell, program, Limit::kSlowestFeed);
+  EXPECT_THAT(said, HasSubstr("S001: "));
+  EXPECT_THAT(said, HasSubstr("in phase cut at"));
+  EXPECT_THAT(said, HasSubstr(" would slow the cut to "));
+  EXPECT_THAT(said, HasSubstr(" mm/s, 1 mm/s at least (motion.min_feed_mm_s)"));
+  EXPECT_THAT(said, HasSubstr("too slow a cut for a joint"));
 }
 
 TEST(WithArms, RefusesWhatLeavesTheEnvelope) {
@@ -258,6 +307,7 @@ TEST(CheckJoints, FindsNothingInWhatWasFound) {
     EXPECT_GT(check.speed_share, 0);
     EXPECT_LE(check.speed_share, 1);
     EXPECT_LE(check.acceleration_share, 1);
+    EXPECT_LE(check.jerk_share, 1);
   }
 }
 
@@ -272,7 +322,7 @@ TEST(CheckJoints, FindsPlantedFaults) {
     return all;
   };
   EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->b[2] += 1e-8; }),
-              HasSubstr("S001 at 3.50 s: arm R2: jaw"));
+              HasSubstr(" s: arm R2: jaw"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].design_to_cell.p.z() += 0.001; }),
               HasSubstr("off clamp a"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].arms->a.flip = !p.strips[0].arms->a.flip; }),
@@ -286,6 +336,7 @@ TEST(CheckJoints, FindsPlantedFaults) {
   });
   EXPECT_THAT(fast, HasSubstr("% of its speed"));
   EXPECT_THAT(fast, HasSubstr("% of its acceleration"));
+  EXPECT_THAT(fast, HasSubstr("% of its jerk"));
 }
 
 TEST(CheckJoints, NeedsJointsOfThisCell) {

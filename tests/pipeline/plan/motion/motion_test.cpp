@@ -54,6 +54,89 @@ TEST(MoveBlade, KeepsEveryLimitByIndependentDifferences) {
   EXPECT_TRUE(planned().motion.refusals.empty());
 }
 
+// What clamps do by differences of their poses alone, at rest before the first and after the last.
+struct Differences {
+  double jerk = 0, turn_jerk = 0;
+};
+
+Differences differences(const std::vector<BladePose>& poses) {
+  Differences most;
+  for (const auto clamp : {&BladePose::a, &BladePose::b}) {
+    // Of the last three steps: their lengths, velocities, and changes of velocity.
+    std::vector<double> step(3, poses[1].t - poses[0].t);
+    std::vector<Eigen::Vector3d> v(2, Eigen::Vector3d::Zero()), w = v;
+    Eigen::Vector3d a = Eigen::Vector3d::Zero(), turn_a = a;
+    for (std::size_t i = 1; i < poses.size() + 2; ++i) {
+      const BladePose &from = poses[std::min(i, poses.size()) - 1],
+                      &to = poses[std::min(i, poses.size() - 1)];
+      step = {step[1], step[2], i < poses.size() ? to.t - from.t : step[2]};
+      const Eigen::AngleAxisd turn((to.*clamp).q * (from.*clamp).q.conjugate());
+      const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
+      v = {v[1], ((to.*clamp).p - (from.*clamp).p) / step[2]};
+      w = {w[1], angle * turn.axis() / step[2]};
+      const Eigen::Vector3d now = (v[1] - v[0]) / ((step[1] + step[2]) / 2),
+                            turn_now = (w[1] - w[0]) / ((step[1] + step[2]) / 2);
+      const double third = (step[0] + step[1] + step[2]) / 3;
+      most.jerk = std::max(most.jerk, (now - a).norm() / third);
+      most.turn_jerk = std::max(most.turn_jerk, (turn_now - turn_a).norm() / third);
+      a = now;
+      turn_a = turn_now;
+    }
+  }
+  return most;
+}
+
+// Jerk as a mid-size arm takes it, and less.
+Settings with_jerk(double narrower) {
+  Settings settings = along_x();
+  settings.motion.jerk_mm_s3 = 5000 / narrower;
+  settings.motion.angular_jerk_rad_s3 = 20 / narrower;
+  return settings;
+}
+
+TEST(TimeLaw, KeepsJerkByIndependentDifferences) {
+  for (const double step_s : {0.01, 0.05}) {
+    for (const double narrower : {1.0, 5.0, 50.0}) {
+      Settings settings = with_jerk(narrower);
+      settings.motion.waypoint_s = step_s;
+      const BladeMotion motion = move_blade(planned().strip, settings);
+      EXPECT_TRUE(motion.refusals.empty());
+      const Differences most = differences(motion.poses);
+      EXPECT_LE(most.jerk, settings.motion.jerk_mm_s3);
+      EXPECT_LE(most.turn_jerk, settings.motion.angular_jerk_rad_s3);
+      EXPECT_GT(std::max(most.jerk / settings.motion.jerk_mm_s3,
+                         most.turn_jerk / settings.motion.angular_jerk_rad_s3),
+                0.5)
+          << "slower than the limits ask for";
+      std::printf("jerk %.0f mm/s3, %.0f ms: %.1f of %.0f, %.2f of %.2f rad/s3, %.2f of %.2f s added\n",
+                  settings.motion.jerk_mm_s3, 1000 * step_s, most.jerk, settings.motion.jerk_mm_s3,
+                  most.turn_jerk, settings.motion.angular_jerk_rad_s3, motion.facts.jerk_s,
+                  motion.facts.duration_s);
+    }
+  }
+}
+
+TEST(TimeLaw, JerkCostsLittle) {
+  const MotionFacts& without = planned().motion.facts;
+  EXPECT_EQ(without.jerk_s, 0);
+  const MotionFacts facts = move_blade(planned().strip, with_jerk(1)).facts;
+  EXPECT_GT(facts.jerk_s, 0);
+  EXPECT_NEAR(facts.duration_s, without.duration_s + facts.jerk_s, 1e-6);
+  EXPECT_LE(facts.duration_s, 1.05 * without.duration_s);
+}
+
+TEST(TimeLaw, JerkChangesTimesAndNothingElse) {
+  const BladeMotion slower = move_blade(planned().strip, with_jerk(10));
+  const BladeMotion& before = planned().motion;
+  ASSERT_EQ(slower.poses.size(), before.poses.size());
+  for (std::size_t i = 0; i < before.poses.size(); ++i) {
+    EXPECT_EQ(slower.poses[i].a.p, before.poses[i].a.p);
+    EXPECT_EQ(slower.poses[i].b.q.coeffs(), before.poses[i].b.q.coeffs());
+    EXPECT_EQ(slower.poses[i].rib, before.poses[i].rib);
+  }
+  EXPECT_GT(slower.facts.duration_s, before.facts.duration_s);
+}
+
 TEST(MoveBlade, ClampsSitOnTheBladesEndsWithItsTangents) {
   for (const BladePose& pose : planned().motion.poses) {
     const auto ends = elastica::sample(pose.blade, 2);
