@@ -120,10 +120,12 @@ class CellReader {
     if (auto tool = arm.table("tool")) found.tool = read_tool(*tool);
     found.rapid.task = "T_ROB" + std::to_string(index + 1);
     if (auto rapid = arm.table("rapid")) {
-      for (auto [key, place] :
-           {std::pair{"task", &found.rapid.task}, {"tool", &found.rapid.tool}, {"wobj", &found.rapid.wobj}}) {
+      for (auto [key, place] : {std::pair{"task", &found.rapid.task},
+                                {"tool", &found.rapid.tool},
+                                {"wobj", &found.rapid.wobj},
+                                {"heat", &found.rapid.heat}}) {
         take(rapid->text(key), *place);
-        if (!is_rapid_name(*place))
+        if (!is_name(*place, kRapidName))
           rapid->fail(key, "\"" + *place + "\" is no name in RAPID: letters, digits and _, 32 at most");
       }
       rapid->expect_all_read();
@@ -131,16 +133,27 @@ class CellReader {
     if (auto krl = arm.table("krl")) {
       take(krl->whole("tool", 1, 128), found.krl.tool);
       take(krl->whole("base", 0, 128), found.krl.base);
+      for (auto [key, place] : {std::pair{"heat", &found.krl.heat},
+                                {"ready_out", &found.krl.ready_out},
+                                {"ready_in", &found.krl.ready_in}}) {
+        take(krl->text(key), *place);
+        if (!is_name(*place, kKrlName))
+          krl->fail(key, "\"" + *place + "\" is no name in KRL: letters, digits and _, 24 at most");
+      }
       krl->expect_all_read();
     }
     arm.expect_all_read();
     return found;
   }
 
-  static bool is_rapid_name(const std::string& name) {
+  // Characters of the longest name in each language.
+  static constexpr std::size_t kRapidName = 32, kKrlName = 24;
+
+  static bool is_name(const std::string& name, std::size_t longest) {
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
     const auto part = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; };
-    return name.size() <= 32 && letter(name.front()) && std::all_of(name.begin(), name.end(), part);
+    return !name.empty() && name.size() <= longest && letter(name.front()) &&
+           std::all_of(name.begin(), name.end(), part);
   }
 
   // The description beside the cell's file, else one that the program brings.

@@ -65,9 +65,10 @@ std::string arm_text(const robot::CellArm& arm) {
   text += "min_deg = " + limits(arm.model.arm, &robot::Joint::min_rad) +
           "\nmax_deg = " + limits(arm.model.arm, &robot::Joint::max_rad) + "\n" + tool_text(arm.tool);
   text += "[arm.rapid]\ntask = " + quoted(arm.rapid.task) + "\ntool = " + quoted(arm.rapid.tool) +
-          "\nwobj = " + quoted(arm.rapid.wobj) + "\n";
+          "\nwobj = " + quoted(arm.rapid.wobj) + "\nheat = " + quoted(arm.rapid.heat) + "\n";
   return text + "[arm.krl]\ntool = " + std::to_string(arm.krl.tool) +
-         "\nbase = " + std::to_string(arm.krl.base) + "\n";
+         "\nbase = " + std::to_string(arm.krl.base) + "\nheat = " + quoted(arm.krl.heat) +
+         "\nready_out = " + quoted(arm.krl.ready_out) + "\nready_in = " + quoted(arm.krl.ready_in) + "\n";
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <span>
 
+#include "pipeline/export/robot_jobs.hpp"
 #include "pipeline/export/robot_programs.hpp"
 
 namespace hotblade::pipeline {
@@ -12,58 +14,139 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-std::string krl_point(const Pose& pose) {
+std::string krl_frame(const Pose& pose) {
   const KukaAngles k = kuka_angles(pose.q);
   return fmt::format("{{X {:.4f},Y {:.4f},Z {:.4f},A {:.7f},B {:.7f},C {:.7f}}}", pose.p.x(), pose.p.y(),
                      pose.p.z(), k.a, k.b, k.c);
 }
 
-// The arms say that they are ready and wait for each other; the spline's time block keeps them together.
-void append_meeting(std::string& text) {
-  text += "  hb_ready_out=TRUE\n  WAIT FOR hb_ready_in\n";
+std::string krl_axes(const RobotTarget& to) {
+  const auto& q = to.joints_deg;
+  return fmt::format("{{A1 {:.7f},A2 {:.7f},A3 {:.7f},A4 {:.7f},A5 {:.7f},A6 {:.7f}}}", q[0], q[1], q[2],
+                     q[3], q[4], q[5]);
 }
 
-// Every segment is one part of the time block, so each waypoint is reached at its own time.
-void append_krl_strip(std::string& text, const Strip& strip, char arm) {
-  const std::vector<robot::Waypoint> path = waypoints(strip);
-  const auto out = std::back_inserter(text);
-  fmt::format_to(out, "DEF {}()\n  ; blade {:g} mm, {} waypoints\n  SPTP {}\n", strip.id,
-                 strip.blade_length_mm, path.size(), krl_point(clamp_of(path.front(), arm)));
-  append_meeting(text);
-  text += "  SPLINE\n    TIME_BLOCK START\n";
-  bool heat = false;
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const robot::Waypoint &from = path[i - 1], &to = path[i];
-    if (from.heat != heat) {
-      heat = from.heat;
-      if (arm == 'A')
-        fmt::format_to(out, "    TRIGGER WHEN PATH=0 DELAY=0 DO hb_heat={}\n", heat ? "TRUE" : "FALSE");
+// One arm's files.
+class KrlWriter {
+ public:
+  KrlWriter(const Program& program, const RobotTask& task, RobotMoves moves)
+      : program_(program),
+        task_(task),
+        names_(task.arm != nullptr ? task.arm->krl : robot::KrlNames{}),
+        moves_(moves) {}
+
+  void write(std::vector<ExportedFile>& files) const {
+    std::string text = fmt::format("DEF hb_main_{0}()\n  ; {1}: {2}, arm {0}. Not tested on hardware.\n",
+                                   task_.id, ascii(program_.created_by), ascii(program_.design.file));
+    text += fmt::format("  ; Declare in $config.dat: SIGNAL {}, {}{}.\n", names_.ready_out, names_.ready_in,
+                        task_.heats ? ", " + names_.heat : "");
+    if (task_.arm != nullptr) {
+      const Eigen::Isometry3d jaw = robot::jaw_in_flange(task_.arm->tool);
+      const robot::ArmTool& t = task_.arm->tool;
+      text += fmt::format(
+          "  ; Tool {} is the jaw: {}, load {:g} kg at {:g}, {:g}, {:g} mm.\n"
+          "  ; Base {} is the cell's frame; the robot's root stands in it at {}.\n",
+          names_.tool, krl_frame({jaw.translation(), Eigen::Quaterniond(jaw.linear())}), t.mass_kg,
+          t.cog_mm.x(), t.cog_mm.y(), t.cog_mm.z(), names_.base, krl_frame(task_.arm->base));
+    } else {
+      text += fmt::format("  ; Tool {} is the clamp, x along the blade from A to B; base {} the table.\n",
+                          names_.tool, names_.base);
     }
-    fmt::format_to(out, "    SLIN {}\n", krl_point(clamp_of(to, arm)));
-    const bool last = i + 1 == path.size();
-    if (!last) fmt::format_to(out, "    TIME_BLOCK PART={:.6f}\n", kMicrosecond * (to.t_us - from.t_us));
+    text += "  ; " + names_.ready_out + " of each arm is " + names_.ready_in + " of the other.\n";
+    for (const RobotJob& job : task_.jobs) text += "  " + routine(job) + "()\n";
+    files.push_back({"hb_main_" + task_.id + ".src", text + "END\n"});
+    for (const RobotJob& job : task_.jobs) files.push_back({routine(job) + ".src", strip_text(job)});
   }
-  const std::size_t n = path.size();
-  fmt::format_to(out, "    TIME_BLOCK PART={:.6f}\n    TIME_BLOCK END={:.6f}\n  ENDSPLINE\n",
-                 kMicrosecond * (path[n - 1].t_us - path[n - 2].t_us),
-                 kMicrosecond * (path[n - 1].t_us - path[0].t_us));
-  if (arm == 'A') text += "  hb_heat=FALSE\n";
-  text += "  hb_ready_out=FALSE\nEND\n\n";
-}
 
-std::string krl_text(const Program& program, char arm) {
-  const char* name = arm == 'A' ? "hb_arm_a" : "hb_arm_b";
-  std::string text = fmt::format(
-      "DEF {}()\n  ; {}: {}, arm {}. Not tested on hardware.\n"
-      "  ; Declare in $config.dat: SIGNAL hb_heat, hb_ready_out, hb_ready_in; tool 1 is the clamp's jaw (x "
-      "along\n"
-      "  ; the blade), base 1 the table.\n  $TOOL=TOOL_DATA[1]\n  $BASE=BASE_DATA[1]\n",
-      name, program.created_by, program.design.file, arm);
-  for (const Strip& strip : program.strips) text += fmt::format("  HALT\n  {}()\n", strip.id);
-  text += "END\n\n";
-  for (const Strip& strip : program.strips) append_krl_strip(text, strip, arm);
-  return text;
-}
+ private:
+  [[nodiscard]] std::string routine(const RobotJob& job) const {
+    return fmt::format("hb_{}_{}", job.strip, task_.id);
+  }
+
+  [[nodiscard]] std::string strip_text(const RobotJob& job) const {
+    std::string text = fmt::format(
+        "DEF {}()\n  ; strip {}, clamp {}{}, blade {:g} mm. Not tested on hardware.\n  BAS(#INITMOV,0)\n"
+        "  BAS(#VEL_PTP,10)\n  $TOOL=TOOL_DATA[{}]\n  $BASE={}\n",
+        routine(job), job.strip, job.clamp, job.flip ? ", the blade turned by 180 degrees in the jaw" : "",
+        job.blade_length_mm, names_.tool,
+        names_.base == 0 ? "$NULLFRAME" : fmt::format("BASE_DATA[{}]", names_.base));
+    text += fmt::format("  {}=FALSE\n", names_.ready_out);
+    if (task_.heats) text += fmt::format("  {}=FALSE\n", names_.heat);
+    for (const std::string& line : job.texts) text += fmt::format("  MsgNotify(\"{}\",\"hotblade\")\n", line);
+    halt(text, fmt::format("{}: block in place, blade OUT of both jaws?", job.strip));
+    text += task_.arm != nullptr ? fmt::format("  PTP {}\n", krl_axes(job.load))
+                                 : fmt::format("  SPTP {}\n", krl_frame(job.load.pose));
+    halt(text,
+         fmt::format("{}: blade of {:g} mm straight in both jaws, shut?", job.strip, job.blade_length_mm));
+    bool said = false;  // what the ready signal is
+    for (std::size_t i = 0; i < job.steps.size();) i = append(text, job, i, said);
+    if (task_.heats) text += fmt::format("  {}=FALSE\n", names_.heat);
+    if (said) meet(text, said);
+    return text + "END\n";
+  }
+
+  static void halt(std::string& text, const std::string& question) {
+    text += fmt::format("  MsgNotify(\"{}\",\"hotblade\")\n  HALT\n", question);
+  }
+
+  // The arms wait for each other: each says so by changing its signal, and hears the same of the other.
+  void meet(std::string& text, bool& said) const {
+    said = !said;
+    text += fmt::format("  {}={}\n  WAIT FOR {}{}\n", names_.ready_out, said ? "TRUE" : "FALSE",
+                        said ? "" : "NOT ", names_.ready_in);
+  }
+
+  // Appends what stands at a step, moves up to the next rest together; returns the step behind.
+  std::size_t append(std::string& text, const RobotJob& job, std::size_t i, bool& said) const {
+    const RobotStep& step = job.steps[i];
+    const auto out = std::back_inserter(text);
+    if (step.kind == RobotStep::Kind::kWait) {
+      fmt::format_to(out, "  WAIT SEC {:.6f}\n", step.seconds);
+      return i + 1;
+    }
+    if (step.kind == RobotStep::Kind::kHeat) {
+      // WAIT SEC 0 holds the interpreter until the motion is there.
+      if (task_.heats)
+        fmt::format_to(out, "  WAIT SEC 0\n  {}={}\n", names_.heat, step.on ? "TRUE" : "FALSE");
+      return i + 1;
+    }
+    std::size_t end = i;
+    while (!job.steps[end].stops) ++end;
+    spline(text, std::span(job.steps).subspan(i, end + 1 - i), said);
+    return end + 1;
+  }
+
+  // Each segment is its part of the block's time, in millionths of a percent, all of them together 100.
+  void spline(std::string& text, std::span<const RobotStep> steps, bool& said) const {
+    const bool joint = moves_ == RobotMoves::kJoint;
+    double whole = 0;
+    for (const RobotStep& step : steps) whole += step.seconds;
+    meet(text, said);
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "  {}\n    TIME_BLOCK START\n", joint ? "PTP_SPLINE" : "SPLINE");
+    constexpr long long kParts = 100'000'000;
+    double time = 0;
+    long long before = 0;
+    for (const RobotStep& step : steps) {
+      if (joint) {
+        fmt::format_to(out, "    SPTP {}\n", krl_axes(step.to));
+      } else {
+        fmt::format_to(out, "    SPL {}\n", krl_frame(step.to.pose));
+      }
+      time += step.seconds;
+      const long long now = &step == &steps.back() ? kParts : std::llround(kParts * time / whole);
+      fmt::format_to(out, "    TIME_BLOCK PART={}.{:06}\n", (now - before) / 1'000'000,
+                     (now - before) % 1'000'000);
+      before = now;
+    }
+    fmt::format_to(out, "    TIME_BLOCK END={:.6f}\n  ENDSPLINE\n", whole);
+  }
+
+  const Program& program_;
+  const RobotTask& task_;
+  robot::KrlNames names_;
+  RobotMoves moves_;
+};
 
 }  // namespace
 
@@ -79,8 +162,10 @@ KukaAngles kuka_angles(const Eigen::Quaterniond& q) {
           std::atan2(r(2, 1), r(2, 2)) / kDegree};
 }
 
-std::vector<ExportedFile> krl_programs(const Program& program) {
-  return {{"hb_arm_a.src", krl_text(program, 'A')}, {"hb_arm_b.src", krl_text(program, 'B')}};
+std::vector<ExportedFile> krl_programs(const Program& program, const robot::Cell* cell, RobotMoves moves) {
+  std::vector<ExportedFile> files;
+  for (const RobotTask& task : robot_tasks(program, cell)) KrlWriter(program, task, moves).write(files);
+  return files;
 }
 
 }  // namespace hotblade::pipeline

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "pipeline/export/robot_programs.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -14,6 +13,9 @@ namespace hotblade::pipeline {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// A waypoint's times are whole ones, s.
+constexpr double kMicrosecond = 1e-6;
 
 std::string pose_cells(const Pose& pose) {
   return fmt::format("{:.6f},{:.6f},{:.6f},{:.12f},{:.12f},{:.12f},{:.12f}", pose.p.x(), pose.p.y(),

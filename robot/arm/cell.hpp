@@ -56,12 +56,15 @@ struct ArmTool {
 // Returns the jaw in the flange's frame.
 [[nodiscard]] Eigen::Isometry3d jaw_in_flange(const ArmTool& tool);
 
-// What the maker's software calls the tool, the frame of the poses and the task.
+// What the maker's software calls the task, the tool, the frame of the poses and the blade's output, which
+// the first arm switches.
 struct RapidNames {
-  std::string task, tool = "hb_clamp", wobj = "hb_cell";
+  std::string task, tool = "hb_clamp", wobj = "hb_cell", heat = "hb_heat";
 };
-struct KrlNumbers {
+// Arms say by `ready_out` that they are there, and hear it of each other by `ready_in`.
+struct KrlNames {
   int tool = 1, base = 1;
+  std::string heat = "hb_heat", ready_out = "hb_ready_out", ready_in = "hb_ready_in";
 };
 
 struct CellArm {
@@ -76,7 +79,7 @@ struct CellArm {
   std::array<double, kJoints> jerk_rad_s3{15, 10, 15, 80, 80, 80};
   ArmTool tool{};
   RapidNames rapid{};
-  KrlNumbers krl{};
+  KrlNames krl{};
 };
 
 struct Obstacle {

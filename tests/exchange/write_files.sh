@@ -13,4 +13,15 @@ done
 for format in obj ply csv compas rapid krl; do
   "$hotblade" -q export "$job/program.json" --format "$format" -o "$dir/export_$format" > /dev/null
 done
+# The same with the arms of both cells, by poses and by joints.
+for cell in two_irb4600 two_kr50; do
+  "$hotblade" -q place "$job/program.json" --cell "$cell" -o "$dir/$cell" > /dev/null
+  for moves in cartesian joint; do
+    for format in rapid krl; do
+      "$hotblade" -q export "$dir/$cell/program.json" --format "$format" --cell "$cell" --moves "$moves" \
+        -o "$dir/$cell/${format}_$moves" > /dev/null
+    done
+  done
+done
+cp -r "$samples/../data/arms" "$samples/cells" "$dir"
 "$hotblade" -q preview "$job/program.json" --design "$samples/barrel_vault.obj" --export "$dir/scene.gltf" > /dev/null

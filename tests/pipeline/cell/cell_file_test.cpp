@@ -134,6 +134,8 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"flag", "flip = true", "flip = 1", "flip = 1", "must be true or false"},
         Broken{"flat_table", "[1800, 1800, 50]", "[1800, 1800, 0]", "[1800, 1800, 0]",
                "table.size_mm: 0, must be"},
+        Broken{"krl_name", "tool = \"hb_clamp\"", "tool = \"hb_clamp\"\n[arm.krl]\nready_in = \"1x\"", "1x",
+               "is no name in KRL"},
         Broken{"rapid_name", "tool = \"hb_clamp\"", "tool = \"hb clamp\"", "hb clamp", "is no name in RAPID"},
         Broken{"obstacle_nowhere", "[plinth]", "[[obstacle]]\nid = \"a\"\nsize_mm = [1, 1, 1]\n[plinth]",
                "[[obstacle]]", "obstacle[0]: needs at"}),

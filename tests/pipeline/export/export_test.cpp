@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 #include <regex>
 #include <sstream>
 
+#include "pipeline/export/robot_jobs.hpp"
 #include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
 #include "pipeline/export/waypoint_files.hpp"
@@ -104,68 +106,147 @@ TEST(KukaAngles, TurnBackToTheOrientationAlsoWhereAxesFallTogether) {
   }
 }
 
+// What of a strip's files one task has: the moves behind those that bend the straight blade.
+std::vector<std::string> moves_of(const std::vector<ExportedFile>& files, const std::string& name,
+                                  const std::string& word) {
+  std::vector<std::string> all;
+  for (const ExportedFile& file : files) {
+    if (file.name != name) continue;
+    all = lines_with(file.text, word);
+  }
+  if (all.size() < kApproachMoves) return {};
+  all.erase(all.begin(), all.begin() + kApproachMoves);
+  return all;
+}
+
 TEST(Rapid, ReadsBackToTheWaypointsWithTheSameMoveNumbersInBothArms) {
   const Program program = two_strips();
-  const std::vector<ExportedFile> files = rapid_programs(program);
-  ASSERT_EQ(files.size(), 2u);
-  std::vector<std::string> ids[2];
-  for (std::size_t arm = 0; arm < 2; ++arm) {
-    const std::vector<std::string> moves = lines_with(files[arm].text, "MoveL ");
-    ASSERT_EQ(moves.size(), 2 * (program.strips[0].poses.size() - 1));
-    std::size_t move = 0;
-    for (const Strip& strip : program.strips) {
+  const std::vector<ExportedFile> files = rapid_programs(program, nullptr, RobotMoves::kCartesian);
+  ASSERT_EQ(files.size(), 6u) << "a file a strip and one that calls them, for two arms";
+  for (const Strip& strip : program.strips) {
+    std::vector<std::string> ids[2];
+    for (std::size_t arm = 0; arm < 2; ++arm) {
+      const auto moves = moves_of(files, "hb_" + strip.id + (arm == 0 ? "_a.mod" : "_b.mod"), "\\ID:=");
       const std::vector<robot::Waypoint> path = waypoints(strip);
-      for (std::size_t i = 1; i < path.size(); ++i, ++move) {
+      ASSERT_EQ(moves.size(), path.size() - 1);
+      for (std::size_t i = 1; i < path.size(); ++i) {
         const robot::Waypoint& w = path[i];
         const Pose& pose = arm == 0 ? w.a : w.b;
-        const std::vector<double> n = numbers_in(moves[move]);
-        ASSERT_EQ(n.size(), 8u) << moves[move];
+        const std::vector<double> n = numbers_in(moves[i - 1]);
+        ASSERT_EQ(n.size(), 8u) << moves[i - 1];
         EXPECT_LT((Eigen::Vector3d(n[0], n[1], n[2]) - pose.p).norm(), 1e-4);
         EXPECT_LT(angle_between(Eigen::Quaterniond(n[3], n[4], n[5], n[6]), pose.q), 1e-7);
         EXPECT_NEAR(n[7], 1e-6 * (w.t_us - path[i - 1].t_us), 1e-9);
-        ids[arm].push_back(moves[move].substr(moves[move].find("\\ID"), 8));
+        ids[arm].push_back(moves[i - 1].substr(moves[i - 1].find("\\ID"), 8));
       }
+      EXPECT_THAT(moves.back(), HasSubstr(",fine,"));
     }
+    EXPECT_EQ(ids[0], ids[1]);
   }
-  EXPECT_EQ(ids[0], ids[1]);
 }
 
 TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
   const Program program = two_strips();
-  const std::vector<ExportedFile> files = krl_programs(program);
-  ASSERT_EQ(files.size(), 2u);
-  for (std::size_t arm = 0; arm < 2; ++arm) {
-    const auto moves = lines_with(files[arm].text, "SLIN ");
-    const auto parts = lines_with(files[arm].text, "TIME_BLOCK PART");
-    const auto ends = lines_with(files[arm].text, "TIME_BLOCK END");
-    ASSERT_EQ(parts.size(), moves.size());
-    ASSERT_EQ(ends.size(), 2u);
-    std::size_t move = 0;
-    for (std::size_t s = 0; s < 2; ++s) {
-      const std::vector<robot::Waypoint> path = waypoints(program.strips[s]);
+  const std::vector<ExportedFile> files = krl_programs(program, nullptr, RobotMoves::kCartesian);
+  ASSERT_EQ(files.size(), 6u);
+  for (const Strip& strip : program.strips) {
+    for (std::size_t arm = 0; arm < 2; ++arm) {
+      const std::string name = "hb_" + strip.id + (arm == 0 ? "_a.src" : "_b.src");
+      const auto moves = moves_of(files, name, "SPL {"), parts = moves_of(files, name, "TIME_BLOCK PART");
+      const std::vector<robot::Waypoint> path = waypoints(strip);
+      ASSERT_EQ(moves.size(), path.size() - 1);
+      ASSERT_EQ(parts.size(), moves.size());
       double sum = 0;
-      for (std::size_t i = 1; i < path.size(); ++i, ++move) {
+      for (std::size_t i = 1; i < path.size(); ++i) {
         const Pose& pose = arm == 0 ? path[i].a : path[i].b;
-        const std::vector<double> n = numbers_in(moves.at(move));
+        const std::vector<double> n = numbers_in(moves[i - 1]);
         ASSERT_EQ(n.size(), 6u);
         EXPECT_LT((Eigen::Vector3d(n[0], n[1], n[2]) - pose.p).norm(), 1e-4);
         EXPECT_LT(angle_between(from_kuka(n[3], n[4], n[5]), pose.q), 1e-7);
-        sum += numbers_in(parts[move]).at(0);
       }
-      EXPECT_NEAR(numbers_in(ends[s]).at(0), sum, 1e-5);
-      EXPECT_NEAR(sum, 1e-6 * path.back().t_us, 1e-5);
+      const auto file =
+          std::find_if(files.begin(), files.end(), [&](const auto& f) { return f.name == name; });
+      EXPECT_TRUE(lines_with(file->text, "SLIN").empty());
+      for (const std::string& part : lines_with(file->text, "TIME_BLOCK PART")) sum += numbers_in(part).at(0);
+      EXPECT_NEAR(sum, 100.0 * static_cast<double>(lines_with(file->text, "TIME_BLOCK END").size()), 1e-9);
+      double seconds = 0;
+      for (const std::string& end : lines_with(file->text, "TIME_BLOCK END"))
+        seconds += numbers_in(end).at(0);
+      EXPECT_NEAR(seconds, 4 + 1e-6 * path.back().t_us, 1e-5) << "with the blade's bending";
     }
   }
 }
 
-TEST(RobotPrograms, SwitchTheHeatOnArmAAloneAndOffAtTheEnd) {
+TEST(RobotPrograms, SwitchTheHeatOnTheFirstArmAloneWhereItStopsAndOffAtTheEnd) {
   const Program program = two_strips();
-  const auto rapid = rapid_programs(program);
-  EXPECT_TRUE(lines_with(rapid[1].text, "SetDO").empty());
-  EXPECT_THAT(lines_with(rapid[0].text, "SetDO").back(), HasSubstr("hb_heat,0"));
-  const auto krl = krl_programs(program);
-  EXPECT_TRUE(lines_with(krl[1].text, "hb_heat=").empty());
-  EXPECT_THAT(lines_with(krl[0].text, "hb_heat=").back(), HasSubstr("FALSE"));
+  for (const ExportedFile& file : rapid_programs(program, nullptr, RobotMoves::kCartesian)) {
+    const auto lines = lines_with(file.text, "SetDO");
+    if (file.name.find("_a.mod") == std::string::npos || file.name.find("main") != std::string::npos) {
+      EXPECT_TRUE(lines.empty()) << file.name;
+      continue;
+    }
+    EXPECT_THAT(lines.back(), HasSubstr("hb_heat,0"));
+    EXPECT_THAT(file.text, HasSubstr("SetDO hb_heat,1"));
+    // Behind a change of the output stands a move that stopped, or a wait.
+    std::istringstream all(file.text);
+    std::string before;
+    for (std::string line; std::getline(all, line); before = line) {
+      if (line.find("SetDO hb_heat,1") == std::string::npos) continue;
+      EXPECT_TRUE(before.find(",fine,") != std::string::npos || before.find("WaitTime") != std::string::npos)
+          << before;
+    }
+  }
+  for (const ExportedFile& file : krl_programs(program, nullptr, RobotMoves::kCartesian)) {
+    const auto lines = lines_with(file.text, "hb_heat=");
+    if (file.name.find("_b.src") != std::string::npos) {
+      EXPECT_TRUE(lines.empty()) << file.name;
+    } else if (file.name.find("main") == std::string::npos) {
+      EXPECT_THAT(lines.back(), HasSubstr("FALSE"));
+    }
+  }
+}
+
+TEST(RobotPrograms, AreAsciiAndSplitLongStrips) {
+  Program program = two_strips();
+  program.design.file = "Gew\xC3\xB6lbe \"A\".obj";
+  for (const auto& files : {rapid_programs(program, nullptr, RobotMoves::kCartesian),
+                            krl_programs(program, nullptr, RobotMoves::kCartesian)}) {
+    for (const ExportedFile& file : files) {
+      for (const char c : file.text) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << file.name;
+    }
+    EXPECT_THAT(files.front().text, HasSubstr("Gew_lbe _A_.obj"));
+  }
+  testing::VaultOptions options;
+  options.poses = static_cast<int>(kMostMoves) + 100;
+  const Program long_strip = testing::vault_program(options);
+  const auto files = rapid_programs(long_strip, nullptr, RobotMoves::kCartesian);
+  ASSERT_EQ(files.size(), 6u) << "two modules for the strip, and one that calls, for two arms";
+  for (const ExportedFile& file : files) EXPECT_LE(lines_with(file.text, "\\ID:=").size(), kMostMoves);
+  EXPECT_THAT(files.front().text, HasSubstr("hb_S001_2_a.mod"));
+}
+
+TEST(RobotPrograms, PutTheStraightBladeInBeforeTheyBendIt) {
+  const Program program = two_strips();
+  const auto tasks = robot_tasks(program, nullptr);
+  for (std::size_t s = 0; s < program.strips.size(); ++s) {
+    const RobotJob &a = tasks[0].jobs[s], &b = tasks[1].jobs[s];
+    const Eigen::Vector3d along = b.load.pose.p - a.load.pose.p;
+    EXPECT_NEAR(along.norm(), program.strips[s].blade_length_mm, 1e-6);
+    for (const RobotJob* job : {&a, &b})
+      EXPECT_NEAR((job->load.pose.q * Eigen::Vector3d::UnitX()).dot(along.normalized()), 1, 1e-12);
+    // From there the jaws come together evenly, and end where the strip begins.
+    double before = along.norm();
+    for (int k = 0; k < kApproachMoves; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const double chord = (b.steps[i].to.pose.p - a.steps[i].to.pose.p).norm();
+      EXPECT_LE(chord, before + 1e-9);
+      before = chord;
+    }
+    const Pose first = waypoints(program.strips[s]).front().a;
+    EXPECT_LE((a.steps[kApproachMoves - 1].to.pose.p - first.p).norm(), 1e-9);
+    EXPECT_LE((a.steps[kApproachMoves - 2].to.pose.p - first.p).norm(), 1.0)
+        << "no jump to the first waypoint";
+  }
 }
 
 TEST(WaypointCsv, HoldsEveryWaypoint) {
