@@ -8,8 +8,11 @@
 #include <iostream>
 #include <memory>
 
+#include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/settings_options.hpp"
+#include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/exchange.hpp"
 #include "pipeline/preview/movie.hpp"
@@ -30,6 +33,8 @@ using surface::DesignSurface;
 struct PreviewOptions {
   DesignOptions input;  // the file may be a program as well
   std::string design;   // of a program; empty: the file beside it, if there is one
+  std::string cell;     // of the program's joints; empty: one that comes with hotblade, if it is theirs
+  bool no_arms = false;
   std::string color;
   std::string shot, movie, exported;
   int frames = 60;
@@ -78,6 +83,40 @@ std::optional<DesignSurface> design_of(const Program& program, const PreviewOpti
   return design;
 }
 
+// A cell and what of it is shown; the second refers to the first.
+struct ShownCell {
+  robot::Cell cell;
+  preview::CellShown shown;
+};
+
+// The cell whose joints the program has: the one given, or one that comes with the program.
+std::unique_ptr<ShownCell> cell_of(const Program& program, const PreviewOptions& options) {
+  if (!program.cell) {
+    if (!options.cell.empty())
+      throw Error(ErrorKind::kBadInput,
+                  options.input.file + ": the program has no joints: plan it with --cell");
+    return nullptr;
+  }
+  if (options.no_arms) return nullptr;
+  std::vector<std::string> names{options.cell};
+  if (options.cell.empty()) names = embedded_cells();
+  for (const std::string& name : names) {
+    auto found = std::make_unique<ShownCell>(ShownCell{read_cell(name), {}});
+    if (cell_sha256(found->cell) != program.cell->sha256) continue;
+    found->shown.cell = &found->cell;
+    for (const Strip& strip : program.strips) {
+      std::vector<robot::Standing> standing = surroundings(strip, found->cell);
+      // The block is drawn by its edges.
+      std::erase_if(standing, [](const auto& s) { return s.what == robot::Standing::What::kBlock; });
+      found->shown.standing[strip.id] = std::move(standing);
+    }
+    return found;
+  }
+  if (options.cell.empty()) return nullptr;
+  throw Error(ErrorKind::kBadInput, options.input.file + ": the joints are those of another cell (" +
+                                        program.cell->name + "), not of " + options.cell);
+}
+
 // What a .json holds: a program, or what a refused plan found, with why.
 struct Shown {
   Program program;
@@ -108,7 +147,10 @@ preview::Scene program_scene(const PreviewOptions& options) {
     return scene;
   }
   const auto design = design_of(program, options);
-  preview::Scene scene = preview::scene_of(program, design ? &*design : nullptr, options.scene);
+  const auto cell = cell_of(program, options);
+  preview::SceneOptions scene_options = options.scene;
+  if (cell) scene_options.cell = &cell->shown;
+  preview::Scene scene = preview::scene_of(program, design ? &*design : nullptr, scene_options);
   if (!shown.reasons.empty()) preview::mark_refusal(scene, shown.reasons);
   return scene;
 }
@@ -127,6 +169,7 @@ const Strip& filmed_strip(const Program& program, const std::string& id) {
 
 // What the window shows of the program or design, and the state that the keys of --keys lead to.
 struct Viewed {
+  std::unique_ptr<ShownCell> cell;  // the model refers to it
   preview::ViewModel model;
   preview::ViewState state;
 };
@@ -140,7 +183,9 @@ preview::ViewState with_keys(const preview::ViewModel& model, preview::ViewState
 void film(const Program& program, const PreviewOptions& options, preview::PictureSize size,
           preview::View view, const Console& console) {
   const auto design = design_of(program, options);
+  const auto cell = cell_of(program, options);
   preview::SceneOptions scene = options.scene;
+  if (cell) scene.cell = &cell->shown;
   scene.strip = filmed_strip(program, options.scene.strip).id;
   const preview::ViewModel model = preview::view_model(program, design ? &*design : nullptr, scene);
   preview::ViewState state = preview::first_state(model, scene, view);
@@ -196,6 +241,7 @@ DesignSurface design_alone(const PreviewOptions& options) {
   if (!options.color.empty()) refuse("--color");
   if (!options.scene.strip.empty()) refuse("--strip");
   if (options.scene.at_s) refuse("--at");
+  if (!options.cell.empty()) refuse("--cell");
   if (options.scene.ghost_step_mm) refuse("--ghosts");
   if (!options.movie.empty()) refuse("--movie");
   const Settings settings = resolve_design(options.input);
@@ -216,7 +262,10 @@ Viewed viewed(const PreviewOptions& options, preview::View view) {
       out.model = preview::view_model(design_to_show(program, options));
     } else {
       const auto design = design_of(program, options);
-      out.model = preview::view_model(program, design ? &*design : nullptr, options.scene);
+      out.cell = cell_of(program, options);
+      preview::SceneOptions scene = options.scene;
+      if (out.cell) scene.cell = &out.cell->shown;
+      out.model = preview::view_model(program, design ? &*design : nullptr, scene);
     }
     if (!shown.reasons.empty()) preview::mark_refusal(out.model.scene, shown.reasons);
   } else {
@@ -283,6 +332,11 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
       ->type_name("FILE");
   command->add_option("--design", options->design, "The OBJ a program was made from; else the one beside it")
       ->type_name("FILE");
+  command
+      ->add_option("--cell", options->cell,
+                   "The cell of a program with joints, to show its arms; else one that comes with hotblade")
+      ->type_name("CELL");
+  command->add_flag("--no-arms", options->no_arms, "Show no arms");
   command->add_option("--at", options->scene.at_s, "Show the blade and the cut at this time of the strip")
       ->type_name("SECONDS");
   command->add_option("--strip", options->scene.strip, "Show this strip alone")->type_name("ID");

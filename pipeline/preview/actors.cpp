@@ -2,6 +2,7 @@
 #include <vtkDoubleArray.h>
 #include <vtkFeatureEdges.h>
 #include <vtkLookupTable.h>
+#include <vtkMatrix4x4.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -32,6 +33,9 @@ class Depth {
     for (const Eigen::Vector3d& vertex : scene.design.vertices()) box.extend(vertex);
     for (const Eigen::Vector3d& vertex : scene.cut.vertices) box.extend(vertex);
     for (const Polyline& blade : scene.blades) box.extend(blade.points.front()).extend(blade.points.back());
+    for (const CellPart& part : scene.cell) {
+      for (const Eigen::Vector3d& vertex : part.vertices) box.extend(part.place * vertex);
+    }
     const double diagonal = box.isEmpty() ? 1 : box.diagonal().norm() + 1;
     double apart = 1;  // mm, half a band and a bit
     for (const double value :
@@ -220,6 +224,53 @@ void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double s
   vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->SetInputData(blocks);
 }
 
+namespace {
+
+Rgb color_of(CellPartKind kind) {
+  switch (kind) {
+    case CellPartKind::kFirstArm:
+      return kFirstArmColor;
+    case CellPartKind::kSecondArm:
+      return kSecondArmColor;
+    case CellPartKind::kTool:
+      return kToolColor;
+    case CellPartKind::kStanding:
+      break;
+  }
+  return kStandingColor;
+}
+
+// Machines are lit, so that their shape is seen.
+vtkActor& add_cell_part(vtkRenderer& renderer, const CellPart& part) {
+  vtkNew<vtkPolyData> mesh;
+  set_mesh(*mesh, part.vertices, part.triangles);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(mesh);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  const Rgb color = color_of(part.kind);
+  vtkProperty& property = *actor->GetProperty();
+  property.SetColor(color[0], color[1], color[2]);
+  property.SetAmbient(0.35);
+  property.SetDiffuse(0.7);
+  property.SetInterpolationToFlat();
+  renderer.AddActor(actor);
+  return *actor;
+}
+
+}  // namespace
+
+void set_cell_places(const SceneActors& actors, const std::vector<Eigen::Isometry3d>& places) {
+  for (std::size_t i = 0; i < actors.cell.size() && i < places.size(); ++i) {
+    vtkNew<vtkMatrix4x4> matrix;
+    const Eigen::Matrix4d place = places[i].matrix();
+    for (int row = 0; row < 4; ++row) {
+      for (int column = 0; column < 4; ++column) matrix->SetElement(row, column, place(row, column));
+    }
+    actors.cell[i]->SetUserMatrix(matrix);
+  }
+}
+
 SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const Depth depth(scene);
   SceneActors actors;
@@ -245,6 +296,12 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) {
     return places.empty() ? nullptr : &add_clamps(renderer, places, scene.clamp_size_mm, color);
   };
+  std::vector<Eigen::Isometry3d> places;
+  for (const CellPart& part : scene.cell) {
+    actors.cell.push_back(&add_cell_part(renderer, part));
+    places.push_back(part.place);
+  }
+  set_cell_places(actors, places);
   actors.clamps_a = clamps(scene.clamps_a, kClampAColor);
   actors.clamps_b = clamps(scene.clamps_b, kClampBColor);
   return actors;

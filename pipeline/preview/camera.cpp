@@ -69,6 +69,9 @@ class Extent {
         add(clamp.p - Eigen::Vector3d::Constant(scene.clamp_size_mm));
       }
     }
+    for (const CellPart& part : scene.cell) {
+      for (const Eigen::Vector3d& vertex : part.vertices) add(part.place * vertex);
+    }
     for (const Block& block : scene.blocks) {
       for (const Eigen::Vector3d& corner : block.corners()) add(corner);
     }
@@ -92,9 +95,9 @@ std::optional<View> view_named(const std::string& name) {
 }
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar) {
-  const Stance stance = stance_of(view, scene.waste_direction);
-  const Eigen::Vector3d& eye = stance.eye;
-  const Eigen::Vector3d right = stance.up.cross(eye).normalized();
+  const Stance stance = stance_of(view, scene.view_axes.transpose() * scene.waste_direction);
+  const Eigen::Vector3d eye = scene.view_axes * stance.eye;
+  const Eigen::Vector3d right = (scene.view_axes * stance.up).cross(eye).normalized();
   const Eigen::Vector3d up = eye.cross(right);
   Extent extent(right, up);
   extent.add_scene(scene);

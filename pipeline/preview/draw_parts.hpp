@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <vector>
 
 #include "pipeline/preview/draw.hpp"
 
@@ -29,6 +30,10 @@ constexpr Rgb kClampBColor{0.85, 0.50, 0.05};
 constexpr Rgb kStockColor{0.55, 0.57, 0.60};
 constexpr Rgb kPathColor{0.55, 0.30, 0.65};
 constexpr Rgb kWorstColor{0.80, 0.10, 0.62};  // no colour of a map
+constexpr Rgb kFirstArmColor{0.86, 0.62, 0.36};
+constexpr Rgb kSecondArmColor{0.52, 0.62, 0.74};
+constexpr Rgb kToolColor{0.30, 0.32, 0.36};
+constexpr Rgb kStandingColor{0.80, 0.79, 0.76};
 constexpr Rgb kSelectedColor{0.95, 0.10, 0.55};
 
 // The colour of a value on a scale; values outside take the colour of its end.
@@ -41,7 +46,8 @@ struct SceneActors {
   vtkActor *design = nullptr, *borders = nullptr, *cut = nullptr, *blocks = nullptr, *ribs = nullptr;
   vtkActor *blades = nullptr, *blade_now = nullptr, *clamps_a = nullptr, *clamps_b = nullptr;
   vtkActor* worst = nullptr;
-  double line_depth = 0;  // that puts lines before the surfaces they lie on, for line_actor
+  std::vector<vtkActor*> cell;  // in the scene's order
+  double line_depth = 0;        // that puts lines before the surfaces they lie on, for line_actor
 };
 
 // Adds the actors of a scene to the renderer; `zoom` is how many pixels are drawn for one of the picture.
@@ -61,6 +67,9 @@ void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines);
 [[nodiscard]] vtkActor& add_clamps(vtkRenderer& renderer, const std::vector<Pose>& clamps, double size_mm,
                                    const Rgb& color);
 void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm);
+
+// Moves the actors of a scene's cell.
+void set_cell_places(const SceneActors& actors, const std::vector<Eigen::Isometry3d>& places);
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar);
 

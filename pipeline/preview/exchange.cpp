@@ -85,6 +85,13 @@ vtkNew<vtkMultiBlockDataSet> blocks_of(const Scene& scene) {
   add_lines("ribs", scene.ribs);
   add_lines("blades", blades);
   add_lines("stock", block_edges(scene.blocks));
+  for (const CellPart& part : scene.cell) {
+    vtkNew<vtkPolyData> mesh;
+    std::vector<Eigen::Vector3d> vertices;
+    for (const Eigen::Vector3d& vertex : part.vertices) vertices.emplace_back(part.place * vertex);
+    set_mesh(*mesh, vertices, part.triangles);
+    add_block(*blocks, part.name.c_str(), *mesh);
+  }
   if (scene.worst) add_lines("worst place", rings_about(scene.worst->at, 2 * scene.clamp_size_mm));
   return blocks;
 }
@@ -106,7 +113,13 @@ std::string gltf_of(const Scene& scene) {
   const auto matrix = design_to_gltf();
   vtkActorCollection* actors = renderer->GetActors();
   actors->InitTraversal();
-  while (vtkActor* actor = actors->GetNextActor()) actor->SetUserMatrix(matrix);
+  while (vtkActor* actor = actors->GetNextActor()) {
+    // Parts of a cell have places of their own.
+    vtkNew<vtkMatrix4x4> whole;
+    whole->DeepCopy(matrix);
+    if (vtkMatrix4x4* place = actor->GetUserMatrix()) vtkMatrix4x4::Multiply4x4(matrix, place, whole);
+    actor->SetUserMatrix(whole);
+  }
   vtkNew<vtkGenericOpenGLRenderWindow> window;
   window->SetSize(1280, 720);
   window->AddRenderer(renderer);

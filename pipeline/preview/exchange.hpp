@@ -13,8 +13,8 @@ namespace hotblade::pipeline::preview {
 [[nodiscard]] std::string gltf_of(const Scene& scene);
 
 // Writes FILE.vtm and the directory FILE beside it that holds its blocks: design, cut (point data
-// deviation_mm or what it is coloured by, and strip), ribs, blades, stock; mm, design frame. Throws
-// Error (kFile) when something is there without `force` or cannot be written.
+// deviation_mm or what it is coloured by, and strip), ribs, blades, stock, and bodies of a cell by their
+// names; mm, design frame. Throws Error (kFile) when something is there without `force` or cannot be written.
 void write_vtm(const Scene& scene, const std::filesystem::path& file, bool force);
 
 }  // namespace hotblade::pipeline::preview

@@ -180,6 +180,13 @@ Overlay overlay_of(const Scene& scene) {
   }
   if (scene.worst) keys.push_back({kWorstColor, scene.worst->words, 3, Layer::kLegend});
   if (!scene.blocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
+  for (const CellPartKind kind : {CellPartKind::kFirstArm, CellPartKind::kSecondArm}) {
+    const auto part =
+        std::find_if(scene.cell.begin(), scene.cell.end(), [&](const CellPart& p) { return p.kind == kind; });
+    if (part == scene.cell.end()) continue;
+    keys.push_back({kind == CellPartKind::kFirstArm ? kFirstArmColor : kSecondArmColor,
+                    kind == CellPartKind::kFirstArm ? "first arm" : "second arm", 12, Layer::kArms});
+  }
   return overlay;
 }
 

@@ -42,7 +42,7 @@ std::vector<int> chosen_strips(const Program& program, const SceneOptions& optio
   return chosen;
 }
 
-void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
+void add_blade_at(Scene& scene, const Strip& strip, double at_s, const CellShown* cell) {
   const double end = strip.poses.back().t;
   if (!(at_s >= strip.poses.front().t && at_s <= end)) {
     throw Error(ErrorKind::kBadSettings,
@@ -55,12 +55,13 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s) {
   scene.clamps_a.push_back(pose.a);
   scene.clamps_b.push_back(pose.b);
   scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, name(pose.phase));
+  if (cell != nullptr) show_cell(scene, *cell, strip, pose);
 }
 
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
   for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica));
   scene.blocks.push_back(strip.block);
-  if (options.at_s) add_blade_at(scene, strip, *options.at_s);
+  if (options.at_s) add_blade_at(scene, strip, *options.at_s, options.cell);
 }
 
 Eigen::Vector3d mean_direction(const std::vector<Eigen::Vector3d>& normals) {
@@ -107,6 +108,13 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   if (verified.uncut_mm2 > 0) scene.caption.push_back(fmt::format("uncut {:.0f} mm2", verified.uncut_mm2));
   for (const std::string& override : program.overrides) scene.caption.push_back("override: " + override);
   if (!has_design) scene.caption.push_back("no design at hand: deviation is not shown");
+  for (const int index : strips) {
+    const Strip& strip = program.strips[static_cast<std::size_t>(index)];
+    if (scene.cell.empty() || !strip.arms) continue;
+    const StripArms::Nearest& joint = strip.arms->joint_margin_rad;
+    scene.caption.push_back(fmt::format("joints {:.0f} deg or more from limits ({} J{})",
+                                        joint.value / robot::kDegree_rad, joint.arm, joint.joint));
+  }
 }
 
 // Measures the cut against the design. What lies past the design's border, in the waste, is left out.
@@ -123,6 +131,11 @@ void measure(CutSurface& cut, const surface::DesignSurface& design, const Progra
 }
 
 }  // namespace
+
+void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, const BladePose& pose) {
+  scene.cell = cell_parts(cell, strip, pose);
+  scene.view_axes = strip.design_to_cell.q.toRotationMatrix().transpose();
+}
 
 std::optional<Color> color_named(const std::string& name) {
   for (const auto& [color, one] : kColors) {

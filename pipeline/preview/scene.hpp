@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/preview/cell_view.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/refused_plan.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -60,6 +61,9 @@ struct Scene {
   std::vector<Pose> clamps_a, clamps_b;
   double clamp_size_mm = 10;
   std::vector<Block> blocks;
+  std::vector<CellPart> cell;  // arms and what stands around them, at the time that is shown
+  // The axes that views are taken along: the cell's, among the design, where arms are shown.
+  Eigen::Matrix3d view_axes = Eigen::Matrix3d::Identity();
   std::optional<Mark> worst;                 // of what was refused
   Eigen::Vector3d waste_direction{0, 0, 0};  // mean, where the picture is best taken from; zero: none
   std::string title;
@@ -74,6 +78,8 @@ struct SceneOptions {
   std::string strip;                         // id; empty: all strips
   std::optional<double> at_s;                // show the blade and what is cut at this time of the strip
   std::optional<double> ghost_step_mm = {};  // between ghosts of the blade; absent: eight a strip
+  // Shown with a time, and in the window; has to outlive what is made with it. Absent: no arms.
+  const CellShown* cell = nullptr;
 };
 
 // The scene of a program; `design` may be null. Throws Error: kBadSettings for an unknown strip, a time
@@ -84,6 +90,9 @@ struct SceneOptions {
 // The program with the strips of `options` alone, their poses up to its time. Throws Error as
 // scene_of does.
 [[nodiscard]] Program shown_part(const Program& program, const SceneOptions& options);
+
+// Puts a cell into a scene as a pose has it, up as in the cell.
+void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, const BladePose& pose);
 
 // The scene of a design alone.
 [[nodiscard]] Scene scene_of(const surface::DesignSurface& design);

@@ -103,6 +103,7 @@ void Stage::Parts::set_layers(const ViewState& state) {
     set(actor, state.shows(Layer::kGhosts));
   for (const auto& actor : {blade, clamp_a, clamp_b}) set(actor, has_program() && state.shows(Layer::kBlade));
   set(paths, state.shows(Layer::kPaths));
+  for (vtkActor* part : actors.cell) set(part, state.shows(Layer::kArms));
 }
 
 void Stage::Parts::set_ghosts(const ViewState& state) {
@@ -122,6 +123,9 @@ void Stage::Parts::set_blade(const ViewState& state) {
   set_actor_lines(*blade, {line_of(pose.frame, pose.blade)});
   set_actor_clamps(*clamp_a, {pose.a}, 1.3 * model.scene.clamp_size_mm);
   set_actor_clamps(*clamp_b, {pose.b}, 1.3 * model.scene.clamp_size_mm);
+  if (model.cell != nullptr)
+    set_cell_places(
+        actors, cell_places(*model.cell, model.program.strips[static_cast<std::size_t>(now.strip)], pose));
 }
 
 // The triangles lie in the order of their times, so those done are the first ones.

@@ -66,6 +66,11 @@ ViewModel view_model(const Program& program, const surface::DesignSurface* desig
   model.scene = scene_of(program, design, whole);
   model.program = shown_part(program, whole);
   model.facts = facts_of(model.program);
+  if (options.cell != nullptr) {
+    model.cell = options.cell;
+    const Strip& first = model.program.strips.front();
+    show_cell(model.scene, *options.cell, first, first.poses.front());
+  }
   for (const Color color :
        {Color::kDeviation, Color::kStrip, Color::kCurvature, Color::kMargin, Color::kFeed}) {
     if (color == Color::kDeviation && !design) continue;

@@ -16,6 +16,7 @@ struct ViewModel {
   std::vector<double> triangle_s;   // of the cut: when each is done, on the timeline; ascending
   std::vector<Polyline> air_paths;  // of both clamps, where the blade is not in the foam
   ViewFacts facts;
+  const CellShown* cell = nullptr;  // of the arms in the scene; absent: none
 };
 
 // The model of a program, or of a design alone. Throws Error as scene_of does.

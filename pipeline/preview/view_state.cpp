@@ -14,7 +14,8 @@ constexpr std::array<std::pair<const char*, Layer>, kLayers> kLayerKeys{{{"d", L
                                                                          {"k", Layer::kBlade},
                                                                          {"g", Layer::kGhosts},
                                                                          {"p", Layer::kPaths},
-                                                                         {"l", Layer::kLegend}}};
+                                                                         {"l", Layer::kLegend},
+                                                                         {"m", Layer::kArms}}};
 constexpr std::array<std::pair<const char*, Color>, 5> kColorKeys{{{"1", Color::kDeviation},
                                                                    {"2", Color::kStrip},
                                                                    {"3", Color::kCurvature},
@@ -206,6 +207,7 @@ std::vector<std::pair<std::string, std::string>> key_help() {
           {"1 2 3 4 5", "deviation, strip, curvature, margin, feed"},
           {"d c r b", "design, cut, ribs, foam blocks"},
           {"k g p l", "blade, ghosts, paths in air, legend"},
+          {"m", "arms and what stands around them"},
           {"[ ]", "ghosts nearer, farther apart"},
           {"t f s i", "top, front, side, oblique view"},
           {"0", "reset view and clip plane"},

@@ -15,8 +15,8 @@
 
 namespace hotblade::pipeline::preview {
 
-enum class Layer { kDesign, kCut, kRibs, kBlocks, kBlade, kGhosts, kPaths, kLegend };
-constexpr std::size_t kLayers = 8;
+enum class Layer { kDesign, kCut, kRibs, kBlocks, kBlade, kGhosts, kPaths, kLegend, kArms };
+constexpr std::size_t kLayers = 9;
 
 enum class Part { kNone, kStrip, kRib, kPose };
 

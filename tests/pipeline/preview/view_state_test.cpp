@@ -80,7 +80,7 @@ TEST(ViewState, SpeedDoublesAndHalvesWithinBounds) {
 
 TEST(ViewState, EveryLayerHasAKeyThatHidesAndShowsIt) {
   std::bitset<kLayers> all;
-  for (const char* key : {"d", "c", "r", "b", "k", "g", "p", "l"}) {
+  for (const char* key : {"d", "c", "r", "b", "k", "g", "p", "l", "m"}) {
     const ViewState once = pressed({key});
     EXPECT_EQ(once.hidden.count(), 1u) << key;
     all |= once.hidden;

@@ -1,0 +1,93 @@
+// Arms in scenes, pictures and files: they hold the blade where the program has its clamps.
+#include "pipeline/preview/cell_view.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pipeline/cell/cell_file.hpp"
+#include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
+#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/view_model.hpp"
+#include "tests/pipeline/vault_program.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+class CellView : public ::testing::Test {
+ protected:
+  CellView() : cell_(read_cell("two_irb4600")) {
+    Program vault = testing::vault_program();
+    vault.settings.machine.envelope_mm = {4000, 4000, 3000};
+    program_ = with_arms(vault, cell_).program;
+    shown_.cell = &cell_;
+    for (const Strip& strip : program_.strips) shown_.standing[strip.id] = surroundings(strip, cell_);
+  }
+
+  robot::Cell cell_;
+  Program program_;
+  CellShown shown_;
+};
+
+TEST_F(CellView, ToolsHoldTheBladeAtEveryPose) {
+  ASSERT_TRUE(program_.cell);
+  const Strip& strip = program_.strips[0];
+  for (const BladePose& pose : strip.poses) {
+    for (const CellPart& part : cell_parts(shown_, strip, pose)) {
+      if (part.kind != CellPartKind::kTool) continue;
+      const bool first = part.name == "arm_" + cell_.arms[0].id + "_tool";
+      const robot::CellArm& arm = cell_.arms[first ? 0 : 1];
+      const Eigen::Vector3d jaw = part.place * arm.tool.jaw_p_mm;
+      EXPECT_LE((jaw - (strip.arms->a.arm == arm.id ? pose.a : pose.b).p).norm(), 1e-6) << part.name;
+    }
+  }
+}
+
+TEST_F(CellView, PlacesAreThoseOfTheParts) {
+  const Strip& strip = program_.strips[0];
+  const BladePose& pose = strip.poses[strip.poses.size() / 2];
+  const std::vector<CellPart> parts = cell_parts(shown_, strip, pose);
+  const auto places = cell_places(shown_, strip, pose);
+  ASSERT_EQ(parts.size(), places.size());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    EXPECT_EQ((parts[i].place.matrix() - places[i].matrix()).norm(), 0) << parts[i].name;
+  const auto has = [&](const std::string& name) {
+    return std::any_of(parts.begin(), parts.end(), [&](const CellPart& part) { return part.name == name; });
+  };
+  for (const char* name : {"arm_R1_base_link", "arm_R1_link_6", "arm_R2_tool", "the table", "the plinth"})
+    EXPECT_TRUE(has(name)) << name;
+}
+
+TEST_F(CellView, StandsInScenesWithATimeUpAsInTheCell) {
+  SceneOptions options;
+  options.strip = "S001";
+  options.at_s = program_.strips[0].poses[10].t;
+  EXPECT_THAT(scene_of(program_, nullptr, options).cell, IsEmpty());
+  options.cell = &shown_;
+  const Scene scene = scene_of(program_, nullptr, options);
+  EXPECT_THAT(scene.cell, Not(IsEmpty()));
+  const Eigen::Vector3d up = program_.strips[0].design_to_cell.q * scene.view_axes.col(2);
+  EXPECT_LE((up - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  EXPECT_THAT(scene.caption.back(), HasSubstr("from limits"));
+  // A file has them where the picture has.
+  Scene bare = scene;
+  bare.cell.clear();
+  const auto meshes = [](const std::string& gltf) {
+    std::size_t count = 0;
+    for (std::size_t at = gltf.find("\"mesh\""); at != std::string::npos; at = gltf.find("\"mesh\"", at + 1))
+      ++count;
+    return count;
+  };
+  EXPECT_EQ(meshes(gltf_of(scene)), meshes(gltf_of(bare)) + scene.cell.size());
+  options.at_s.reset();
+  EXPECT_THAT(view_model(program_, nullptr, options).scene.cell, Not(IsEmpty())) << "the window has a time";
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline::preview
