@@ -317,7 +317,7 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     taken = true;
     return {true, {}};
   };
-  const auto watched = [&](double) { progress.fitted(); };
+  const auto watched = [&] { progress.fitted(); };
   std::vector<PlanesTried> ranking;
   try {
     ranking = search_sweeps(design, settings, judged, watched);

@@ -136,7 +136,7 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
 }
 
 PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start) const {
-  watch_(share_);
+  watch_();
   // Fans are not level, and not planned against their weight.
   const bool weighed = start && start->sag && start->sag->stable() && !part.axes.planes.turns();
   PartFit fit;
@@ -275,7 +275,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr));
   if (seams.empty()) return plans;
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    watch_(share_);
+    watch_();
     const PartFit& fit = plans[i].fit;
     const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm);
     SweepData data = sweep_sections(
@@ -287,7 +287,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   });
   const std::vector<SweepFitReport> fits = fit_together(joined, seams);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    watch_(share_);
+    watch_();
     PartPlan& plan = plans[i];
     const double alone_mm = plan.fit.max_mm;
     static_cast<SweepFitReport&>(plan.fit) = fits[i];

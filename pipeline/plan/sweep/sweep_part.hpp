@@ -13,9 +13,8 @@
 
 namespace hotblade::pipeline {
 
-// Told how far the search is, 0 to 1, before every fit of a part, from all threads; what it throws ends the
-// search at once.
-using WatchSweeps = std::function<void(double share)>;
+// Called before every fit of a part, from all threads; what it throws ends the search at once.
+using WatchSweeps = std::function<void()>;
 
 struct SweepPart {
   RibAxes axes;
@@ -72,8 +71,6 @@ class PartFitter {
  public:
   PartFitter(const Settings& settings, const WatchSweeps& watch) : settings_(settings), watch_(watch) {}
 
-  void set_share(double share) { share_ = share; }
-
   // The family near a part, from `start` or from flat blades.
   [[nodiscard]] PartFit fit(const SweepPart& part, const SweepEffort& effort,
                             const PartFit* start = nullptr) const;
@@ -107,7 +104,6 @@ class PartFitter {
 
   const Settings& settings_;
   const WatchSweeps& watch_;
-  double share_ = 0;  // of the search that is done
 };
 
 }  // namespace hotblade::pipeline

@@ -53,7 +53,6 @@ class Search {
     std::size_t tries = 0;
     Tried nearest, hopeless;
     for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
-      fitter_.set_share(static_cast<double>(parts - fewest) / static_cast<double>(kMostEven - fewest + 1));
       // One failing strip split costs no more strips than even parts do.
       if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1 && settle(nearest, judge, 1))
         return;

@@ -56,6 +56,6 @@ using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;
 // surface::FanError where `slice.fan_axis` does not go with the design.
 std::vector<PlanesTried> search_sweeps(
     const surface::DesignSurface& design, const Settings& settings, const JudgeSweep& judge,
-    const WatchSweeps& watch = [](double) {});
+    const WatchSweeps& watch = [] {});
 
 }  // namespace hotblade::pipeline
