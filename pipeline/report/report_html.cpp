@@ -179,6 +179,8 @@ const char* way_text(SweepWay way) {
       return "split where the one before fails";
     case SweepWay::kCalmer:
       return "calmer where the one before fails";
+    case SweepWay::kTurned:
+      return "planes turned on until the fit is nearer";
   }
   return "";
 }
@@ -227,9 +229,9 @@ std::string ranking_section(const PlanResult& result) {
                         d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : "none");
   }
   html +=
-      "</table><p class=\"note\">The best fits are turned a little and fitted closely; slice.direction fixes "
-      "the "
-      "planes, slice.fan_axis an axis.";
+      "</table><p class=\"note\">The best are fitted closely and turned where they do not serve; "
+      "slice.direction "
+      "fixes the planes, slice.fan_axis an axis.";
   if (shown < result.ranking.size())
     html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
   return html + "</p>\n";

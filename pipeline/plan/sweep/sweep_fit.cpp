@@ -82,6 +82,11 @@ void check(const SweepData& data, const SweepFitOptions& options) {
 
 }  // namespace
 
+PlaneTurn PlaneTurn::at_scale(double mm) const {
+  const double factor = std::pow(scale_mm / mm, exponent - 2);
+  return {factor * gradient, factor * matrix, exponent, mm};
+}
+
 SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options, const SweepFamily* start) {
   check(data, options);
   SweepFitReport report;
@@ -100,6 +105,7 @@ SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options, 
     report.converged = descent.converged;
   }
   report.family = problem.unpack(unknowns);
+  if (options.turn_planes) report.turn = problem.turn(unknowns, now);
   problem.measure(now, report);
   return report;
 }

@@ -31,8 +31,20 @@ struct SweepFitOptions {
   double over_first_mm = 4, over_last_mm = 4;  // the family goes on past the first and last section
   double calm = 1;                             // factor of the pull towards few and smooth tensions
   int most_iterations = 40;                    // of each stage
+  bool turn_planes = false;                    // whether the report says what turning the planes would do
   std::vector<double> exponents{
       2};  // of the mean that is made small, stage by stage; the last ones near the maximum
+};
+
+// How the last stage's mean changes as the planes turn, by rad about x and y of the sweep's axes, while the
+// family follows as it can: gradient and Gauss and Newton's matrix, a distance of scale_mm counting as its
+// square. The terms of several parts that share their planes add up, where they are brought to one scale.
+struct PlaneTurn {
+  Eigen::Vector2d gradient{0, 0};
+  Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+  double exponent = 2, scale_mm = 1;
+
+  [[nodiscard]] PlaneTurn at_scale(double mm) const;
 };
 
 struct SweepFitReport {
@@ -44,6 +56,7 @@ struct SweepFitReport {
   double smallest_radius_mm = 0;           // of the whole blade at the sections
   double largest_turn_rad = 0;             // of its ends
   double clamp_depth_mm = 0;               // of the deeper clamp in the box; 0: both outside
+  PlaneTurn turn;                          // where it is asked for; parallel planes only
   int iterations = 0;
   bool converged = false;  // the last stage ended by itself
 };

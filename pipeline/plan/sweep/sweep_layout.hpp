@@ -37,7 +37,8 @@ struct Layout {
   SweepGrid grid;
   std::vector<SweepPart> parts = {};
   std::vector<PartFit> fits = {};
-  double cost_mm = 0;  // of the worst part
+  double cost_mm = 0;   // of the worst part
+  bool turned = false;  // its planes were turned for as long as it helped
 
   void add(FittedPart part);
 };

@@ -51,7 +51,7 @@ SweepEffort cheap_effort() {
 }
 
 SweepEffort close_effort() {
-  return {7, 16, 35, {2, 8}, 15};
+  return {7, 16, 35, {2, 4, 8}, 15, 1, true};
 }
 
 SweepEffort final_effort(int coefficients, double calm) {
@@ -124,6 +124,7 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   options.exponents = effort.exponents;
   options.most_iterations = effort.most_iterations;
   options.calm = effort.calm;
+  options.turn_planes = effort.turn_planes && !data.axes.planes.turns();
   options.over_first_mm = over_first_mm(data);
   options.over_last_mm = over_last_mm(data);
   constexpr double kRadiusReserve = 1.06;

@@ -30,6 +30,7 @@ struct SweepEffort {
   std::vector<double> exponents;
   int most_iterations;
   double calm = 1;
+  bool turn_planes = false;  // SweepFitOptions
 };
 
 [[nodiscard]] SweepEffort cheap_effort();

@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_problem.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -100,15 +101,21 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
   return all;
 }
 
+SweepProblem::Weight SweepProblem::weight_of(double away) const {
+  const double ratio = std::abs(away) / exponent_scale_mm_;
+  const double scaled = exponent_ == 2 ? 1 : std::pow(ratio, exponent_ - 2);
+  return {scaled * away * away / samples_, exponent_ * scaled * away / samples_,
+          exponent_ * (exponent_ - 1) * scaled / samples_};
+}
+
 void SweepProblem::add_samples(std::size_t section, std::size_t first, const SweepState& state,
                                const SweepCurve& curve, SweepEvaluation& all, Normal& normal) const {
   const std::vector<SweepSample>& samples = data_.sections[section].samples;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const SampleTerm term = sample_term(samples[i], state, curve, family_.x_mm, all.feet[first + i]);
-    const double away = term.away_mm, size = std::abs(away), ratio = size / exponent_scale_mm_;
-    const double scaled = exponent_ == 2 ? 1 : std::pow(ratio, exponent_ - 2);
-    normal.add(scaled * away * away / samples_, exponent_ * scaled * away / samples_,
-               exponent_ * (exponent_ - 1) * scaled / samples_, term.by);
+    const double away = term.away_mm, size = std::abs(away);
+    const Weight weight = weight_of(away);
+    normal.add(weight.value, weight.first, weight.second, term.by);
     all.feet[first + i] = term.foot_mm;
     all.away_mm[first + i] = away;
     if (!(size <= all.max_mm)) all.max_mm = size;
@@ -152,6 +159,45 @@ void SweepProblem::add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluati
       all.hessian(u, u) += 2 * calm;
     }
   }
+}
+
+PlaneTurn SweepProblem::turn(const Eigen::VectorXd& unknowns, const SweepEvaluation& at) const {
+  PlaneTurn turn;
+  turn.exponent = exponent_;
+  turn.scale_mm = exponent_scale_mm_;
+  Eigen::Matrix<double, Eigen::Dynamic, 2> mixed = Eigen::MatrixXd::Zero(unknowns.size(), 2);
+  const double length = family_.last_mm - family_.first_mm,
+               middle = 0.5 * (family_.first_mm + family_.last_mm);
+  std::size_t i = 0;
+  for (std::size_t j = 0; j < data_.sections.size(); ++j) {
+    const SweepSection& section = data_.sections[j];
+    const BasisValues& basis = at_[j];
+    const SweepState state = state_at(unknowns, basis);
+    const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);
+    Vector5 along = Vector5::Zero();  // of the state, for a mm of the sweep
+    for (std::size_t k = 0; k < 4; ++k)
+      along += basis.slope[k] / length * unknowns.segment<5>(5 * (basis.first + static_cast<int>(k)));
+    along = along.cwiseProduct(scale_);
+    const double offset = section.offset_mm - middle;
+    for (const SweepSample& sample : section.samples) {
+      const SampleTerm term = sample_term(sample, state, curve, family_.x_mm, at.feet[i++]);
+      const double by_offset = term.by.dot(along);
+      const Eigen::Vector2d q = sample.q - Eigen::Vector2d(family_.x_mm, state.y);
+      const Eigen::Vector2d by(term.by_point.y() * offset - by_offset * q.y(),
+                               by_offset * q.x() - term.by_point.x() * offset);
+      const Weight weight = weight_of(term.away_mm);
+      turn.gradient += weight.first * by;
+      turn.matrix += weight.second * by * by.transpose();
+      const Vector5 by_state = weight.second * term.by.cwiseProduct(scale_);
+      for (std::size_t k = 0; k < 4; ++k)
+        mixed.middleRows<5>(5 * (basis.first + static_cast<int>(k))) +=
+            basis.value[k] * by_state * by.transpose();
+    }
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> family(at.hessian);
+  turn.gradient -= mixed.transpose() * family.solve(at.gradient);
+  turn.matrix -= mixed.transpose() * family.solve(mixed);
+  return turn;
 }
 
 void SweepProblem::measure(const SweepEvaluation& evaluation, SweepFitReport& report) const {

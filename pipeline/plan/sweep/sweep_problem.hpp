@@ -34,6 +34,10 @@ class SweepProblem {
   [[nodiscard]] std::vector<double> first_feet() const;
   [[nodiscard]] SweepEvaluation evaluate(const Eigen::VectorXd& unknowns,
                                          const std::vector<double>& feet) const;
+  // At a fit of parallel planes. Samples move as the planes turn about the middle of the sweep, and their
+  // sections with them; the family stays on the planes and then follows, which its unknowns are eliminated
+  // for (Schur's complement).
+  [[nodiscard]] PlaneTurn turn(const Eigen::VectorXd& unknowns, const SweepEvaluation& at) const;
   // The facts of a report but its counts.
   void measure(const SweepEvaluation& evaluation, SweepFitReport& report) const;
 
@@ -42,6 +46,11 @@ class SweepProblem {
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
   struct Normal;  // value, gradient and matrix in a section's own five unknowns
 
+  // A distance's weight in the mean, and the weights of its first two derivatives.
+  struct Weight {
+    double value = 0, first = 0, second = 0;
+  };
+  [[nodiscard]] Weight weight_of(double away_mm) const;
   [[nodiscard]] SweepState state_at(const Eigen::VectorXd& unknowns, const BasisValues& basis) const;
   void add_samples(std::size_t section, std::size_t first, const SweepState& state, const SweepCurve& curve,
                    SweepEvaluation& all, Normal& normal) const;

@@ -1,10 +1,10 @@
 // Swept plans of a design: strips that are one family of elastica each, their planes parallel or a fan.
 //
-// Directions are ranked by cheap fits, which cost some milliseconds each; the best are fitted closely and
-// turned a little to and fro. A design too large for one block, or one that a single family does not follow,
-// is split along the sweep or along the ribs into the fewest even parts that do. What of a plan
-// still fails, parts that no block, blade or family serves and strips that were verified and found wanting,
-// is split again at its place, and only that.
+// Directions are ranked by cheap fits, which cost some milliseconds each; the best are fitted closely and,
+// where they do not serve, their planes turned as Gauss and Newton would. A design too large for one block,
+// or one that a single family does not follow, is split along the sweep or along the ribs into the fewest
+// even parts that do. What of a plan still fails, parts that no block, blade or family serves and strips that
+// were verified and found wanting, is split again at its place, and only that.
 #pragma once
 
 #include <functional>
@@ -22,6 +22,7 @@ enum class SweepWay {
   kRows,    // rows of blocks
   kSplit,   // what failed of the try before, split at its place
   kCalmer,  // what failed of the try before, fitted more calmly
+  kTurned,  // the planes of the try before, turned until its fit was nearer
 };
 [[nodiscard]] const char* name(SweepWay way);
 

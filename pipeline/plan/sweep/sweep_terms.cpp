@@ -66,6 +66,7 @@ SampleTerm sample_term(const SweepSample& sample, const SweepState& state, const
   term.by << back.row(0).y() * n.x() + back.row(1).y() * n.y(),
       n.y() * p.position.x() - n.x() * p.position.y(), (n.transpose() * p.by_bend).transpose();
   term.by *= -sample.cosine;
+  term.by_point = sample.cosine * back.transpose() * n;
   return term;
 }
 

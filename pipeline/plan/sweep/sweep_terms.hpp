@@ -21,9 +21,10 @@ using ByState = Eigen::Matrix<double, 5, 1>;
 
 // A sample against its section's curve.
 struct SampleTerm {
-  double foot_mm = 0;            // arc length of the nearest point
-  double away_mm = 0;            // signed distance in space, positive on the waste's side of the curve
-  ByState by = ByState::Zero();  // of away_mm
+  double foot_mm = 0;              // arc length of the nearest point
+  double away_mm = 0;              // signed distance in space, positive on the waste's side of the curve
+  ByState by = ByState::Zero();    // of away_mm
+  Eigen::Vector2d by_point{0, 0};  // of away_mm, as the sample moves in its plane
 };
 // Returns a sample's term, its foot sought from `foot_mm`.
 [[nodiscard]] SampleTerm sample_term(const SweepSample& sample, const SweepState& state,
