@@ -1,5 +1,7 @@
 #include "surface/read/triangle_mesh.hpp"
 
+#include <Eigen/Geometry>
+#include <stdexcept>
 #include <utility>
 
 #include "surface/read/half_edges.hpp"
@@ -49,6 +51,24 @@ std::vector<std::vector<int>> TriangleMesh::border_loops() const {
     if (!loop.empty()) loops.push_back(std::move(loop));
   }
   return loops;
+}
+
+Eigen::Vector3d area_centre(const TriangleMesh& mesh) {
+  if (mesh.vertices().empty()) throw std::logic_error("area_centre: the design has no vertices");
+  // From a vertex: from the origin a design far away would lose its digits.
+  const Eigen::Vector3d& from = mesh.vertices().front();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double total = 0;
+  for (const auto& t : mesh.triangles()) {
+    const auto side = [&](std::size_t i) -> Eigen::Vector3d {
+      return mesh.vertices()[static_cast<std::size_t>(t[i])] - from;
+    };
+    const Eigen::Vector3d a = side(0), b = side(1), c = side(2);
+    const double area = (b - a).cross(c - a).norm();
+    sum += area * (a + b + c);
+    total += 3 * area;
+  }
+  return total > 0 ? Eigen::Vector3d(from + sum / total) : from;
 }
 
 bool TriangleMesh::joined(int vertex, int other) const {

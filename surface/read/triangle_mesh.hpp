@@ -76,4 +76,8 @@ class TriangleMesh {
   return mesh.triangles()[static_cast<std::size_t>(corner / 3)][static_cast<std::size_t>(corner % 3)];
 }
 
+// Returns the centre of the surface's area, which moves and turns with it; the first vertex where it has no
+// area. Throws std::logic_error when there is no vertex.
+[[nodiscard]] Eigen::Vector3d area_centre(const TriangleMesh& mesh);
+
 }  // namespace hotblade::surface

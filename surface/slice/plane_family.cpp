@@ -149,12 +149,7 @@ std::string PlaneFamily::describe(double offset_mm) const {
 
 PlaneFamily parallel_about(const TriangleMesh& mesh, const Vector3d& normal) {
   if (mesh.vertices().empty()) throw std::logic_error("parallel_about: the design has no vertices");
-  Vector3d low = mesh.vertices().front(), high = low;
-  for (const Vector3d& p : mesh.vertices()) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return PlaneFamily::parallel(normal.normalized(), low + 0.5 * (high - low));
+  return PlaneFamily::parallel(normal.normalized(), area_centre(mesh));
 }
 
 PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {

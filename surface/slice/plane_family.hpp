@@ -71,8 +71,8 @@ class PlaneFamily {
   friend PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis);
 };
 
-// Returns parallel planes for a design: offset 0 lies in the middle of its bounding box, so that offsets and
-// in-plane coordinates move with the design and have the same digits wherever it lies.
+// Returns parallel planes for a design: offset 0 goes through the centre of its area, so that offsets and
+// in-plane coordinates move and turn with the design and have the same digits wherever it lies.
 [[nodiscard]] PlaneFamily parallel_about(const TriangleMesh& mesh, const Eigen::Vector3d& normal);
 
 // Returns the fan about an axis for a design: offset 0 lies in the middle of the angle that the design takes

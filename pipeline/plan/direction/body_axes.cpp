@@ -45,12 +45,8 @@ Eigen::Vector3d towards_farthest(const surface::TriangleMesh& mesh, const Eigen:
 BodyAxes body_axes(const surface::TriangleMesh& mesh) {
   BodyAxes body;
   double total = 0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
-    sum += area * (c - mesh.vertices().front());
-    total += area;
-  });
-  body.centre = mesh.vertices().front() + sum / total;
+  for_each_area(mesh, [&](double area, const Eigen::Vector3d&) { total += area; });
+  body.centre = surface::area_centre(mesh);
   // About the centre: about the origin a design far from it would lose its digits.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
