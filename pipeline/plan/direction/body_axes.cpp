@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -67,14 +68,29 @@ BodyAxes body_axes(const surface::TriangleMesh& mesh) {
 
 Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
                            const Eigen::Vector3d& n) {
-  double third = 0, size = 0;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const auto& t : mesh.triangles())
+    up += (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
+  up = (up - up.dot(n) * n).normalized();  // zero where the surface is closed
+  const Eigen::Vector3d across = up.cross(n);
+  // Along n, square to it and upwards: moments that a half turn about `up` changes the sign of. Where none is
+  // left, the half turn leaves the design as it is, and both senses are one.
+  constexpr std::size_t kMoments = 8;
+  std::array<double, kMoments> sums{}, sizes{};
   for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
-    const double h = n.dot(c - body.centre);
-    third += area * h * h * h;
-    size += area * std::abs(h * h * h);
+    const Eigen::Vector3d d = c - body.centre;
+    const double h = n.dot(d), k = across.dot(d), z = up.dot(d);
+    const std::array<double, kMoments> moments{h * h * h, k * k * k, h * k * k,     h * h * k,
+                                               h * z,     k * z,     h * h * h * z, k * k * k * z};
+    for (std::size_t i = 0; i < kMoments; ++i) {
+      sums[i] += area * moments[i];
+      sizes[i] += area * std::abs(moments[i]);
+    }
   });
   constexpr double kSkewed = 1e-6;  // less is the rounding of a symmetric design's coordinates in its file
-  if (std::abs(third) > kSkewed * size) return third < 0 ? Eigen::Vector3d(-n) : n;
+  for (std::size_t i = 0; i < kMoments; ++i) {
+    if (std::abs(sums[i]) > kSkewed * sizes[i]) return sums[i] < 0 ? Eigen::Vector3d(-n) : n;
+  }
   for (int i = 0; i < 3; ++i) {
     if (std::abs(n[i]) > 0.5 * n.cwiseAbs().maxCoeff()) return n[i] < 0 ? Eigen::Vector3d(-n) : n;
   }

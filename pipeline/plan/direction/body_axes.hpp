@@ -19,8 +19,10 @@ struct BodyAxes {
 // from the third axis.
 [[nodiscard]] BodyAxes body_axes(const surface::TriangleMesh& mesh);
 
-// Returns one of n and -n: the one along which the area's third moment is positive, or else, for an area
-// without skewness, the one whose first component above half the largest is positive.
+// Returns one of n and -n, as the design says: the first of its odd moments about the centre that does not
+// vanish is positive, the third along n, then those across and upwards that change with the sense. A design
+// without any is the same after half a turn; there the one whose first component above half the largest is
+// positive.
 [[nodiscard]] Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
                                          const Eigen::Vector3d& n);
 

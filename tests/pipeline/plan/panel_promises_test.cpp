@@ -149,13 +149,19 @@ TEST_P(PanelPromises, Hold) {
 struct Passed {
   std::size_t strips = 0;
   double deviation_mm = 0;
+  double used_share =
+      0;  // of the tolerance, by what the plan may not exceed: deviation and the blade's weight
 };
 
 Passed passed(const Panel& panel) {
   const PlanResult result = plan(design_of(panel), panel_settings(), {});
   EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed)
       << panel.name << ": " << (result.refusals.empty() ? "" : describe(result.refusals.front()));
-  return {result.strips.size(), result.verification.deviation.max};
+  const double deviation_mm = result.verification.deviation.max;
+  double sag_mm = 0;
+  for (const auto& [line, mm] : result.program.verification.budget_mm)
+    if (line.starts_with("gravity")) sag_mm += mm;
+  return {result.strips.size(), deviation_mm, (deviation_mm + sag_mm) / panel_settings().design.tolerance_mm};
 }
 
 TEST_P(PanelPromises, TakeAsManyStripsWhereverThePanelLiesAndHoweverItsQuadrilateralsAreCut) {
@@ -167,7 +173,9 @@ TEST_P(PanelPromises, TakeAsManyStripsWhereverThePanelLiesAndHoweverItsQuadrilat
   // About the vertical, so that its weight pulls as it did: the same plan, turned.
   const Passed there = passed(moved);
   EXPECT_EQ(there.strips, here.strips) << "turned and moved";
-  EXPECT_NEAR(there.deviation_mm, here.deviation_mm, 1e-3) << "turned and moved";
+  // A fit goes on until a step gains nothing; rounding of the coordinates may end it a step earlier.
+  constexpr double kStepMm = 0.01;
+  EXPECT_NEAR(there.deviation_mm, here.deviation_mm, kStepMm) << "turned and moved";
   // Two triangles of a cell follow each other and share the diagonal between their first and third, and first
   // and second corners.
   Panel other = is;
@@ -180,7 +188,16 @@ TEST_P(PanelPromises, TakeAsManyStripsWhereverThePanelLiesAndHoweverItsQuadrilat
     ++i;
   }
   EXPECT_NE(other.triangles, is.triangles);
-  EXPECT_EQ(passed(other).strips, here.strips) << "other diagonals";
+  const Passed cut_otherwise = passed(other);
+  // Another surface: cells that are twisted lie elsewhere by up to a quarter of their twist. Where less than
+  // that is left of the tolerance, it may take a strip more or less.
+  constexpr double kNearlyUsed = 0.95;
+  if (std::max(here.used_share, cut_otherwise.used_share) < kNearlyUsed) {
+    EXPECT_EQ(cut_otherwise.strips, here.strips) << "other diagonals";
+  } else {
+    EXPECT_LE(std::max(cut_otherwise.strips, here.strips) - std::min(cut_otherwise.strips, here.strips), 1)
+        << "other diagonals";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Drawn, PanelPromises, ::testing::ValuesIn(drawn()),
