@@ -1,6 +1,10 @@
 #include "surface/read/triangle_mesh.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <utility>
 
@@ -57,18 +61,39 @@ Eigen::Vector3d area_centre(const TriangleMesh& mesh) {
   if (mesh.vertices().empty()) throw std::logic_error("area_centre: the design has no vertices");
   // From a vertex: from the origin a design far away would lose its digits.
   const Eigen::Vector3d& from = mesh.vertices().front();
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double total = 0;
-  for (const auto& t : mesh.triangles()) {
+  // Six times the area's first moments, and thrice twice the area.
+  const auto moments = [&](std::array<int, 3> t) -> Eigen::Vector4d {
+    std::sort(t.begin(), t.end());
     const auto side = [&](std::size_t i) -> Eigen::Vector3d {
       return mesh.vertices()[static_cast<std::size_t>(t[i])] - from;
     };
     const Eigen::Vector3d a = side(0), b = side(1), c = side(2);
     const double area = (b - a).cross(c - a).norm();
-    sum += area * (a + b + c);
-    total += 3 * area;
+    Eigen::Vector4d m;
+    m << area * (a + b + c), 3 * area;
+    return m;
+  };
+  Eigen::Array4d largest = Eigen::Array4d::Zero();
+  for (const auto& t : mesh.triangles()) largest = largest.max(moments(t).array().abs());
+  if (!(largest[3] > 0) || !largest.isFinite().all()) return from;
+  // In whole numbers, so that the order of the triangles does not matter: each with 62 bits less those that
+  // the sum may take, 42 for a million of them.
+  constexpr int kBits = 62;
+  const int taken = std::ilogb(static_cast<double>(mesh.triangles().size())) + 1;
+  std::array<int, 4> shift{};
+  for (Eigen::Index i = 0; i < 4; ++i)
+    shift[static_cast<std::size_t>(i)] = largest[i] > 0 ? kBits - taken - (std::ilogb(largest[i]) + 1) : 0;
+  std::array<std::int64_t, 4> sums{};
+  for (const auto& t : mesh.triangles()) {
+    const Eigen::Vector4d m = moments(t);
+    for (std::size_t i = 0; i < 4; ++i)
+      sums[i] += std::llrint(std::ldexp(m[static_cast<Eigen::Index>(i)], shift[i]));
   }
-  return total > 0 ? Eigen::Vector3d(from + sum / total) : from;
+  const double total = std::ldexp(static_cast<double>(sums[3]), -shift[3]);
+  Eigen::Vector3d centre = from;
+  for (std::size_t i = 0; i < 3; ++i)
+    centre[static_cast<Eigen::Index>(i)] += std::ldexp(static_cast<double>(sums[i]), -shift[i]) / total;
+  return centre;
 }
 
 bool TriangleMesh::joined(int vertex, int other) const {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 #include <random>
@@ -147,6 +148,37 @@ TEST(TriangleMesh, RefusesTrianglesThatAreNone) {
   EXPECT_THROW(TriangleMesh({corners, {{0, -1, 2}}}), std::logic_error);
   EXPECT_THROW(TriangleMesh({corners, {{0, 1, 1}}}), std::logic_error);
   EXPECT_THAT(TriangleMesh({corners, {{0, 1, 2}}}).border(), ElementsAre(0, 1, 2));
+}
+
+TEST(AreaCentre, MovesAndTurnsWithTheDesignWhateverTheOrderOfItsTriangles) {
+  // A pyramid's roof without one side, so that no symmetry helps.
+  const TriangleSoup roof{{{0, 0, 0}, {900, 0, 0}, {900, 500, 0}, {0, 500, 0}, {300, 200, 400}},
+                          {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}}};
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double area = 0;
+  for (const auto& t : roof.triangles) {
+    const auto at = [&](std::size_t i) { return roof.vertices[static_cast<std::size_t>(t[i])]; };
+    const double part = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    sum += part / 3 * (at(0) + at(1) + at(2));
+    area += part;
+  }
+  const Eigen::Vector3d centre = area_centre(TriangleMesh(roof));
+  EXPECT_LT((centre - sum / area).norm(), 1e-9);
+  TriangleSoup shuffled = roof;
+  std::reverse(shuffled.triangles.begin(), shuffled.triangles.end());
+  for (auto& t : shuffled.triangles) std::rotate(t.begin(), t.begin() + 1, t.end());
+  EXPECT_EQ(area_centre(TriangleMesh(shuffled)), centre);
+  TriangleSoup moved = roof;
+  const Eigen::AngleAxisd turn(0.7, Eigen::Vector3d(1, 2, 3).normalized());
+  const Eigen::Vector3d by(1e6, -2e6, 3e5);
+  for (Eigen::Vector3d& p : moved.vertices) p = turn * p + by;
+  EXPECT_LT((area_centre(TriangleMesh(moved)) - (turn * centre + by)).norm(), 1e-8);
+}
+
+TEST(AreaCentre, IsAVertexWhereThereIsNoArea) {
+  const TriangleSoup line{{{1, 2, 3}, {2, 3, 4}, {3, 4, 5}}, {{0, 1, 2}}};
+  EXPECT_EQ(area_centre(TriangleMesh(line)), Eigen::Vector3d(1, 2, 3));
+  EXPECT_THROW((void)area_centre(TriangleMesh(TriangleSoup{})), std::logic_error);
 }
 
 }  // namespace
