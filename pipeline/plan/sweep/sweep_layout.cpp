@@ -186,11 +186,37 @@ double SweepLayouts::blocks_in(const surface::PlaneFamily& planes) const {
 }
 
 Layout SweepLayouts::in_rows() const {
-  std::vector<double> blocks;
-  for (const surface::PlaneFamily& planes : planes_) blocks.push_back(blocks_in(planes));
-  const auto fewest = planes_.begin() + (std::min_element(blocks.begin(), blocks.end()) - blocks.begin());
-  Layout layout{*fewest, 0, {}};
-  const RibAxes whole = axes(*fewest);
+  std::vector<std::pair<double, std::size_t>> estimated;
+  // A fan's rows are as deep as a block at one end only: it is for a strip, unless there is nothing else.
+  const bool fans = std::all_of(planes_.begin(), planes_.end(),
+                                [](const surface::PlaneFamily& planes) { return planes.turns(); });
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    if (fans || !planes_[i].turns()) estimated.emplace_back(blocks_in(planes_[i]), i);
+  }
+  std::sort(estimated.begin(), estimated.end());
+  // The estimate counts no waste at borders, which may be as much again: the rows say.
+  constexpr std::size_t kLaid = 6;
+  if (estimated.size() > kLaid) estimated.resize(kLaid);
+  Layout best{planes_.front(), 0, {}};
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const auto& [blocks, i] : estimated) {
+    Layout layout = laid_in_rows(planes_[i]);
+    // What cannot be a part as it is takes one more at least.
+    const std::size_t needs = layout.parts.size() + static_cast<std::size_t>(std::count_if(
+                                                        layout.fits.begin(), layout.fits.end(),
+                                                        [](const PartFit& fit) { return !fit.holds(); }));
+    if (needs >= fewest) continue;
+    fewest = needs;
+    best = std::move(layout);
+  }
+  best.cost_mm = 0;
+  fit_parts(best, cheap_effort(), nullptr);
+  return best;
+}
+
+Layout SweepLayouts::laid_in_rows(const surface::PlaneFamily& planes) const {
+  Layout layout{planes, 0, {}};
+  const RibAxes whole = axes(planes);
   const Box box = extent_of(whole);
   const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
   const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
@@ -254,7 +280,7 @@ std::vector<FittedPart> SweepLayouts::row_of(const SweepPart& row, double most_m
       if (std::isfinite(to)) seams.push_back(seam_across_ribs(row.axes, 0, to, 1));
       SweepPart part = part_behind(row.axes, std::move(seams));
       part.axes = sweep_axes(*part.surface, row.axes.planes);
-      PartFit fit = fitter_.fit(part, cheap_effort());
+      PartFit fit = fitter_.measured(part);
       worst = std::max(worst, excess_of(fit));
       parts.push_back({std::move(part), std::move(fit)});
     }

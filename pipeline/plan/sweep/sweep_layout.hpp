@@ -62,7 +62,7 @@ class SweepLayouts {
   // `tried` is told of all.
   [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
 
-  // A design of many parts, in the planes that take the fewest blocks: rows of one depth, each cut into parts
+  // A design of many parts, in the planes whose rows take the fewest: rows of one depth, each cut into parts
   // of one arc length, with axes of their own.
   [[nodiscard]] Layout in_rows() const;
 
@@ -83,6 +83,8 @@ class SweepLayouts {
   [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
                                                 const SweepGrid& grid) const;
   [[nodiscard]] double blocks_in(const surface::PlaneFamily& planes) const;
+  // Rows in these planes, their parts measured only.
+  [[nodiscard]] Layout laid_in_rows(const surface::PlaneFamily& planes) const;
   [[nodiscard]] std::vector<std::vector<FittedPart>> rows_of(const RibAxes& axes,
                                                              const Eigen::AlignedBox<double, 2>& box,
                                                              const std::vector<double>& shares,

@@ -136,15 +136,14 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   return options;
 }
 
-PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start) const {
-  watch_();
-  // Fans are not level, and not planned against their weight.
-  const bool weighed = start && start->sag && start->sag->stable() && !part.axes.planes.turns();
+SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effort,
+                                  const SweepSag* sag) const {
+  return sweep_sections(*part.surface, part.axes,
+                        section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag));
+}
+
+PartFit PartFitter::measured(const SweepData& data) const {
   PartFit fit;
-  fit.formed_by = weighed ? start->sag : nullptr;
-  const SweepData data = sweep_sections(
-      *part.surface, part.axes,
-      section_options(settings_, part.seams, effort.sections, effort.sample_mm, fit.formed_by.get()));
   if (!data.sections.empty()) {
     fit.extent = {Vector2d(data.first_mm, data.low.x()), Vector2d(data.last_mm, data.high.x())};
     fit.height_mm = 0.5 * (data.low.y() + data.high.y());
@@ -156,6 +155,25 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
       stock_for(data, settings_.stock).cwiseQuotient(sorted({most[0], most[1], most[2]})).maxCoeff();
   fit.refusal = refusal_of(data);
   fit.cost_mm = cost_of(data);
+  return fit;
+}
+
+PartFit PartFitter::measured(const SweepPart& part) const {
+  const SweepData data = sections_of(part, cheap_effort(), nullptr);
+  PartFit fit = measured(data);
+  const double rib_mm = data.high.x() - data.low.x();
+  if (fit.holds() && blade_for(rib_mm) == 0) fit.refusal = unreached(rib_mm);
+  return fit;
+}
+
+PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start) const {
+  watch_();
+  // Fans are not level, and not planned against their weight.
+  const bool weighed = start && start->sag && start->sag->stable() && !part.axes.planes.turns();
+  const std::shared_ptr<const SweepSag> formed_by = weighed ? start->sag : nullptr;
+  const SweepData data = sections_of(part, effort, formed_by.get());
+  PartFit fit = measured(data);
+  fit.formed_by = formed_by;
   if (!fit.holds()) return fit;
   SweepFitOptions options = options_for(data, effort);
   // The rib's length is not known before it is fitted: its width first, then what the fit says.
@@ -279,9 +297,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     watch_();
     const PartFit& fit = plans[i].fit;
     const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm);
-    SweepData data = sweep_sections(
-        *parts[i].surface, parts[i].axes,
-        section_options(settings_, parts[i].seams, effort.sections, effort.sample_mm, fit.formed_by.get()));
+    SweepData data = sections_of(parts[i], effort, fit.formed_by.get());
     SweepFitOptions options = options_for(data, effort);
     options.blade_length_mm = fit.blade_length_mm;
     joined[i] = {std::move(data), std::move(options), fit.family, wanted_mm()};
@@ -317,9 +333,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
 // Where a blade that may bend as sharply as it likes would follow the part, its radius is the reason.
 void PartFitter::explain(const SweepPart& part, PartPlan& plan) const {
   const SweepEffort effort = close_effort();
-  const SweepData data =
-      sweep_sections(*part.surface, part.axes,
-                     section_options(settings_, part.seams, effort.sections, effort.sample_mm, nullptr));
+  const SweepData data = sections_of(part, effort, nullptr);
   if (data.sections.empty()) return;
   SweepFitOptions options = options_for(data, effort);
   const double limit = 1 / max_curvature_per_mm(settings_.blade);

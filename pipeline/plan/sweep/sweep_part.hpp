@@ -72,6 +72,9 @@ class PartFitter {
  public:
   PartFitter(const Settings& settings, const WatchSweeps& watch) : settings_(settings), watch_(watch) {}
 
+  // A part's size and slopes, and what of them no fit can mend.
+  [[nodiscard]] PartFit measured(const SweepPart& part) const;
+
   // The family near a part, from `start` or from flat blades.
   [[nodiscard]] PartFit fit(const SweepPart& part, const SweepEffort& effort,
                             const PartFit* start = nullptr) const;
@@ -96,6 +99,9 @@ class PartFitter {
   [[nodiscard]] double blade_for(double rib_mm) const;
   [[nodiscard]] Refusal unreached(double rib_mm) const;
   void explain(const SweepPart& part, PartPlan& plan) const;
+  [[nodiscard]] SweepData sections_of(const SweepPart& part, const SweepEffort& effort,
+                                      const SweepSag* sag) const;
+  [[nodiscard]] PartFit measured(const SweepData& data) const;
   [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
   [[nodiscard]] double cost_of(const SweepData& data) const;
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
