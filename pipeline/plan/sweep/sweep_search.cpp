@@ -61,12 +61,15 @@ class Search {
       const std::vector<Layout> near = refined(ranked);
       if (hopeless.layout.parts.empty() && !ranked.empty())
         hopeless = {ranked.front(), SweepWay::kEven, {}, {}, {}, {}};
+      std::vector<Tried> failed;
       for (const Layout& layout : near) {
-        Tried tried{layout, SweepWay::kEven, {}, {}, {}, {}};
-        if (look_at(tried, judge)) return;
+        failed.push_back({layout, SweepWay::kEven, {}, {}, {}, {}});
+        if (look_at(failed.back(), judge)) return;
+      }
+      for (Tried& tried : failed) {
+        if (turn_on(tried, judge)) return;
         if (better(tried, nearest)) nearest = std::move(tried);
       }
-      if (nearest.layout.parts.size() == parts && turn_on(nearest, judge)) return;
       tries += near.empty() ? 0 : 1;
     }
     if (nearest.layout.parts.empty()) nearest = std::move(hopeless);
