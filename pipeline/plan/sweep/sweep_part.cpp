@@ -180,7 +180,9 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
   const SweepFamily* from = start && start->sag ? &start->family : nullptr;
   double rib = from ? rib_length(*start) : data.high.x() - data.low.x();
   constexpr int kLooks = 4;
-  constexpr double kDeep_mm = 1;  // a clamp in the block's clearance that the fit could not get out
+  // A clamp that comes so far into the block's clearance pulls at the fit: a longer blade may serve better.
+  constexpr double kPulls_mm = 0.05;
+  bool needed = true;  // the fit so far is too long for its blade, or there is none
   for (int look = 0; look < kLooks; ++look) {
     const double blade = blade_for(rib);
     if (blade == 0) {
@@ -189,16 +191,19 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     }
     if (look > 0 && blade <= options.blade_length_mm) break;
     options.blade_length_mm = blade;
-    static_cast<SweepFitReport&>(fit) = fit_sweep(data, options, from);
+    PartFit tried = fit;
+    static_cast<SweepFitReport&>(tried) = fit_sweep(data, options, from);
+    tried.blade_length_mm = blade;
+    weigh(tried, {blade, 0.5 * blade}, data);
+    tried.cost_mm = cost_of(tried, part.axes.planes.turns());
+    if (!needed && !(tried.cost_mm < fit.cost_mm)) break;
+    fit = std::move(tried);
     from = &fit.family;
     rib = rib_length(fit);
-    // Ends that leave the block steeply are longer.
-    if (fit.clamp_depth_mm > kDeep_mm && blade < settings_.blade.free_lengths_mm.back())
+    needed = blade_for(rib) != blade;
+    if (!needed && fit.clamp_depth_mm > kPulls_mm && blade < settings_.blade.free_lengths_mm.back())
       rib = std::max(rib, blade - 2 * clear_mm() + 1);
   }
-  fit.blade_length_mm = options.blade_length_mm;
-  weigh(fit, {options.blade_length_mm, 0.5 * options.blade_length_mm}, data);
-  fit.cost_mm = cost_of(fit, part.axes.planes.turns());
   return fit;
 }
 
