@@ -5,6 +5,17 @@
 
 namespace hotblade::pipeline {
 
+std::vector<bool> too_far_strips(const PlanResult& result) {
+  std::vector<bool> far;
+  for (const StripFacts& strip : result.strips) {
+    const bool with_sag = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
+      return r.limit == Limit::kDeviationWithSag && r.strip == strip.id;
+    });
+    far.push_back(with_sag || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
+  }
+  return far;
+}
+
 std::vector<bool> failed_strips(const PlanResult& result) {
   std::vector<bool> failed;
   for (const StripFacts& strip : result.strips) {

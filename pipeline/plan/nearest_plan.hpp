@@ -26,4 +26,7 @@ struct Nearness {
 // none does.
 [[nodiscard]] std::vector<bool> failed_strips(const PlanResult& result);
 
+// Returns which strips leave the design too far, with their sag or without.
+[[nodiscard]] std::vector<bool> too_far_strips(const PlanResult& result);
+
 }  // namespace hotblade::pipeline

@@ -308,7 +308,7 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     if (!whole || !other.refusals.empty()) {
       nearest.offer(swept, whole ? &other : nullptr);
       progress.next_try();
-      return {false, whole ? failed_strips(other) : std::vector<bool>{}};
+      return whole ? SweepVerdict{false, failed_strips(other), too_far_strips(other)} : SweepVerdict{};
     }
     other.decisions = std::move(result.decisions);
     other.times = std::move(result.times);

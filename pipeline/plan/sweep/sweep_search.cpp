@@ -47,7 +47,7 @@ class Search {
       return;
     }
     if (fewest > kMostEven) {
-      Tried tried{layouts_.in_rows(), SweepWay::kRows, {}, {}, {}, {}};
+      Tried tried{layouts_.in_rows(), SweepWay::kRows, {}, {}, {}, {}, {}};
       if (!look_at(tried, judge)) (void)settle(tried, judge, kMostRounds);
       return;
     }
@@ -60,10 +60,10 @@ class Search {
       const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
       if (hopeless.layout.parts.empty() && !ranked.empty())
-        hopeless = {ranked.front(), SweepWay::kEven, {}, {}, {}, {}};
+        hopeless = {ranked.front(), SweepWay::kEven, {}, {}, {}, {}, {}};
       std::vector<Tried> failed;
       for (const Layout& layout : near) {
-        failed.push_back({layout, SweepWay::kEven, {}, {}, {}, {}});
+        failed.push_back({layout, SweepWay::kEven, {}, {}, {}, {}, {}});
         if (look_at(failed.back(), judge)) return;
       }
       for (Tried& tried : failed) {
@@ -83,7 +83,7 @@ class Search {
     SweepWay way = SweepWay::kEven;
     std::vector<PartPlan> plans;   // each of its own
     std::vector<PartPlan> joined;  // fitted together at their seams
-    std::vector<bool> failed;
+    std::vector<bool> failed, too_far;
     std::vector<bool> halves;  // parts that came of the last split
     // Whether all of these fail again.
     [[nodiscard]] bool fruitless() const {
@@ -126,9 +126,14 @@ class Search {
     const SweepVerdict verdict = judge(plan);
     if (verdict.taken) return true;
     tried.failed.assign(count, false);
-    for (std::size_t i = 0; i < count; ++i)
-      tried.failed[i] =
-          !plan.refusals.empty() ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
+    tried.too_far.assign(count, false);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::optional<Refusal>& refusal = tried.joined[i].refusal;
+      const bool refused = !plan.refusals.empty();
+      tried.failed[i] = refused ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
+      tried.too_far[i] = refused ? refusal && refusal->limit == Limit::kDeviation
+                                 : !verdict.too_far.empty() && verdict.too_far[i];
+    }
     return false;
   }
 
@@ -139,7 +144,7 @@ class Search {
     if (tried.layout.turned) return false;
     Layout nearer = turned_on(tried.layout);
     if (!(nearer.cost_mm < tried.layout.cost_mm)) return false;
-    Tried other{std::move(nearer), SweepWay::kTurned, {}, {}, {}, {}};
+    Tried other{std::move(nearer), SweepWay::kTurned, {}, {}, {}, {}, {}};
     if (look_at(other, judge)) return true;
     if (better(other, tried)) tried = std::move(other);
     return false;
@@ -155,7 +160,10 @@ class Search {
     int too_large = 0, too_hard = 0;
     for (int round = 0; round < rounds; ++round) {
       const bool planned = tried.any_planned();
-      if (planned && calm(tried) && look_at(tried, judge)) return true;
+      // One that is calm may pass its neighbour's place at the seam on, which then has to be calm as well.
+      while (planned && calm(tried)) {
+        if (look_at(tried, judge)) return true;
+      }
       if (!split(tried) || tried.layout.parts.size() > most) return false;
       if (look_at(tried, judge)) return true;
       const bool fruitless = tried.fruitless();
@@ -166,12 +174,13 @@ class Search {
     return false;
   }
 
-  // Calmer fits of the failing strips, which lead the blade past a snap; whether there are any.
+  // Calmer fits of the failing strips, which lead the blade past a snap, but no nearer to the design; whether
+  // there are any.
   bool calm(Tried& tried) const {
     bool any = false;
     for (std::size_t i = 0; i < tried.failed.size(); ++i) {
       const PartPlan& plan = tried.plans[i];
-      if (!tried.failed[i] || !plan.strip) continue;
+      if (!tried.failed[i] || tried.too_far[i] || !plan.strip) continue;
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);

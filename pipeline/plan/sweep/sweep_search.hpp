@@ -47,7 +47,8 @@ struct SweptPlan {
 // What came of a plan that was looked at in full.
 struct SweepVerdict {
   bool taken = false;
-  std::vector<bool> failed = {};  // of its strips; empty: none is to blame
+  std::vector<bool> failed = {};   // of its strips; empty: none is to blame
+  std::vector<bool> too_far = {};  // of those, the ones that leave the design too far; as many, or none
 };
 using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;
 
