@@ -313,6 +313,9 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     other.decisions = std::move(result.decisions);
     other.times = std::move(result.times);
     result = std::move(other);
+    tbb::parallel_for(std::size_t{0}, result.strips.size(), [&](std::size_t i) {
+      result.strips[i].blades = try_other_blades(swept.strips[i], settings);
+    });
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
     taken = true;
     return {true, {}};

@@ -3,10 +3,12 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/plan/motion/motion.hpp"
+#include "pipeline/plan/motion/other_blades.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/verify.hpp"
@@ -31,9 +33,10 @@ struct StripFacts {
   double deviation_max_mm = 0;
   double droop_error_mm = 0;  // what droop and twist move the surface where it is steepest
   double stock_volume_mm3 = 0;
-  double plinth_mm = 0;        // the block stands this far above the table
-  double foam_kept_share = 0;  // of it that becomes the part (pipeline/verify/foam_share.hpp)
-  double plane_turn_rad = 0;   // between the first and the last rib's plane; 0: they are parallel
+  double plinth_mm = 0;                 // the block stands this far above the table
+  double foam_kept_share = 0;           // of it that becomes the part (pipeline/verify/foam_share.hpp)
+  double plane_turn_rad = 0;            // between the first and the last rib's plane; 0: they are parallel
+  std::optional<BladeTrials> blades{};  // of a plan that passed
 
   // Returns the radius where the blade is bent most; 0 for a straight one.
   [[nodiscard]] double smallest_radius_mm() const {

@@ -9,6 +9,7 @@
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
 
+#include <algorithm>
 #include <array>
 
 #include "pipeline/preview/offscreen.hpp"
@@ -120,20 +121,53 @@ void Painter::paint(vtkImageData& image) {
   reduce(*pixels, window_->size, image);
 }
 
+namespace {
+
+// Where strips are, by their ids; one that would lie over another is left out. `pixels`: drawn for one of the
+// canvas.
+void draw_strip_ids(Canvas& canvas, const std::vector<Mark>& ids, vtkRenderer& renderer, double pixels) {
+  constexpr double kHeight = 14, kLetter = 0.62 * kHeight, kEdge = 3;
+  std::vector<std::array<double, 4>> drawn;
+  for (const Mark& id : ids) {
+    renderer.SetWorldPoint(id.at.x(), id.at.y(), id.at.z(), 1);
+    renderer.WorldToDisplay();
+    double place[3];
+    renderer.GetDisplayPoint(place);
+    const double x = place[0] / pixels, y = place[1] / pixels;
+    const double width = kLetter * static_cast<double>(id.words.size()) + 2 * kEdge,
+                 height = kHeight + 2 * kEdge;
+    const std::array<double, 4> box{x - width / 2, y - height / 2, x + width / 2, y + height / 2};
+    const bool free = std::none_of(drawn.begin(), drawn.end(), [&](const std::array<double, 4>& other) {
+      return box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3];
+    });
+    if (!free) continue;
+    drawn.push_back(box);
+    canvas.rectangle(box[0], box[1], width, height, {1, 1, 1}, 0.8);
+    canvas.text(x, y, id.words, kHeight, true, Align::kCentre);
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span<const Shot> shots) {
   Painter painter(size);
   vtkRenderer& renderer = painter.renderer();
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
-  add_actors(scene, renderer, Painter::kZoom);
+  const SceneActors actors = add_actors(scene, renderer, Painter::kZoom);
   Sheets sheets(renderer);
   Canvas canvas(sheets, overlay_scale(size) * Painter::kZoom);
   std::vector<vtkNew<vtkImageData>> images(shots.size());
   for (std::size_t i = 0; i < shots.size(); ++i) {
     Overlay overlay = overlay_of(scene);
     if (!shots[i].caption) overlay.caption.clear();
-    draw_overlay(canvas, overlay, size);
-    canvas.finish();
+    if (shots[i].by_strip) overlay.scale.reset();
+    if (actors.cut != nullptr) color_cut(*actors.cut, scene, scene.cut.values, overlay.scale);
     aim_camera(scene, renderer, size, shots[i].view, false);
+    draw_overlay(canvas, overlay, size);
+    // Smaller they could not be read.
+    if (overlay_scale(size) > 0.5)
+      draw_strip_ids(canvas, scene.strip_ids, renderer, overlay_scale(size) * Painter::kZoom);
+    canvas.finish();
     painter.paint(*images[i]);
   }
   std::vector<std::string> pngs(shots.size());

@@ -28,6 +28,7 @@ enum class View { kBest, kTop, kFront, kRight };
 struct Shot {
   View view = View::kBest;
   bool caption = true;
+  bool by_strip = false;  // the cut coloured by strip, whatever the scene's scale
 };
 
 // The pictures of one scene from several sides, drawn in one window; throws as png_of does.

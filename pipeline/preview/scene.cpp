@@ -82,6 +82,15 @@ std::string duration_text(double seconds) {
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {} s", whole / 60, whole % 60);
 }
 
+std::optional<Eigen::Vector3d> middle_of_cut(const Strip& strip) {
+  std::vector<const BladePose*> cut;
+  for (const BladePose& pose : strip.poses) {
+    if (pose.foam) cut.push_back(&pose);
+  }
+  if (cut.empty()) return std::nullopt;
+  return middle_of(*cut[cut.size() / 2]);
+}
+
 void add_caption(Scene& scene, const Program& program, const std::vector<int>& strips, bool has_design) {
   const Verification& verified = program.verification;
   double seconds = 0;
@@ -91,6 +100,8 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
     seconds += strip.poses.back().t - strip.poses.front().t;
     ribs += strip.ribs.size();
     scene.strip_names.push_back(fmt::format("{}, blade {:g} mm", strip.id, strip.blade_length_mm));
+    if (const auto middle = middle_of_cut(strip); middle && strips.size() > 1)
+      scene.strip_ids.push_back({*middle, strip.id});
   }
   scene.title = program.design.file;
   const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];

@@ -55,6 +55,7 @@ struct Scene {
   CutSurface cut;                   // empty: only the design is shown
   std::optional<ColorScale> scale;  // absent: coloured by strip
   std::vector<std::string> strip_names;
+  std::vector<Mark> strip_ids;  // where their cuts are in the middle; empty where one alone is shown
   std::vector<Polyline> ribs;
   std::vector<Polyline> blades;  // ghosts of the moving blade
   std::optional<Polyline> blade_now;

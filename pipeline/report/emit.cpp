@@ -58,6 +58,20 @@ Json sensitivity_json(const std::array<double, 6>& mm) {
   return json;
 }
 
+// The blade's length and its neighbours in the list; null where nothing is known of them.
+Json blades_json(const std::optional<BladeTrials>& trials) {
+  if (!trials) return {};
+  const auto trial_json = [](const BladeTrial& trial) -> Json {
+    const bool stopped = trial.refusal.limit != Limit::kNone;
+    return {{"length_mm", trial.length_mm},
+            {"stopped_by", stopped ? Json(describe_amount(trial.refusal)) : Json()},
+            {"sag_mm", stopped || !std::isfinite(trial.sag_mm) ? Json() : Json(trial.sag_mm)}};
+  };
+  return {{"chosen", trial_json(trials->chosen)},
+          {"shorter", trials->shorter ? trial_json(*trials->shorter) : Json()},
+          {"longer", trials->longer ? trial_json(*trials->longer) : Json()}};
+}
+
 Json strip_json(const StripFacts& f, const Strip& strip) {
   Json ribs = Json::array();
   for (std::size_t i = 0; i < strip.ribs.size(); ++i) {
@@ -74,6 +88,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                {"ribs", f.ribs},
                {"projected_ribs", f.projected_ribs},
                {"blade_length_mm", f.blade_length_mm},
+               {"blade_trials", blades_json(f.blades)},
                {"deviation_max_mm", f.deviation_max_mm},
                {"rib_fit_max_mm", f.worst_fit_mm},
                {"bezier_fit_max_mm", f.worst_bezier_mm},

@@ -13,9 +13,15 @@ namespace {
 
 using preview::View;
 
-constexpr std::array<std::pair<View, const char*>, 3> kViews{{{View::kBest, "on the cut side"},
-                                                              {View::kTop, "from above (+z)"},
-                                                              {View::kFront, "from the front (-y)"}}};
+struct Taken {
+  View view;
+  bool by_strip;
+  const char* caption;
+};
+constexpr std::array<Taken, 4> kViews{{{View::kBest, false, "on the cut side"},
+                                       {View::kTop, false, "from above (+z)"},
+                                       {View::kFront, false, "from the front (-y)"},
+                                       {View::kBest, true, "which block is which: colours by strip"}}};
 
 // The words of a picture would be too small to be read on a thumbnail.
 constexpr preview::PictureSize kThumbnail{320, 180};
@@ -65,15 +71,19 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
     if (pictures == Pictures::kFull) {
       taken.scene_gltf = preview::gltf_of(scene);
       // The first picture says it; the others are shown small, and their space is for the geometry.
-      for (const auto& [view, caption] : kViews) shots.push_back({view, shots.empty()});
+      for (const Taken& one : kViews) {
+        // Of one strip there is nothing to tell apart.
+        if (!one.by_strip || result.program.strips.size() > 1)
+          shots.push_back({one.view, shots.empty(), one.by_strip});
+      }
     } else {
-      shots.push_back({kViews[0].first, false});
+      shots.push_back({kViews[0].view, false});
     }
     progress(kFile);
     const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
     std::vector<std::string> pngs = preview::pngs_of(scene, size, shots);
     for (std::size_t i = 0; i < pngs.size(); ++i)
-      taken.pictures.push_back({caption_of(result, kViews[i].second), std::move(pngs[i])});
+      taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
   } catch (const Error& error) {
     taken.pictures.clear();
     taken.note = error.what();

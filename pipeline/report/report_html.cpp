@@ -8,9 +8,12 @@
 
 #include "pipeline/report/advice.hpp"
 #include "pipeline/report/page_texts.hpp"
+#include "pipeline/report/places_table.hpp"
+#include "pipeline/report/reasons.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 #include "pipeline/report/viewer_html.hpp"
+#include "pipeline/report/words.hpp"
 #include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline {
@@ -30,71 +33,90 @@ double total_duration_s(const PlanResult& result) {
   return sum;
 }
 
-std::string verdict_section(const PlanResult& result) {
+std::string capital(std::string words) {
+  words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
+  return words;
+}
+
+// The verdict's headline (pipeline/verify/verdict.hpp) in the page's language.
+std::string headline_text(const Verdict& v, const Words& w) {
+  if (w.table().empty()) return capital(headline(v));
+  if (v.color == VerdictColor::kRed) return w("Not cuttable as asked");
+  if (v.color == VerdictColor::kGreen) return w("Can be cut as planned");
+  if (!v.needed)
+    return w.format("Can be cut, but not within {:g} mm for certain, however exact the clamps are",
+                    v.tolerance_mm);
+  return w.format("Can be cut within {:g} mm if the clamps are within {:g} mm and {:g} mrad", v.tolerance_mm,
+                  v.needed->position_mm, 1e3 * v.needed->angle_rad);
+}
+
+std::string verdict_section(const PlanResult& result, const Words& w) {
   const Verification& v = result.program.verification;
   const Verdict verdict = verdict_of(result.program);
-  std::string words = headline(verdict);
-  words.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(words.front())));
-  std::string html =
-      fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", name(verdict.color), escaped(words));
+  std::string html = fmt::format("<div class=\"verdict {}\"><b>{}</b><br>", name(verdict.color),
+                                 escaped(headline_text(verdict, w)));
   if (result.verification.cut_samples == 0) {
-    html += "Nothing is cut: no deviation could be measured.";
+    html += w("Nothing is cut: no deviation could be measured.");
   } else {
-    html += fmt::format(
-        "The surface the program cuts deviates from the design by {} <strong>{:.3f} mm</strong> "
-        "(tolerance "
-        "{:g} mm); worst at {}.",
-        result.verification.capped ? "at least" : "at most", v.deviation_mm.max, v.tolerance_mm,
-        place(v.deviation_mm.at));
+    html += w.format(
+        result.verification.capped
+            ? "The surface the program cuts deviates from the design by at least <strong>{:.3f} mm</strong> "
+              "(tolerance {:g} mm); worst at {}."
+            : "The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
+              "(tolerance {:g} mm); worst at {}.",
+        v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
   }
-  html += fmt::format(" {:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
+  html += " " + w.format("{:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
   if (verdict.over_budget() && result.verification.cut_samples > 0) {
-    html += fmt::format(
-        " Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
-        "error budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the "
-        "clamps', which may err by {:g} mm and {:g} mrad.",
-        verdict.budget_mm, verdict.clamp_mm, verdict.planned.position_mm, 1e3 * verdict.planned.angle_rad);
+    html += " " + w.format(
+                      "Together with the errors of clamps, weight and mesh that no measurement of the plan "
+                      "can see, the error budget comes to <strong>{:.3f} mm</strong>, more than the "
+                      "tolerance; {:.3f} mm of it are the clamps', which may err by {:g} mm and {:g} mrad.",
+                      verdict.budget_mm, verdict.clamp_mm, verdict.planned.position_mm,
+                      1e3 * verdict.planned.angle_rad);
   }
   return html + "</div>\n";
 }
 
-std::string refusals_section(const PlanResult& result) {
+std::string refusals_section(const PlanResult& result, const Words& w) {
   if (result.refusals.empty()) return "";
-  std::string html =
-      "<h2>Why it is refused</h2><table><tr><th class=\"l\">where</th><th class=\"l\">limit</th><th>is</th>"
-      "<th>allowed</th><th class=\"l\">note</th></tr>\n";
+  std::string html = "<h2>" + w("Why it is refused") + "</h2><table><tr><th class=\"l\">" + w("where") +
+                     "</th><th class=\"l\">" + w("limit") + "</th><th>" + w("is") + "</th><th>" +
+                     w("allowed") + "</th><th class=\"l\">" + w("note") + "</th></tr>\n";
   for (const Refusal& r : result.refusals) {
     html += fmt::format(
         "<tr><td class=\"l\">{} {} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} "
-        "{}</td><td>{:.4g} "
-        "{}</td>"
-        "<td class=\"l\">{}</td></tr>\n",
+        "{}</td><td>{:.4g} {}</td><td class=\"l\">{}</td></tr>\n",
         escaped(r.strip), escaped(r.rib), escaped(r.place), escaped(limit_text(r)), r.capped ? "&ge; " : "",
         r.value, escaped(unit(r)), r.bound, escaped(unit(r)), escaped(note(r)));
   }
-  return html + "</table>\n";
+  html += "</table>\n";
+  if (result.remedies.empty())
+    html += "<p class=\"note\">" +
+            w("No other settings were found to pass. plan --advise tries more of them.") + "</p>\n";
+  return html;
 }
 
-std::string remedies_section(const PlanResult& result) {
+std::string remedies_section(const PlanResult& result, const Words& w) {
   if (result.remedies.empty()) return "";
-  std::string html =
-      "<h2>What makes it cuttable</h2>\n<table><tr><th class=\"l\">with</th><th>deviation</th>"
-      "<th>tolerance</th><th>strips</th><th>verdict</th><th class=\"l\">because</th></tr>\n";
+  std::string html = "<h2>" + w("What makes it cuttable") + "</h2>\n<table><tr><th class=\"l\">" + w("with") +
+                     "</th><th>" + w("deviation") + "</th><th>" + w("tolerance") + "</th><th>" + w("strips") +
+                     "</th><th>" + w("verdict") + "</th><th class=\"l\">" + w("because") + "</th></tr>\n";
   for (const TriedRemedy& m : result.remedies) {
     html += fmt::format(
         "<tr><td class=\"l\"><b>{}</b></td><td class=\"n\">{:.3f} mm</td><td class=\"n\">{:g} "
-        "mm</td><td>{}</td>"
-        "<td>{}</td><td class=\"l\">{}</td></tr>\n",
+        "mm</td><td>{}</td><td>{}</td><td class=\"l\">{}</td></tr>\n",
         escaped(as_options(m)), m.deviation_mm, m.tolerance_mm, m.strips, escaped(m.verdict), escaped(m.why));
   }
-  return html + "</table>\n<p class=\"note\">Each was planned with all else as it is, and passed.</p>\n";
+  return html + "</table>\n<p class=\"note\">" + w("Each was planned with all else as it is, and passed.") +
+         "</p>\n";
 }
 
 std::string figure(const std::string& value, const std::string& name) {
   return fmt::format("<div><b>{}</b><span>{}</span></div>\n", value, name);
 }
 
-std::string figures_section(const PlanResult& result) {
+std::string figures_section(const PlanResult& result, const Words& w) {
   std::size_t ribs = 0;
   double foam_l = 0;
   for (const StripFacts& f : result.strips) {
@@ -104,63 +126,63 @@ std::string figures_section(const PlanResult& result) {
   const Deviation& d = result.program.verification.deviation_mm;
   std::string html = "<div class=\"figures\">";
   const bool cut = result.verification.cut_samples > 0;
-  const auto deviation = [&](double mm) { return cut ? fmt::format("{:.3f} mm", mm) : "nothing is cut"; };
-  html += figure((result.verification.capped ? "&ge; " : "") + deviation(d.max), "largest deviation");
-  html += figure(deviation(d.p99), "deviation of 99 % of the samples");
-  html += figure(fmt::format("{}", result.strips.size()), "strips (blocks of foam)");
-  html += figure(fmt::format("{}", ribs), fmt::format("ribs, at most {:.3g} mm apart", result.spacing_mm));
-  html += figure(duration(total_duration_s(result)), "time on the machine");
-  html += figure(fmt::format("{:.1f} l", foam_l), "foam in all blocks");
+  const auto deviation = [&](double mm) { return cut ? fmt::format("{:.3f} mm", mm) : w("nothing is cut"); };
+  html += figure((result.verification.capped ? "&ge; " : "") + deviation(d.max), w("largest deviation"));
+  html += figure(deviation(d.p99), w("deviation of 99 % of the samples"));
+  html += figure(fmt::format("{}", result.strips.size()), w("strips (blocks of foam)"));
+  html += figure(fmt::format("{}", ribs), w.format("ribs, at most {:.3g} mm apart", result.spacing_mm));
+  html += figure(duration(total_duration_s(result)), w("time on the machine"));
+  html += figure(fmt::format("{:.1f} l", foam_l), w("foam in all blocks"));
   return html + "</div>\n";
 }
 
-std::string picture(const ReportPicture& p) {
+std::string picture(const ReportPicture& p, const Words& w) {
   return fmt::format(
       "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-      escaped(p.caption), base64(p.png));
+      escaped(w.known(p.caption)), base64(p.png));
 }
 
 // The view stands in the first picture's place, around it; without a picture, a line stands in for it.
 std::string pictures_section(const std::vector<ReportPicture>& pictures, const std::string& note,
-                             const std::optional<ViewerScene>& view) {
-  const std::string none = fmt::format("<p>No pictures: {}.</p>\n", escaped(note));
-  if (pictures.empty() && !view) return "<h2>Pictures</h2>" + none;
-  std::string html = "<h2>What is cut</h2>\n";
-  if (view) html += viewer_html(*view, pictures.empty() ? none : picture(pictures.front()));
+                             const std::optional<ViewerScene>& view, const Words& w) {
+  const std::string none = "<p>" + w("No pictures") + ": " + escaped(note) + ".</p>\n";
+  if (pictures.empty() && !view) return "<h2>" + w("Pictures") + "</h2>" + none;
+  std::string html = "<h2>" + w("What is cut") + "</h2>\n";
+  if (view) html += viewer_html(*view, pictures.empty() ? none : picture(pictures.front(), w), w);
   html += view ? "<div class=\"pictures more\">\n" : "<div class=\"pictures\">\n";
-  for (std::size_t i = view ? 1 : 0; i < pictures.size(); ++i) html += picture(pictures[i]);
+  for (std::size_t i = view ? 1 : 0; i < pictures.size(); ++i) html += picture(pictures[i], w);
   return html + "</div>\n";
 }
 
-std::string deviation_section(const PlanResult& result) {
+std::string deviation_section(const PlanResult& result, const Words& w) {
   const VerifyReport& v = result.verification;
   if (v.cut_samples == 0) return "";
-  std::string html = fmt::format(
-      "<h2>Deviation</h2><p>{} samples of the cut against the design, {} of the design against the "
-      "cut.{}</p>\n",
-      v.cut_samples - v.beyond_samples, v.design_samples,
-      v.beyond_samples == 0 ? ""
-                            : fmt::format(" {} samples of the cut lie beyond the design's border, in waste.",
-                                          v.beyond_samples));
-  html += histogram_svg(v.histogram, result.program.verification.tolerance_mm);
+  std::string html = "<h2>" + w("Deviation") + "</h2><p>" +
+                     w.format("{} samples of the cut against the design, {} of the design against the cut.",
+                              v.cut_samples - v.beyond_samples, v.design_samples);
+  if (v.beyond_samples > 0)
+    html +=
+        " " + w.format("{} samples of the cut lie beyond the design's border, in waste.", v.beyond_samples);
+  html += "</p>\n";
+  html += histogram_svg(v.histogram, result.program.verification.tolerance_mm, w);
   std::string heads, cells;
   for (const auto& [percent, mm] : v.percentiles_mm) {
     heads += fmt::format("<th>{:g} %</th>", percent);
     cells += fmt::format("<td>{:.4f}</td>", mm);
   }
-  return html + "<table><tr><th class=\"l\">share of the samples</th>" + heads +
-         "</tr><tr><td class=\"l\">within, mm</td>" + cells + "</tr></table>\n";
+  return html + "<table><tr><th class=\"l\">" + w("share of the samples") + "</th>" + heads +
+         "</tr><tr><td class=\"l\">" + w("within, mm") + "</td>" + cells + "</tr></table>\n";
 }
 
-std::string budget_section(const PlanResult& result) {
+std::string budget_section(const PlanResult& result, const Words& w) {
   const Verification& v = result.program.verification;
   if (v.budget_mm.empty() || result.verification.cut_samples == 0) return "";
-  return "<h2>Error budget</h2><p>What each step of the chain may add, each measured on its own; the sum is "
-         "the "
-         "worst case, in which all add up. A measured deviation over the tolerance is refused; a sum over it "
-         "makes "
-         "the verdict amber.</p>\n" +
-         budget_svg(v.budget_mm, v.tolerance_mm);
+  return "<h2>" + w("Error budget") + "</h2><p>" +
+         w("What each step of the chain may add, each measured on its own; the sum is the worst case, in "
+           "which "
+           "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict "
+           "amber.") +
+         "</p>\n" + budget_svg(v.budget_mm, v.tolerance_mm, w);
 }
 
 // Adding zero takes the sign off a zero.
@@ -186,54 +208,56 @@ const char* way_text(SweepWay way) {
 }
 
 // Every try at the plan, in their order.
-std::string decisions_section(const PlanResult& result) {
+std::string decisions_section(const PlanResult& result, const Words& w) {
   if (result.decisions.empty()) return "";
-  std::string html =
-      "<h2>What was tried</h2><table><tr><th class=\"l\">parts</th><th "
-      "class=\"l\">planes</th><th>strips</th><th>ribs</th>"
-      "<th>fit mm</th><th>deviation mm</th><th class=\"l\">found</th></tr>\n";
+  std::string html = "<h2>" + w("What was tried") + "</h2><table><tr><th class=\"l\">" + w("parts") +
+                     "</th><th class=\"l\">" + w("planes") + "</th><th>" + w("strips") + "</th><th>" +
+                     w("ribs") + "</th><th>" + w("fit mm") + "</th><th>" + w("deviation mm") +
+                     "</th><th class=\"l\">" + w("found") + "</th></tr>\n";
   const std::size_t shown = std::min(kTriesShown, result.decisions.size());
   const auto mm = [](double value) { return value > 0 ? fmt::format("{:.3f}", value) : std::string("-"); };
   // The last ones: the one that was taken is the last of all.
   for (std::size_t i = result.decisions.size() - shown; i < result.decisions.size(); ++i) {
     const Decision& d = result.decisions[i];
-    const std::string found = d.taken && d.passed ? "passes, taken" : d.passed ? "passes" : d.why;
+    const std::string found = d.taken && d.passed ? w("passes, taken") : d.passed ? w("passes") : d.why;
     html += fmt::format(
         "<tr><td class=\"l\">{}</td><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l\">{}</td></tr>\n",
-        way_text(d.way), d.fan ? "a fan, in the middle " : "", vector_text(d.normal, 1e4), d.strips, d.ribs,
-        mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
+        w(way_text(d.way)), d.fan ? w("a fan, in the middle") + " " : std::string(),
+        vector_text(d.normal, 1e4), d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
   }
-  html +=
-      "</table><p class=\"note\">Planes by their normals; slice.direction gives one, slice.fan_axis an axis.";
+  html += "</table><p class=\"note\">" +
+          w("Planes by their normals; slice.direction gives one, slice.fan_axis an axis.");
   if (shown < result.decisions.size())
-    html += fmt::format(" {} earlier ones stand in report.json.", result.decisions.size() - shown);
+    html += " " + w.format("{} earlier ones stand in report.json.", result.decisions.size() - shown);
   return html + "</p>\n";
 }
 
-std::string planes_text(const surface::PlaneFamily& planes) {
-  if (!planes.turns()) return "normal " + vector_text(planes.normal(0), 1e4);
-  return "turn about " + vector_text(planes.axis(), 1e4) + " at " + vector_text(planes.centre(), 10) + " mm";
+std::string planes_text(const surface::PlaneFamily& planes, const Words& w) {
+  if (!planes.turns()) return w("normal") + " " + vector_text(planes.normal(0), 1e4);
+  return w("turn about") + " " + vector_text(planes.axis(), 1e4) + " " + w("at") + " " +
+         vector_text(planes.centre(), 10) + " mm";
 }
 
-std::string ranking_section(const PlanResult& result) {
+std::string ranking_section(const PlanResult& result, const Words& w) {
   if (result.ranking.empty()) return "";
-  std::string html =
-      "<h2>Directions ranked</h2><table><tr><th class=\"l\">planes</th><th>parts along sweep x ribs</th>"
-      "<th>missed by elastica, from Beziers mm</th><th>cheap fit mm</th></tr>\n";
+  std::string html = "<h2>" + w("Directions ranked") + "</h2><table><tr><th class=\"l\">" + w("planes") +
+                     "</th><th>" + w("parts along sweep x ribs") + "</th><th>" +
+                     w("missed by elastica, from Beziers mm") + "</th><th>" + w("cheap fit mm") +
+                     "</th></tr>\n";
   const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
   for (std::size_t i = 0; i < shown; ++i) {
     const PlanesTried& d = result.ranking[i];
     html += fmt::format("<tr><td class=\"l\">{}</td><td>{} x {}</td><td>{:.2f}</td><td>{}</td></tr>\n",
-                        planes_text(d.planes), d.along_sweep, d.along_ribs, d.missed_mm,
-                        d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : "none");
+                        planes_text(d.planes, w), d.along_sweep, d.along_ribs, d.missed_mm,
+                        d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : w("none"));
   }
   html +=
-      "</table><p class=\"note\">The best are fitted closely and turned where they do not serve; "
-      "slice.direction "
-      "fixes the planes, slice.fan_axis an axis.";
+      "</table><p class=\"note\">" +
+      w("The best are fitted closely and turned where they do not serve; slice.direction fixes the planes, "
+        "slice.fan_axis an axis.");
   if (shown < result.ranking.size())
-    html += fmt::format(" {} more stand in report.json.", result.ranking.size() - shown);
+    html += " " + w.format("{} more stand in report.json.", result.ranking.size() - shown);
   return html + "</p>\n";
 }
 
@@ -245,37 +269,52 @@ std::string list_section(const std::string& title, const std::vector<std::string
 }
 
 // What it means that a setting is absent.
-std::string absent_text(const std::string& key, const nlohmann::ordered_json& settings) {
-  if (key == "direction" && settings["slice"]["fan_axis"].is_null()) return "searched";
-  return key == "facing" ? "all faces" : "none";
+std::string absent_text(const std::string& key, const nlohmann::ordered_json& settings, const Words& w) {
+  if (key == "direction" && settings["slice"]["fan_axis"].is_null()) return w("searched");
+  return w(key == "facing" ? "all faces" : "none");
 }
 
-std::string settings_section(const PlanResult& result) {
-  std::string html = "<h2>Settings</h2><div class=\"settings\">\n";
+std::string settings_section(const PlanResult& result, const Words& w) {
+  std::string html = "<h2>" + w("Settings") + "</h2><div class=\"settings\">\n";
   const nlohmann::ordered_json settings = to_json(result.program.settings);
   for (const auto& [section, values] : settings.items()) {
     html += "<div><b>[" + escaped(section) + "]</b>";
     for (const auto& [key, value] : values.items()) {
-      html += escaped(key) + " = " + (value.is_null() ? absent_text(key, settings) : escaped(value.dump())) +
-              "<br>";
+      html += escaped(key) + " = " +
+              (value.is_null() ? absent_text(key, settings, w) : escaped(value.dump())) + "<br>";
     }
     html += "</div>\n";
   }
   return html + "</div>\n";
 }
 
-std::string heading(const PlanResult& result, const std::string& program_sha256) {
+// Number, date and author of the job and the line to sign, where the job has any of them.
+std::string job_line(const JobSettings& job, const Words& w) {
+  std::string html;
+  for (const auto& [word, value] :
+       {std::pair{"Job", &job.number}, std::pair{"Date", &job.date}, std::pair{"Author", &job.author}}) {
+    if (!value->empty()) html += "<span>" + w(word) + " <b>" + escaped(*value) + "</b></span>";
+  }
+  if (html.empty()) return "";
+  return "<div class=\"job\">" + html + "<span class=\"sign\">" + w("Released by") + " (" +
+         w("date, signature") + ")</span></div>\n";
+}
+
+std::string heading(const PlanResult& result, const std::string& program_sha256, const Words& w) {
   const DesignData& d = result.program.design;
   const Eigen::Vector3d size = d.bbox_mm[1] - d.bbox_mm[0];
-  return fmt::format(
-      "<h1>{}</h1><p class=\"sub\">{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}. SHA-256 "
-      "{}. "
-      "{}.{}</p>{}\n",
-      escaped(d.file), size.x(), size.y(), size.z(), d.faces, escaped(d.source_units), name(d.keep),
-      escaped(d.sha256), escaped(result.program.created_by),
-      program_sha256.empty() ? "" : " SHA-256 of program.json: " + escaped(program_sha256) + ".",
-      program_sha256.empty() ? ""
-                             : "<p><a href=\"sheets.html\">Sheets for the floor</a>: one for each block</p>");
+  std::string html = "<h1>" + escaped(d.file) + "</h1>" + job_line(result.program.settings.job, w) +
+                     "<p class=\"sub\">" +
+                     w.format("{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}.", size.x(),
+                              size.y(), size.z(), d.faces, escaped(d.source_units), w.known(name(d.keep))) +
+                     fmt::format(" SHA-256 {}. {}.", escaped(d.sha256), escaped(result.program.created_by));
+  if (!program_sha256.empty())
+    html += " " + w("SHA-256 of program.json") + ": " + escaped(program_sha256) + ".";
+  html += "</p>\n";
+  if (!program_sha256.empty())
+    html += "<p><a href=\"sheets.html\">" + w("Sheets for the floor") + "</a>: " + w("one for each block") +
+            "</p>\n";
+  return html;
 }
 
 }  // namespace
@@ -283,19 +322,23 @@ std::string heading(const PlanResult& result, const std::string& program_sha256)
 std::string report_html(const PlanResult& result, const std::vector<ReportPicture>& pictures,
                         const std::string& picture_note, const std::string& program_sha256,
                         const std::optional<ViewerScene>& view) {
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width, initial-scale=1\"><title>" +
-      escaped(result.program.design.file) + ": " + name(result.program.verification.status) +
-      "</title><style>" + std::string(page_style()) + "</style></head><body>\n";
-  html += heading(result, program_sha256) + verdict_section(result) + refusals_section(result) +
-          remedies_section(result);
-  html += figures_section(result);
-  html += pictures_section(pictures, picture_note, view) + strips_section(result) + deviation_section(result);
-  html += budget_section(result) + list_section("Warnings", result.warnings);
-  html += list_section("Refusals overridden", result.program.overrides);
-  html += list_section("Not checked", result.program.verification.not_checked);
-  html += decisions_section(result) + ranking_section(result) + settings_section(result);
+  const Words w(result.program.settings.job.language);
+  std::string html = "<!doctype html>\n<html lang=\"" + w.language() +
+                     "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+                     "content=\"width=device-width, initial-scale=1\"><title>" +
+                     escaped(result.program.design.file) + ": " +
+                     w.known(name(result.program.verification.status)) + "</title><style>" +
+                     std::string(page_style()) + "</style></head><body>\n";
+  html += heading(result, program_sha256, w) + verdict_section(result, w) + refusals_section(result, w) +
+          remedies_section(result, w);
+  html += figures_section(result, w);
+  html += pictures_section(pictures, picture_note, view, w) + strips_section(result, w) +
+          places_section(result, w, !program_sha256.empty()) + reasons_section(result, w) +
+          deviation_section(result, w);
+  html += budget_section(result, w) + list_section(w("Warnings"), result.warnings);
+  html += list_section(w("Refusals overridden"), result.program.overrides);
+  html += list_section(w("Not checked"), result.program.verification.not_checked);
+  html += decisions_section(result, w) + ranking_section(result, w) + settings_section(result, w);
   if (view) html += "<script>" + std::string(viewer_script()) + "</script>\n";
   return html + "</body></html>\n";
 }

@@ -40,9 +40,9 @@ std::string text(double x, double y, const char* anchor, const std::string& word
                      escaped(words));
 }
 
-std::string tolerance_mark(double x, double top, double bottom, double tolerance_mm) {
+std::string tolerance_mark(double x, double top, double bottom, double tolerance_mm, const Words& w) {
   return line(x, top, x, bottom, "stroke=\"#b3261e\" stroke-width=\"1.5\" stroke-dasharray=\"5 3\"") +
-         text(x, top - 4, "middle", fmt::format("tolerance {:g} mm", tolerance_mm));
+         text(x, top - 4, "middle", w.format("tolerance {:g} mm", tolerance_mm));
 }
 
 }  // namespace
@@ -74,10 +74,10 @@ std::string escaped(const std::string& text) {
   return safe;
 }
 
-std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm) {
+std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm, const Words& w) {
   constexpr double kLeft = 52, kTop = 24, kPlotWidth = 560, kPlotHeight = 170, kWidth = 680, kHeight = 240;
   constexpr std::size_t kGap = 4, kBeyond = 2;  // bins' widths before the bar of what lies beyond, and for it
-  std::string svg = begin_svg(kWidth, kHeight, "Deviation of the samples");
+  std::string svg = begin_svg(kWidth, kHeight, w("Deviation of the samples"));
   const auto bins = histogram.counts.size();
   std::size_t total = histogram.beyond, tallest = histogram.beyond;
   for (const std::size_t n : histogram.counts) {
@@ -85,7 +85,7 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
     tallest = std::max(tallest, n);
   }
   if (total == 0 || bins == 0)
-    return svg + text(kWidth / 2, kHeight / 2, "middle", "no samples") + "</svg>\n";
+    return svg + text(kWidth / 2, kHeight / 2, "middle", w("no samples")) + "</svg>\n";
   const double bin_width = kPlotWidth / static_cast<double>(bins + kGap + kBeyond),
                bottom = kTop + kPlotHeight;
   const auto bar = [&](double slot, std::size_t n, bool good) {
@@ -105,24 +105,26 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
     svg += line(x, bottom, x, bottom + 4, axis.c_str()) +
            text(x, bottom + 18, "middle", fmt::format("{:.3g}", mm));
   }
-  svg += text(kLeft + kPlotWidth - 1.5 * bin_width, bottom + 18, "start", "beyond");
-  svg +=
-      text(kLeft + kPlotWidth / 2, bottom + 36, "middle", "deviation, mm (cut to design and design to cut)");
+  svg += text(kLeft + kPlotWidth - 1.5 * bin_width, bottom + 18, "start", w("beyond"));
+  svg += text(kLeft + kPlotWidth / 2, bottom + 36, "middle",
+              w("deviation, mm (cut to design and design to cut)"));
   const double share = 100.0 * static_cast<double>(tallest) / static_cast<double>(total);
   svg +=
       text(kLeft - 6, kTop + 10, "end", fmt::format("{:.3g} %", share)) + text(kLeft - 6, bottom, "end", "0");
-  svg += tolerance_mark(kLeft + tolerance_mm / histogram.bin_mm * bin_width, kTop - 6, bottom, tolerance_mm);
+  svg +=
+      tolerance_mark(kLeft + tolerance_mm / histogram.bin_mm * bin_width, kTop - 6, bottom, tolerance_mm, w);
   return svg + "</svg>\n";
 }
 
-std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm, double tolerance_mm) {
+std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm, double tolerance_mm,
+                       const Words& w) {
   constexpr double kLeft = 190, kRow = 22, kBarWidth = 390, kWidth = 680, kTop = 26;
   std::vector<std::pair<std::string, double>> lines = budget_mm;
   lines.emplace_back("sum", budget_sum_mm(budget_mm));
   double most = tolerance_mm;
   for (const auto& entry : lines) most = std::max(most, std::isfinite(entry.second) ? entry.second : 0);
   const double height = kTop + kRow * static_cast<double>(lines.size()) + 12;
-  std::string svg = begin_svg(kWidth, height, "Error budget");
+  std::string svg = begin_svg(kWidth, height, w("Error budget"));
   const double scale = most > 0 ? kBarWidth / most : 0;
   double y = kTop;
   for (const auto& [name, mm] : lines) {
@@ -130,12 +132,12 @@ std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget
     std::replace(words.begin(), words.end(), '_', ' ');
     svg += rect(kLeft, y + 3, kBarWidth, kRow - 6, "#eef0f2");
     svg += rect(kLeft, y + 3, mm * scale, kRow - 6, mm <= tolerance_mm ? kGood : kBad);
-    svg += text(kLeft - 8, y + kRow - 7, "end", words);
+    svg += text(kLeft - 8, y + kRow - 7, "end", w.known(words));
     svg += text(kLeft + kBarWidth + 8, y + kRow - 7, "start", fmt::format("{:.4f} mm", mm));
     y += kRow;
   }
   svg += line(kLeft, kTop, kLeft, y, fmt::format("stroke=\"{}\"", kFaint).c_str());
-  svg += tolerance_mark(kLeft + tolerance_mm * scale, kTop - 4, y, tolerance_mm);
+  svg += tolerance_mark(kLeft + tolerance_mm * scale, kTop - 4, y, tolerance_mm, w);
   return svg + "</svg>\n";
 }
 

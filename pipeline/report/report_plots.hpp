@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/report/words.hpp"
 #include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
@@ -14,10 +15,11 @@ namespace hotblade::pipeline {
 
 // A plot of the samples' share by deviation, with the tolerance marked; what lies beyond the last bin stands
 // in a bar of its own.
-[[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm);
+[[nodiscard]] std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm,
+                                        const Words& w = Words("en"));
 
 // A plot with one bar a line of the error budget and one for their sum, against the tolerance.
 [[nodiscard]] std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget_mm,
-                                     double tolerance_mm);
+                                     double tolerance_mm, const Words& w = Words("en"));
 
 }  // namespace hotblade::pipeline

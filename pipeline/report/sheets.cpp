@@ -12,6 +12,7 @@
 
 #include "pipeline/report/block_stand.hpp"
 #include "pipeline/report/page_texts.hpp"
+#include "pipeline/report/places_table.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/sheet_drawings.hpp"
 #include "pipeline/report/strip_table.hpp"
@@ -21,21 +22,9 @@ namespace hotblade::pipeline {
 
 namespace {
 
-std::string size_text(const Eigen::Vector3d& mm) {
-  return fmt::format("{:.0f} x {:.0f} x {:.0f}", mm.x(), mm.y(), mm.z());
-}
-
 // Adding zero takes the sign off a zero.
 std::string whole(double mm) {
   return fmt::format("{:.0f}", std::round(mm) + 0.0);
-}
-
-std::string place_text(const Eigen::Vector3d& mm) {
-  return whole(mm.x()) + ", " + whole(mm.y()) + ", " + whole(mm.z());
-}
-
-Eigen::Vector3d middle_of(const Block& block) {
-  return 0.5 * (block.corners()[0] + block.corners()[7]);
 }
 
 // The strips whose blocks touch this one's where they stand in the design.

@@ -102,10 +102,10 @@ bool names(const Refusal& refusal, const std::string& id) {
   return refusal.strip.size() == id.size() || refusal.strip[id.size()] == ' ';
 }
 
-std::string table(const PlanResult& result, StripTable which) {
-  std::string html = "<div class=\"scroll\"><table><tr><th class=\"l\">strip</th>";
+std::string table(const PlanResult& result, StripTable which, const Words& w) {
+  std::string html = "<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const StripColumn& c : kColumns) {
-    if (c.table == which) html += fmt::format("<th>{}<small>{}</small></th>", c.name, c.unit);
+    if (c.table == which) html += fmt::format("<th>{}<small>{}</small></th>", w(c.name), c.unit);
   }
   html += "</tr>\n";
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
@@ -119,7 +119,7 @@ std::string table(const PlanResult& result, StripTable which) {
                     which == kCut ? fmt::format(" id=\"strip-{}\"", escaped(row.facts.id)) : "",
                     escaped(row.facts.id), escaped(row.facts.id));
     for (const StripColumn& c : kColumns) {
-      if (c.table == which) html += "<td class=\"n\">" + escaped(c.cell(row)) + "</td>";
+      if (c.table == which) html += "<td class=\"n\">" + escaped(w.known(c.cell(row))) + "</td>";
     }
     html += "</tr>\n";
   }
@@ -137,23 +137,22 @@ std::string duration(double seconds) {
   return whole < 60 ? fmt::format("{} s", whole) : fmt::format("{} min {:02} s", whole / 60, whole % 60);
 }
 
-std::string strips_section(const PlanResult& result) {
+std::string strips_section(const PlanResult& result, const Words& w) {
   if (result.strips.empty()) return "";
   const robot::BladeSet& b = result.program.blade;
-  return "<h2>Strips</h2>\n" + table(result, kCut) +
-         "<p class=\"note\">Deviation: of the cut from the design within the strip; the largest of the page "
-         "also "
-         "counts the design from the cut. Foam kept: the block's volume on the part's side of the blade; the "
-         "rest is "
-         "waste. Kink: the angle between the surfaces of neighbouring strips where they meet.</p>\n"
-         "<h2>Load on blade and clamps</h2>\n" +
-         table(result, kBlade) +
-         fmt::format(
-             "<p class=\"note\">Largest of all poses. End force and moment are what a clamp has to hold. "
-             "Allowed stress: {:.0f} MPa, the yield strength of {:.0f} MPa over a safety of {:g}. A "
-             "stability "
-             "margin of 0 is where the blade snaps into another shape.</p>\n",
-             b.safety > 0 ? b.yield_strength_mpa / b.safety : 0, b.yield_strength_mpa, b.safety);
+  return "<h2>" + w("Strips") + "</h2>\n" + table(result, kCut, w) + "<p class=\"note\">" +
+         w("Deviation: of the cut from the design within the strip; the largest of the page also counts the "
+           "design from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is "
+           "waste. Kink: the angle between the surfaces of neighbouring strips where they meet. Block: along "
+           "the blade x towards the waste x along the sweep.") +
+         "</p>\n<h2>" + w("Load on blade and clamps") + "</h2>\n" + table(result, kBlade, w) +
+         "<p class=\"note\">" +
+         w.format(
+             "Largest of all poses. End force and moment are what a clamp has to hold. Allowed stress: "
+             "{:.0f} MPa, the yield strength of {:.0f} MPa over a safety of {:g}. A stability margin of 0 "
+             "is where the blade snaps into another shape.",
+             b.safety > 0 ? b.yield_strength_mpa / b.safety : 0, b.yield_strength_mpa, b.safety) +
+         "</p>\n";
 }
 
 }  // namespace hotblade::pipeline

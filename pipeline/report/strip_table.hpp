@@ -7,6 +7,7 @@
 #include <string>
 
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/report/words.hpp"
 
 namespace hotblade::pipeline {
 
@@ -32,7 +33,7 @@ struct StripColumn {
 [[nodiscard]] std::span<const StripColumn> strip_columns();
 
 // Both tables as HTML; a strip that is refused stands out. The text is empty when there are no strips.
-[[nodiscard]] std::string strips_section(const PlanResult& result);
+[[nodiscard]] std::string strips_section(const PlanResult& result, const Words& w);
 
 // A duration in words: "1 min 35 s" for 95.
 [[nodiscard]] std::string duration(double seconds);

@@ -5,11 +5,12 @@
 #include <string>
 
 #include "pipeline/report/viewer_scene.hpp"
+#include "pipeline/report/words.hpp"
 
 namespace hotblade::pipeline {
 
 // Returns the view around `still`, the HTML of the picture that print, a browser without script and one
 // without WebGL 2 show in its place.
-[[nodiscard]] std::string viewer_html(const ViewerScene& scene, const std::string& still);
+[[nodiscard]] std::string viewer_html(const ViewerScene& scene, const std::string& still, const Words& w);
 
 }  // namespace hotblade::pipeline

@@ -96,6 +96,284 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
      "cut.",
      "Achsen eines Blockmaßes: Breite entlang der Klinge, Tiefe zur Rückseite des Tisches, Höhe entlang des "
      "Schnitts."},
+    // report.html: heading and verdict
+    {"{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}.",
+     "{:.1f} x {:.1f} x {:.1f} mm, {} Flächen, gelesen in {}; Schaum bleibt: {}."},
+    {"above", "oben"},
+    {"back", "hinten"},
+    {"front", "vorn"},
+    {"SHA-256 of program.json", "SHA-256 von program.json"},
+    {"Sheets for the floor", "Blätter für die Werkstatt"},
+    {"one for each block", "eines für jeden Block"},
+    {"passed", "bestanden"},
+    {"refused", "abgelehnt"},
+    {"Not cuttable as asked", "So nicht schneidbar"},
+    {"Can be cut as planned", "Schneidbar wie geplant"},
+    {"Can be cut, but not within {:g} mm for certain, however exact the clamps are",
+     "Schneidbar, aber wie genau die Klemmen auch sind nicht sicher auf {:g} mm"},
+    {"Can be cut within {:g} mm if the clamps are within {:g} mm and {:g} mrad",
+     "Schneidbar auf {:g} mm, wenn die Klemmen auf {:g} mm und {:g} mrad genau sind"},
+    {"Nothing is cut: no deviation could be measured.",
+     "Nichts wird geschnitten: keine Abweichung konnte gemessen werden."},
+    {"The surface the program cuts deviates from the design by at least <strong>{:.3f} mm</strong> "
+     "(tolerance {:g} mm); worst at {}.",
+     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um mindestens <strong>{:.3f} mm</strong> ab "
+     "(Toleranz {:g} mm); am meisten bei {}."},
+    {"The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
+     "(tolerance {:g} mm); worst at {}.",
+     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um höchstens <strong>{:.3f} mm</strong> ab "
+     "(Toleranz {:g} mm); am meisten bei {}."},
+    {"{:.2f} % of the design is left uncut.", "{:.2f} % des Entwurfs bleiben ungeschnitten."},
+    {"Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the error "
+     "budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the clamps', "
+     "which may err by {:g} mm and {:g} mrad.",
+     "Mit den Fehlern von Klemmen, Gewicht und Netz, die keine Messung des Plans sieht, kommt das "
+     "Fehlerbudget auf <strong>{:.3f} mm</strong>, mehr als die Toleranz; {:.3f} mm davon sind die der "
+     "Klemmen, die um {:g} mm und {:g} mrad falsch stehen dürfen."},
+    {"Why it is refused", "Warum er abgelehnt ist"},
+    {"where", "wo"},
+    {"limit", "Grenze"},
+    {"is", "ist"},
+    {"allowed", "erlaubt"},
+    {"note", "Anmerkung"},
+    {"No other settings were found to pass. plan --advise tries more of them.",
+     "Keine anderen Einstellungen bestanden. plan --advise versucht mehr davon."},
+    {"What makes it cuttable", "Was ihn schneidbar macht"},
+    {"with", "mit"},
+    {"deviation", "Abweichung"},
+    {"tolerance", "Toleranz"},
+    {"strips", "Streifen"},
+    {"verdict", "Urteil"},
+    {"because", "weil"},
+    {"Each was planned with all else as it is, and passed.",
+     "Jedes wurde geplant, alles andere unverändert, und bestand."},
+    {"nothing is cut", "nichts wird geschnitten"},
+    {"largest deviation", "größte Abweichung"},
+    {"deviation of 99 % of the samples", "Abweichung von 99 % der Proben"},
+    {"strips (blocks of foam)", "Streifen (Schaumblöcke)"},
+    {"ribs, at most {:.3g} mm apart", "Rippen, höchstens {:.3g} mm auseinander"},
+    {"time on the machine", "Zeit auf der Maschine"},
+    {"foam in all blocks", "Schaum in allen Blöcken"},
+    // its pictures and its view
+    {"No pictures", "Keine Bilder"},
+    {"Pictures", "Bilder"},
+    {"What is cut", "Was geschnitten wird"},
+    {"on the cut side", "auf der geschnittenen Seite"},
+    {"from above (+z)", "von oben (+z)"},
+    {"from the front (-y)", "von vorn (-y)"},
+    {"which block is which: colours by strip", "welcher Block welcher ist: Farben nach Streifen"},
+    {"the design, on the cut side", "der Entwurf, auf der geschnittenen Seite"},
+    {"the design, from above (+z)", "der Entwurf, von oben (+z)"},
+    {"the design, from the front (-y)", "der Entwurf, von vorn (-y)"},
+    {"view", "Ansicht"},
+    {"obliquely", "schräg"},
+    {"top", "oben"},
+    {"side", "Seite"},
+    {"layers", "Ebenen"},
+    {"design", "Entwurf"},
+    {"cut", "Schnitt"},
+    {"ribs", "Rippen"},
+    {"ghosts", "Klingen"},
+    {"names", "Namen"},
+    {"colours", "Farben"},
+    {"clip", "Schnittebene"},
+    {"off", "aus"},
+    {"place of the clip plane", "Ort der Schnittebene"},
+    {"other side", "andere Seite"},
+    {"the cut in three dimensions", "der Schnitt in drei Dimensionen"},
+    {"sweep", "Fahrt"},
+    {"keys", "Tasten"},
+    {"Drag turns, with shift or the right button it moves, the wheel zooms once the view has the focus; two "
+     "fingers move and zoom. Keys: arrows turn, with shift move, + - zoom; t f s i views, 0 the first one; 1 "
+     "to 5 colours; d c r b g n layers; , . one row back, forward, home end u the whole; x X clip plane; "
+     "page "
+     "up, page down strips, escape none. A click on a strip shows its card and marks its row.",
+     "Ziehen dreht, mit Umschalt oder der rechten Taste verschiebt es, das Rad zoomt, sobald die Ansicht den "
+     "Fokus hat; zwei Finger verschieben und zoomen. Tasten: Pfeile drehen, mit Umschalt verschieben sie, + "
+     "- "
+     "zoomt; t f s i Ansichten, 0 die erste; 1 bis 5 Farben; d c r b g n Ebenen; , . eine Zeile zurück, vor, "
+     "Pos1 Ende u das Ganze; x X Schnittebene; Bild auf, Bild ab Streifen, Esc keiner. Ein Klick auf einen "
+     "Streifen zeigt seine Karte und markiert seine Zeile."},
+    {"curvature", "Krümmung"},
+    {"margin", "Reserve"},
+    {"feed", "Vorschub"},
+    {"deviation, mm", "Abweichung, mm"},
+    {"curvature, % of yield", "Krümmung, % der Fließgrenze"},
+    {"stability margin", "Stabilitätsreserve"},
+    {"feed, mm/s", "Vorschub, mm/s"},
+    {"Chosen", "Gewählt"},
+    {"Clipped at", "Geschnitten bei"},
+    {"Cut so far", "Bisher geschnitten"},
+    {"One row of the cut in", "Eine Zeile des Schnitts von"},
+    {"one point of a row in", "ein Punkt einer Zeile von"},
+    {"Ringed", "Eingekreist"},
+    {"Shown", "Gezeigt"},
+    {"The design is drawn coarser than it is", "Der Entwurf ist gröber gezeichnet, als er ist"},
+    {"The picture stands in for the view", "Das Bild steht für die Ansicht"},
+    {"cut coloured by", "Schnitt gefärbt nach"},
+    {"cut too deep", "zu tief geschnitten"},
+    {"foam left standing", "Schaum stehen geblieben"},
+    {"show in the view", "in der Ansicht zeigen"},
+    {"its row", "seine Zeile"},
+    {"its sheet", "sein Blatt"},
+    {"why", "warum"},
+    {"the graphics context was lost", "der Grafikkontext ging verloren"},
+    {"the whole cut", "der ganze Schnitt"},
+    {"this browser has no WebGL 2", "dieser Browser hat kein WebGL 2"},
+    {"this browser is too old", "dieser Browser ist zu alt"},
+    {"triangles", "Dreiecke"},
+    // its tables
+    {"Strips", "Streifen"},
+    {"rib fit", "Rippenpassung"},
+    {"kink at seam", "Knick an der Naht"},
+    {"plinth", "Sockel"},
+    {"foam kept", "Schaum bleibt"},
+    {"slowest feed", "langsamster Vorschub"},
+    {"time", "Zeit"},
+    {"smallest radius", "kleinster Radius"},
+    {"straight", "gerade"},
+    {"clamps may err", "Klemmen dürfen irren um"},
+    {"0.1 mm or 1 mrad moves", "0,1 mm oder 1 mrad bewegt um"},
+    {"clamp to foam", "Klemme zum Schaum"},
+    {"end force", "Kraft am Ende"},
+    {"end moment", "Moment am Ende"},
+    {"bending stress", "Biegespannung"},
+    {"of the allowed", "vom Erlaubten"},
+    {"droop", "Durchhang"},
+    {"Deviation: of the cut from the design within the strip; the largest of the page also counts the design "
+     "from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is waste. Kink: "
+     "the angle between the surfaces of neighbouring strips where they meet. Block: along the blade x "
+     "towards "
+     "the waste x along the sweep.",
+     "Abweichung: des Schnitts vom Entwurf im Streifen; die größte der Seite zählt auch den Entwurf vom "
+     "Schnitt. Schaum bleibt: das Volumen des Blocks auf der Seite des Teils; der Rest ist Abfall. Knick: "
+     "der "
+     "Winkel zwischen den Flächen benachbarter Streifen, wo sie sich treffen. Block: entlang der Klinge x "
+     "zum "
+     "Abfall hin x entlang der Fahrt."},
+    {"Load on blade and clamps", "Last auf Klinge und Klemmen"},
+    {"Largest of all poses. End force and moment are what a clamp has to hold. Allowed stress: {:.0f} MPa, "
+     "the yield strength of {:.0f} MPa over a safety of {:g}. A stability margin of 0 is where the blade "
+     "snaps into another shape.",
+     "Das Größte aller Stellungen. Kraft und Moment am Ende sind, was eine Klemme halten muss. Erlaubte "
+     "Spannung: {:.0f} MPa, die Fließgrenze von {:.0f} MPa durch eine Sicherheit von {:g}. Bei einer "
+     "Stabilitätsreserve von 0 springt die Klinge in eine andere Form."},
+    {"Which block goes where", "Welcher Block wohin gehört"},
+    {"block as it stands, width x depth x height", "Block, wie er steht, Breite x Tiefe x Höhe"},
+    {"Deviation", "Abweichung"},
+    {"{} samples of the cut against the design, {} of the design against the cut.",
+     "{} Proben des Schnitts gegen den Entwurf, {} des Entwurfs gegen den Schnitt."},
+    {"{} samples of the cut lie beyond the design's border, in waste.",
+     "{} Proben des Schnitts liegen jenseits des Randes des Entwurfs, im Abfall."},
+    {"share of the samples", "Anteil der Proben"},
+    {"within, mm", "innerhalb, mm"},
+    {"Deviation of the samples", "Abweichung der Proben"},
+    {"no samples", "keine Proben"},
+    {"beyond", "darüber"},
+    {"deviation, mm (cut to design and design to cut)",
+     "Abweichung, mm (Schnitt zum Entwurf und Entwurf zum Schnitt)"},
+    {"tolerance {:g} mm", "Toleranz {:g} mm"},
+    {"Error budget", "Fehlerbudget"},
+    {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which all "
+     "add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
+     "Was jeder Schritt der Kette hinzufügen darf, jeder für sich gemessen; die Summe ist der schlimmste "
+     "Fall, "
+     "in dem alle zusammenkommen. Eine gemessene Abweichung über der Toleranz wird abgelehnt; eine Summe "
+     "darüber macht das Urteil gelb."},
+    {"mesh", "Netz"},
+    {"fit", "Passung"},
+    {"joint fit", "gemeinsame Passung"},
+    {"between ribs", "zwischen Rippen"},
+    {"interpolation", "Interpolation"},
+    {"quantisation", "Rundung"},
+    {"gravity droop", "Durchhang"},
+    {"gravity in plane", "Gewicht in der Ebene"},
+    {"clamp error", "Fehler der Klemmen"},
+    {"sum", "Summe"},
+    {"Warnings", "Warnungen"},
+    {"Refusals overridden", "Übergangene Ablehnungen"},
+    {"Not checked", "Nicht geprüft"},
+    {"Settings", "Einstellungen"},
+    {"searched", "gesucht"},
+    {"all faces", "alle Flächen"},
+    // why a plan is as it is
+    {"Why this plan", "Warum dieser Plan"},
+    {"Direction", "Richtung"},
+    {"Split", "Teilung"},
+    {"Blade", "Klinge"},
+    {"The shortest that clears the block, bends within yield and holds its shape; the next lengths of "
+     "blade.free_lengths_mm come to this at the ribs, before weight is compensated:",
+     "Die kürzeste, die vom Block frei bleibt, sich unter der Fließgrenze biegt und ihre Form hält; mit den "
+     "nächsten Längen von blade.free_lengths_mm kommt es an den Rippen, vor dem Ausgleich des Gewichts, "
+     "dazu:"},
+    {"fitted with", "gepasst mit"},
+    {"a shorter one", "eine kürzere"},
+    {"a longer one", "eine längere"},
+    {"The planes were given by slice.direction.", "Die Ebenen waren mit slice.direction vorgegeben."},
+    {"The planes were given by slice.fan_axis.", "Die Ebenen waren mit slice.fan_axis vorgegeben."},
+    {"one part", "ein Teil"},
+    {"{} parts", "{} Teile"},
+    {"its cheap fit is off by {:.2f} mm", "die grobe Passung weicht um {:.2f} mm ab"},
+    {"no elastica follow its sections", "keine Elastika folgen ihren Schnitten"},
+    {"elastica miss its sections by {:.2f} mm", "Elastika verfehlen ihre Schnitte um {:.2f} mm"},
+    {"a fan about", "ein Fächer um"},
+    {"planes with the normal", "Ebenen mit der Normalen"},
+    {"{} ways to lay planes were ranked; of these: {}.",
+     "{} Arten, Ebenen zu legen, wurden geordnet; von diesen: {}."},
+    {"The best of the other directions, {}: {}.", "Die beste der anderen Richtungen, {}: {}."},
+    {"Tried in full and refused, normal {}: {}.", "Ganz versucht und abgelehnt, Normale {}: {}."},
+    {"{} instead of {} strips were tried and refused: {}.",
+     "{} statt {} Streifen wurden versucht und abgelehnt: {}."},
+    {"One strip does.", "Ein Streifen genügt."},
+    {"No fewer can cut it: by its area and size it takes {} at least.",
+     "Weniger gehen nicht: nach Fläche und Größe braucht er mindestens {}."},
+    {"By area and size it takes {} strips at least; fewer than {} were not fitted in full, as the ranking of "
+     "directions put them behind.",
+     "Nach Fläche und Größe braucht er mindestens {} Streifen; weniger als {} wurden nicht ganz gepasst, da "
+     "sie in der Ordnung der Richtungen dahinter standen."},
+    {"A strip takes {} on the machine and {:.1f} l of foam on average: about that is what one more would "
+     "cost.",
+     "Ein Streifen braucht im Mittel {} auf der Maschine und {:.1f} l Schaum: etwa das würde einer mehr "
+     "kosten."},
+    {"it does not hold its own weight", "sie hält ihr eigenes Gewicht nicht"},
+    {"weight moves the cut by {:.2f} mm", "das Gewicht bewegt den Schnitt um {:.2f} mm"},
+    {"the list has none", "die Liste hat keine"},
+    {"turned by {:.0f} degrees from the plan's, which do not serve here",
+     "um {:.0f} Grad gegen die des Plans gedreht, die hier nicht genügen"},
+    {"{} ribs", "{} Rippen"},
+    {"{} coefficients, {:.3f} mm off", "{} Koeffizienten, {:.3f} mm Abweichung"},
+    {"{:g} times calmer", "{:g}-fach ruhiger"},
+    // what was tried
+    {"What was tried", "Was versucht wurde"},
+    {"parts", "Teile"},
+    {"planes", "Ebenen"},
+    {"fit mm", "Passung mm"},
+    {"deviation mm", "Abweichung mm"},
+    {"found", "Ergebnis"},
+    {"passes, taken", "besteht, genommen"},
+    {"passes", "besteht"},
+    {"of the whole", "des Ganzen"},
+    {"rows of blocks", "Reihen von Blöcken"},
+    {"split where the one before fails", "geteilt, wo der davor nicht genügt"},
+    {"calmer where the one before fails", "ruhiger, wo der davor nicht genügt"},
+    {"planes turned on until the fit is nearer", "Ebenen weitergedreht, bis die Passung näher ist"},
+    {"a fan, in the middle", "ein Fächer, in der Mitte"},
+    {"Planes by their normals; slice.direction gives one, slice.fan_axis an axis.",
+     "Ebenen nach ihren Normalen; slice.direction gibt eine vor, slice.fan_axis eine Achse."},
+    {"{} earlier ones stand in report.json.", "{} frühere stehen in report.json."},
+    {"Directions ranked", "Geordnete Richtungen"},
+    {"parts along sweep x ribs", "Teile entlang Fahrt x Rippen"},
+    {"missed by elastica, from Beziers mm", "von Elastika verfehlt, aus Bezierkurven mm"},
+    {"cheap fit mm", "grobe Passung mm"},
+    {"normal", "Normale"},
+    {"turn about", "drehen um"},
+    {"at", "bei"},
+    {"The best are fitted closely and turned where they do not serve; slice.direction fixes the planes, "
+     "slice.fan_axis an axis.",
+     "Die besten werden genau gepasst und gedreht, wo sie nicht genügen; slice.direction legt die Ebenen "
+     "fest, "
+     "slice.fan_axis eine Achse."},
+    {"{} more stand in report.json.", "{} weitere stehen in report.json."},
 };
 
 }  // namespace
@@ -110,6 +388,13 @@ std::string Words::operator()(std::string_view english) const {
                                   [&](const auto& pair) { return pair.first == english; });
   if (found == std::end(kGerman)) throw std::logic_error("no German for \"" + std::string(english) + "\"");
   return std::string(found->second);
+}
+
+std::string Words::known(std::string_view words) const {
+  if (language_ == "en") return std::string(words);
+  const auto found = std::find_if(std::begin(kGerman), std::end(kGerman),
+                                  [&](const auto& pair) { return pair.first == words; });
+  return std::string(found == std::end(kGerman) ? words : found->second);
 }
 
 std::span<const std::pair<std::string_view, std::string_view>> Words::table() const {

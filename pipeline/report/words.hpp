@@ -1,6 +1,8 @@
 // The words of report.html and sheets.html in the language of job.language: a table from the English ones.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,6 +18,16 @@ class Words {
   // Returns the words that stand for these English ones. Throws std::logic_error where the language's table
   // has none: a test renders every page in every language.
   [[nodiscard]] std::string operator()(std::string_view english) const;
+
+  // Returns the same of words that come from elsewhere, a limit or an error; as they are where the table has
+  // none.
+  [[nodiscard]] std::string known(std::string_view words) const;
+
+  // Returns the words with values in their places, as fmt::format puts them there.
+  template <typename... Values>
+  [[nodiscard]] std::string format(std::string_view english, const Values&... values) const {
+    return fmt::format(fmt::runtime((*this)(english)), values...);
+  }
 
   // Returns the language's code.
   [[nodiscard]] const std::string& language() const { return language_; }

@@ -148,7 +148,7 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.job.date; }},
     {"job", "author", "", 0, 0, kAnyText, "Who planned the job, on report and sheets",
      [](S& s) -> Place { return &s.job.author; }},
-    {"job", "language", "", 0, 0, "en|de", "Language of the sheets",
+    {"job", "language", "", 0, 0, "en|de", "Language of report.html and the sheets",
      [](S& s) -> Place { return &s.job.language; }},
 };
 

@@ -68,6 +68,25 @@ TEST(PngOf, GivesTheSameBytesForTheSameScene) {
   EXPECT_EQ(png_of(scene, kSmall), png_of(scene, kSmall));
 }
 
+TEST(PngsOf, NamesStripsWhereThereAreSeveralAndColoursByThemWhereAsked) {
+  const auto design = vault_design(2);
+  Scene two = scene_of(vault_program({.strips = 2}), &design, {});
+  ASSERT_EQ(two.strip_ids.size(), 2u);
+  EXPECT_EQ(two.strip_ids[1].words, "S002");
+  // Above the middle of its strip's ribs.
+  EXPECT_NEAR(two.strip_ids[1].at.x(), 0, 1);
+  EXPECT_NEAR(two.strip_ids[1].at.y(), 1.5 * testing::kVaultStripWidth, 0.05 * testing::kVaultStripWidth);
+  EXPECT_TRUE(scene_of(vault_program(), nullptr, {}).strip_ids.empty());
+  constexpr PictureSize kNamed{960, 540};
+  const auto pngs = pngs_of(two, kNamed, std::array{Shot{}, Shot{View::kBest, true, true}, Shot{}});
+  EXPECT_NE(pngs[0], pngs[1]);
+  EXPECT_EQ(pngs[0], pngs[2]) << "the colours of one shot are not the next one's";
+  const std::string named = pngs[0], named_small = png_of(two, kSmall);
+  two.strip_ids.clear();
+  EXPECT_NE(png_of(two, kNamed), named);
+  EXPECT_EQ(png_of(two, kSmall), named_small) << "names would be too small to be read";
+}
+
 // Share of the picture that is as blue as only foam cut too deep is.
 double share_beyond(const Scene& scene) {
   vtkNew<vtkPNGReader> reader;

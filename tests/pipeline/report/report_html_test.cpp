@@ -56,9 +56,11 @@ TEST(ReportHtml, OfAPassedPlanSaysSoWithItsFigures) {
   EXPECT_THAT(html, HasSubstr("Can be cut as planned"));
   EXPECT_THAT(html, HasSubstr(fmt::format("{:.3f} mm", result.verification.deviation.max)));
   EXPECT_THAT(html, HasSubstr("S001"));
+  EXPECT_THAT(html, HasSubstr("Which block goes where"));
+  EXPECT_THAT(html, Not(HasSubstr("Released by"))) << "no job, no line to sign";
   EXPECT_THAT(html, HasSubstr(result.program.design.sha256));
   EXPECT_THAT(html, Not(HasSubstr("sheets.html"))) << "no program, no sheets";
-  EXPECT_THAT(report_html(result, {}, "", "0123"), HasSubstr("href=\"sheets.html\""));
+  EXPECT_THAT(report_html(result, {}, "", "0123"), HasSubstr("href=\"sheets.html#sheet-S001\""));
   EXPECT_THAT(html, HasSubstr("data:image/png;base64,bm90IHJlYWxseSBhIHBpY3R1cmU="));
   for (const std::string& line : result.program.verification.not_checked) {
     EXPECT_THAT(html, HasSubstr(escaped(line)));

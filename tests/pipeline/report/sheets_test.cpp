@@ -6,11 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "pipeline/report/block_stand.hpp"
 #include "pipeline/report/sheet_drawings.hpp"
-#include "pipeline/report/words.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "tests/pipeline/plan_design.hpp"
@@ -220,21 +218,6 @@ TEST(Sheets, ChangeWithEachSettingOfTheJob) {
         resolve({{}, {info.key + (info.key == "job.language" ? "=de" : "=other")}, {}}).job;
     EXPECT_NE(sheets_html(result, ""), before) << info.key;
   }
-}
-
-TEST(Words, OfGermanAreThereForEveryPageAndNoneTwice) {
-  PlanResult result = planned();
-  result.program.settings.job.language = "de";
-  EXPECT_THAT(sheets_html(result, ""), HasSubstr("Einzubauende Klinge"));
-  result.program.verification.status = VerificationStatus::kRefused;
-  EXPECT_THAT(sheets_html(result, ""), HasSubstr("Nicht freigegeben"));
-  std::set<std::string_view> seen;
-  for (const auto& [english, german] : Words("de").table()) {
-    EXPECT_TRUE(seen.insert(english).second) << english;
-    EXPECT_FALSE(german.empty());
-  }
-  EXPECT_THROW((void)Words("de")("no such words"), std::logic_error);
-  EXPECT_EQ(Words("en")("no such words"), "no such words");
 }
 
 }  // namespace

@@ -156,7 +156,8 @@ TEST(ViewerScene, DrawsALargeDesignByFewerTriangles) {
 
 TEST(ViewerHtml, KeepsThePictureAndRunsNothingThatIsNotInThePage) {
   const Vault vault;
-  const std::string html = viewer_html(viewer_scene(vault.scene, vault.program, {}), "<p>picture</p>");
+  const std::string html =
+      viewer_html(viewer_scene(vault.scene, vault.program, {}), "<p>picture</p>", Words("en"));
   EXPECT_THAT(html, HasSubstr("<div class=\"still\"><p>picture</p></div>"));
   EXPECT_THAT(html, HasSubstr("data-state=\"still\""));
   EXPECT_THAT(html, Not(HasSubstr("src=")));

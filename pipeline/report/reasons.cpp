@@ -1,0 +1,182 @@
+#include "pipeline/report/reasons.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "pipeline/report/report_plots.hpp"
+#include "pipeline/report/strip_table.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+// Planes turned by less were tried as the same direction (docs/planning.md, Swept families: 6, 3, 1.5).
+constexpr double kOtherDirection_deg = 10;
+
+std::string vector_text(const Eigen::Vector3d& v) {
+  // Adding zero takes the sign off a zero.
+  const Eigen::Vector3d r = (1000 * v).array().round().matrix() / 1000 + Eigen::Vector3d::Zero();
+  return fmt::format("({:g}, {:g}, {:g})", r.x(), r.y(), r.z());
+}
+
+// Between planes with these normals, whichever way they point.
+double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return kDegrees * std::acos(std::min(1.0, std::abs(a.normalized().dot(b.normalized()))));
+}
+
+const Decision* taken(const PlanResult& result) {
+  const auto found = std::find_if(result.decisions.begin(), result.decisions.end(),
+                                  [](const Decision& d) { return d.taken && d.passed; });
+  return found == result.decisions.end() ? nullptr : &*found;
+}
+
+bool is_other(const PlanesTried& tried, const Decision& decision) {
+  return tried.planes.turns() != decision.fan ||
+         angle_deg(tried.planes.normal(0), decision.normal) > kOtherDirection_deg;
+}
+
+std::size_t parts(const PlanesTried& tried) {
+  return tried.along_sweep * tried.along_ribs;
+}
+
+// What a ranked family came to: its cheap fit, or what its sections' Beziers say that elastica miss.
+std::string came_to(const PlanesTried& tried, const Words& w) {
+  std::string text = parts(tried) == 1 ? w("one part") : w.format("{} parts", parts(tried));
+  if (tried.fit_mm) return text + ", " + w.format("its cheap fit is off by {:.2f} mm", *tried.fit_mm);
+  if (!std::isfinite(tried.missed_mm)) return text + ", " + w("no elastica follow its sections");
+  return text + ", " + w.format("elastica miss its sections by {:.2f} mm", tried.missed_mm);
+}
+
+// Fitted ones first, then fewer parts, then what is less off.
+const PlanesTried* best(const PlanResult& result, const Decision& decision, bool other) {
+  const auto rank = [](const PlanesTried& d) {
+    return std::tuple(!d.fit_mm, parts(d), d.fit_mm ? *d.fit_mm : d.missed_mm);
+  };
+  const PlanesTried* found = nullptr;
+  for (const PlanesTried& d : result.ranking) {
+    if (is_other(d, decision) == other && (found == nullptr || rank(d) < rank(*found))) found = &d;
+  }
+  return found;
+}
+
+std::string planes_text(const PlanesTried& d, const Words& w) {
+  return (d.planes.turns() ? w("a fan about") + " " + vector_text(d.planes.axis())
+                           : w("planes with the normal") + " " + vector_text(d.planes.normal(0)));
+}
+
+}  // namespace
+
+std::string direction_reason(const PlanResult& result, const Words& w) {
+  const Decision* decision = taken(result);
+  if (decision == nullptr) return "";
+  const SliceSettings& given = result.program.settings.slice;
+  if (given.direction) return w("The planes were given by slice.direction.");
+  if (given.fan_axis) return w("The planes were given by slice.fan_axis.");
+  std::string text;
+  const PlanesTried *own = best(result, *decision, false), *next = best(result, *decision, true);
+  if (own != nullptr)
+    text =
+        w.format("{} ways to lay planes were ranked; of these: {}.", result.ranking.size(), came_to(*own, w));
+  if (next != nullptr)
+    text +=
+        " " + w.format("The best of the other directions, {}: {}.", planes_text(*next, w), came_to(*next, w));
+  for (const Decision& d : result.decisions) {
+    if (d.passed || (d.fan == decision->fan && angle_deg(d.normal, decision->normal) <= kOtherDirection_deg))
+      continue;
+    text +=
+        " " + w.format("Tried in full and refused, normal {}: {}.", vector_text(d.normal), escaped(d.why));
+    break;
+  }
+  return text;
+}
+
+std::string split_reason(const PlanResult& result, const Words& w) {
+  const Decision* decision = taken(result);
+  if (decision == nullptr || result.strips.empty()) return "";
+  const std::size_t count = result.strips.size();
+  std::string text;
+  // The nearest try that would have taken less foam.
+  const Decision* coarser = nullptr;
+  for (const Decision& d : result.decisions) {
+    if (!d.passed && d.strips < count && (coarser == nullptr || d.strips >= coarser->strips)) coarser = &d;
+  }
+  if (coarser != nullptr) {
+    text = w.format("{} instead of {} strips were tried and refused: {}.", coarser->strips, count,
+                    escaped(coarser->why));
+  } else if (count == 1) {
+    text = w("One strip does.");
+  } else if (count <= result.strips_lower_bound) {
+    text = w.format("No fewer can cut it: by its area and size it takes {} at least.",
+                    result.strips_lower_bound);
+  } else {
+    text = w.format(
+        "By area and size it takes {} strips at least; fewer than {} were not fitted in full, as the "
+        "ranking of directions put them behind.",
+        result.strips_lower_bound, count);
+  }
+  double seconds = 0, foam_l = 0;
+  for (const StripFacts& f : result.strips) {
+    seconds += f.motion.duration_s / static_cast<double>(count);
+    foam_l += 1e-6 * f.stock_volume_mm3 / static_cast<double>(count);
+  }
+  return text + " " +
+         w.format(
+             "A strip takes {} on the machine and {:.1f} l of foam on average: about that is what one more "
+             "would cost.",
+             duration(seconds), foam_l);
+}
+
+std::string blade_text(const BladeTrial& trial, const Words& w) {
+  const std::string length = fmt::format("{:.0f} mm: ", trial.length_mm);
+  if (trial.refusal.limit != Limit::kNone) return length + escaped(describe_amount(trial.refusal));
+  if (!std::isfinite(trial.sag_mm)) return length + w("it does not hold its own weight");
+  return length + w.format("weight moves the cut by {:.2f} mm", trial.sag_mm);
+}
+
+std::string reasons_section(const PlanResult& result, const Words& w) {
+  const Decision* decision = taken(result);
+  if (decision == nullptr) return "";
+  std::string html =
+      "<h2>" + w("Why this plan") + "</h2><ul><li><b>" + w("Direction") + ".</b> " +
+      direction_reason(result, w) + "</li><li><b>" + w("Split") + ".</b> " + split_reason(result, w) +
+      "</li><li><b>" + w("Blade") + ".</b> " +
+      w("The shortest that clears the block, bends within yield and holds its shape; the next "
+        "lengths of blade.free_lengths_mm come to this at the ribs, before weight is compensated:") +
+      "</li></ul>\n<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
+  for (const char* column : {"planes", "fitted with", "blade", "a shorter one", "a longer one"})
+    html += "<th class=\"l\">" + w(column) + "<small></small></th>";
+  html += "</tr>\n";
+  const bool all_fits = decision->fits.size() == result.strips.size();
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const Strip& strip = result.program.strips[i];
+    const Eigen::Vector3d normal = strip.ribs[strip.ribs.size() / 2].frame.normal();
+    const double turned = angle_deg(normal, decision->normal);
+    std::string planes = vector_text(normal);
+    // Of a fan every strip has its own.
+    if (!decision->fan && turned > 0.1)
+      planes += ", " + w.format("turned by {:.0f} degrees from the plan's, which do not serve here", turned);
+    std::string fit = w.format("{} ribs", strip.ribs.size());
+    if (all_fits && decision->fits[i].coefficients > 0) {
+      fit = w.format("{} coefficients, {:.3f} mm off", decision->fits[i].coefficients,
+                     decision->fits[i].fit_mm);
+      if (decision->fits[i].calm > 1) fit += ", " + w.format("{:g} times calmer", decision->fits[i].calm);
+    }
+    html += fmt::format("<tr id=\"why-{0}\" data-strip=\"{0}\"><td class=\"l\">{0}</td>", escaped(strip.id));
+    const auto& blades = result.strips[i].blades;
+    const auto other = [&](const std::optional<BladeTrial>& trial) {
+      return trial ? blade_text(*trial, w) : w("the list has none");
+    };
+    for (const std::string& cell :
+         {planes, fit, blades ? blade_text(blades->chosen, w) : std::string(),
+          blades ? other(blades->shorter) : std::string(), blades ? other(blades->longer) : std::string()})
+      html += "<td class=\"l\">" + cell + "</td>";
+    html += "</tr>\n";
+  }
+  return html + "</table></div>\n";
+}
+
+}  // namespace hotblade::pipeline

@@ -1,0 +1,125 @@
+#include "pipeline/report/reasons.hpp"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "pipeline/report/report_html.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const Words kEnglish("en");
+
+// A cylinder in several blocks, its planes given.
+const PlanResult& planned() {
+  static const PlanResult result = [] {
+    Settings settings = along_x();
+    settings.stock.max_size_mm = {200, 120, 120};
+    settings.blade.free_lengths_mm = {100, 200, 400, 600, 800};
+    return plan(cylinder_design(), settings, {});
+  }();
+  return result;
+}
+
+PlanesTried ranked(const Eigen::Vector3d& normal, std::size_t parts, std::optional<double> fit_mm) {
+  return {surface::PlaneFamily::parallel(normal.normalized()), parts, 1, 2.5, fit_mm};
+}
+
+// One whose planes were searched.
+PlanResult searched() {
+  PlanResult result = planned();
+  result.program.settings.slice.direction.reset();
+  result.ranking = {ranked({1, 0, 0}, 2, 0.125), ranked({0.99, 0.1, 0}, 2, 0.1), ranked({0, 1, 0}, 3, {}),
+                    ranked({0, 0, 1}, 1, 7.5)};
+  return result;
+}
+
+TEST(Reasons, SayThatPlanesWereGiven) {
+  EXPECT_EQ(direction_reason(planned(), kEnglish), "The planes were given by slice.direction.");
+}
+
+TEST(Reasons, TellWhatTheNextDirectionWouldTake) {
+  const std::string text = direction_reason(searched(), kEnglish);
+  EXPECT_THAT(
+      text,
+      HasSubstr("4 ways to lay planes were ranked; of these: 2 parts, its cheap fit is off by 0.10 mm."));
+  EXPECT_THAT(text, HasSubstr("(0, 0, 1): one part, its cheap fit is off by 7.50 mm."));
+  EXPECT_THAT(text, Not(HasSubstr("(0, 1, 0)"))) << "it was not fitted";
+}
+
+TEST(Reasons, TellByWhatAnotherDirectionFailedThatWasTriedInFull) {
+  PlanResult result = searched();
+  Decision other = result.decisions.back();
+  other.taken = other.passed = false;
+  other.normal = {0, 0, 1};
+  other.why = "S001: radius 55 mm (limit 70 mm)";
+  result.decisions.insert(result.decisions.begin(), other);
+  EXPECT_THAT(direction_reason(result, kEnglish),
+              HasSubstr("Tried in full and refused, normal (0, 0, 1): S001: radius 55 mm (limit 70 mm)."));
+}
+
+TEST(Reasons, TellByWhatFewerStripsFailed) {
+  PlanResult result = planned();
+  const std::size_t count = result.strips.size();
+  ASSERT_GT(count, 1u);
+  result.strips_lower_bound = count;
+  result.decisions.resize(1, result.decisions.back());
+  EXPECT_THAT(split_reason(result, kEnglish), HasSubstr(fmt::format("it takes {} at least", count)));
+  Decision coarser = result.decisions.back();
+  coarser.taken = coarser.passed = false;
+  coarser.strips = 1;
+  coarser.why = "S001: deviation 1.2 mm (limit 1 mm)";
+  result.decisions.insert(result.decisions.begin(), coarser);
+  const std::string text = split_reason(result, kEnglish);
+  EXPECT_THAT(text, HasSubstr(fmt::format(
+                        "1 instead of {} strips were tried and refused: S001: deviation 1.2 mm (limit 1 mm).",
+                        count)));
+  EXPECT_THAT(text, HasSubstr("l of foam on average"));
+}
+
+TEST(Reasons, OfABladeAreTheLimitOfTheShorterAndTheWeightOfTheLonger) {
+  const std::vector<double>& lengths = planned().program.settings.blade.free_lengths_mm;
+  for (const StripFacts& f : planned().strips) {
+    ASSERT_TRUE(f.blades && f.blades->shorter && f.blades->longer);
+    const auto own = std::find(lengths.begin(), lengths.end(), f.blade_length_mm);
+    EXPECT_EQ(f.blades->chosen.length_mm, *own);
+    EXPECT_EQ(f.blades->shorter->length_mm, *(own - 1));
+    EXPECT_EQ(f.blades->longer->length_mm, *(own + 1));
+    EXPECT_EQ(f.blades->chosen.refusal.limit, Limit::kNone);
+    EXPECT_NE(f.blades->shorter->refusal.limit, Limit::kNone) << "it would have been taken";
+    EXPECT_THAT(blade_text(*f.blades->shorter, kEnglish), HasSubstr("(limit "));
+    EXPECT_EQ(f.blades->longer->refusal.limit, Limit::kNone);
+    EXPECT_GT(f.blades->longer->sag_mm, f.blades->chosen.sag_mm);
+    EXPECT_THAT(blade_text(*f.blades->longer, kEnglish), HasSubstr("weight moves the cut by"));
+  }
+}
+
+TEST(Reasons, HaveARowForEachStripThatTheViewFinds) {
+  const std::string html = reasons_section(planned(), kEnglish);
+  for (const Strip& strip : planned().program.strips)
+    EXPECT_THAT(html, HasSubstr("<tr id=\"why-" + strip.id + "\" data-strip=\"" + strip.id + "\">"));
+  PlanResult turned = planned();
+  for (Rib& rib : turned.program.strips[1].ribs)
+    rib.frame = {rib.frame.origin, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()};
+  EXPECT_THAT(reasons_section(turned, kEnglish), HasSubstr("turned by 90 degrees from the plan's"));
+}
+
+TEST(Reasons, AreNotGivenOfWhatWasRefused) {
+  Settings settings = along_x();
+  settings.blade.min_margin = 1000;
+  const PlanResult refused = plan(cylinder_design(), settings, {});
+  EXPECT_EQ(reasons_section(refused, kEnglish), "");
+  for (const StripFacts& f : refused.strips) EXPECT_FALSE(f.blades);
+  EXPECT_THAT(report_html(refused, {}, "none"), HasSubstr("No other settings were found to pass"));
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
