@@ -51,7 +51,7 @@ void add_config(CLI::App& app, const Console& console, Action& action) {
 
   auto* defaults_command =
       config->add_subcommand("defaults", "Print every setting at its default, with comments");
-  defaults_command->footer("Example: hotblade config defaults > job.toml");
+  defaults_command->footer("Example: hotblade config defaults > machine.toml");
   defaults_command->callback([&action] { action = show_defaults; });
 
   auto files = std::make_shared<std::vector<std::string>>();

@@ -248,23 +248,26 @@ void add_curve(CLI::App& app, const Console& console, Action& action) {
   curve->require_subcommand(1);
   curve->footer(
       "A bad line is answered by {\"error\": ...} at its place, and exit code 3 at the end.\n"
-      "Example: hotblade curve residual < beziers.jsonl");
+      "Example: echo '{\"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | hotblade curve residual");
   add_tool(*curve, "residual", "lambda-residual of cubic Beziers", action, residual,
-           "hotblade curve residual < beziers.jsonl");
+           "echo '{\"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | hotblade curve residual");
   auto ends = std::make_shared<std::string>("free");
   auto* fitting = curve->add_subcommand("fit", "True elastica near a Bezier or points");
   fitting->add_option("--ends", *ends, "Clamped: end points and tangents are kept")
       ->check(CLI::IsMember({"free", "clamped"}))
       ->type_name("free|clamped")
       ->capture_default_str();
-  fitting->footer("Example: hotblade curve fit --ends clamped < beziers.jsonl");
+  fitting->footer(
+      "Example: echo '{\"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | hotblade curve fit --ends "
+      "clamped");
   fitting->callback([&action, ends] {
     action = [ends] { return each_line(*ends == "clamped" ? fit_clamped : fit_free); };
   });
   add_tool(*curve, "sample", "Points of an elastica, evenly spaced", action, sample,
-           "hotblade curve sample < elastica.jsonl");
+           "echo '{\"elastica\": {\"x\": 0, \"y\": 0, \"theta\": 0.4, \"kappa\": -0.008, \"lambda1\": 0, "
+           "\"lambda2\": 0.0001, \"length\": 100}, \"n\": 5}' | hotblade curve sample");
   add_tool(*curve, "equilibria", "Every shape that a blade can take between two clamps", action, equilibria,
-           "hotblade curve equilibria < clamps.jsonl");
+           "echo '{\"a\": [0, 0, 0.5], \"b\": [100, 0, -0.5], \"length\": 110}' | hotblade curve equilibria");
   add_curve_arcs(*curve, action);
   add_curve_shapes(*curve, console, action);
   auto arguments = std::make_shared<ProjectArguments>();
@@ -283,7 +286,9 @@ void add_curve(CLI::App& app, const Console& console, Action& action) {
   projecting->add_option("--branch", arguments->branch, "Branch of the optimum")
       ->check(CLI::IsMember({"inflectional", "plain", "best"}))
       ->type_name("inflectional|plain|best");
-  projecting->footer("Example: hotblade curve project --method optimal < beziers.jsonl");
+  projecting->footer(
+      "Example: echo '{\"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | hotblade curve project "
+      "--method optimal");
   projecting->callback([&action, arguments] {
     action = [arguments] {
       return each_line([arguments](const Json& line) { return project(line, *arguments); });

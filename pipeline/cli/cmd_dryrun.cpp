@@ -160,7 +160,7 @@ void add_dryrun(CLI::App& app, const Console& console, Action& action) {
       "Exit code 0 when every waypoint was executed once, in order, byte for byte, and the surface it cut is "
       "within "
       "the tolerance; 6 when not executed so, 5 when over the tolerance.\n"
-      "Example: hotblade dryrun out/program.json");
+      "Example: hotblade dryrun vault_cut/program.json");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return dryrun(*arguments, console); };
   });

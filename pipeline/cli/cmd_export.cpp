@@ -111,7 +111,7 @@ void add_export(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--override", arguments->override_refusal, "Export a refused program all the same");
   command->footer(
       "rapid and krl are text for two synchronised arms, not tested on hardware.\n"
-      "Example: hotblade export job/program.json --format rapid -o job/robots");
+      "Example: hotblade export vault_cut/program.json --format rapid -o vault_robots");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return run_export(*arguments, console); };
   });

@@ -365,7 +365,7 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--force", options->force, "Overwrite an existing picture");
   command->footer(
       "In the window: space plays, h shows all keys, drag turns, a click picks, q closes.\n"
-      "Example: hotblade preview job/program.json --design vault.obj --shot vault.png");
+      "Example: hotblade preview vault_cut/program.json --design vault.obj --shot vault.png");
   command->callback([options, &console, &action] {
     action = [options, &console] { return run_preview(*options, console); };
   });

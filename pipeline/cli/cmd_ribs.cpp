@@ -40,7 +40,7 @@ void add_ribs(CLI::App& app, const Console&, Action& action) {
       ->check(CLI::Range(1e-6, 100.0))
       ->type_name("MM");
   command->add_flag("--force", arguments->force, "Overwrite files that are there");
-  command->footer("Example: hotblade ribs job/program.json --format dxf --arcs -o job/ribs");
+  command->footer("Example: hotblade ribs vault_cut/program.json --format dxf --arcs -o vault_ribs");
   command->callback([arguments, &action] { action = [arguments] { return run_ribs(*arguments); }; });
 }
 

@@ -440,7 +440,8 @@ void add_run(CLI::App& app, const Console& console, Action& action) {
   command->footer(
       "Ctrl-C slows down along the path and holds; --resume goes on. Exit code 6 when the controller "
       "refuses,\n"
-      "faults, or the link is lost.\nExample: hotblade run out/program.json --connect 127.0.0.1:1502 --yes");
+      "faults, or the link is lost.\nExample: hotblade run vault_cut/program.json --connect 127.0.0.1:1502 "
+      "--yes");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return run(*arguments, console); };
   });

@@ -188,7 +188,9 @@ void add_sim(CLI::App& app, const Console& console, Action& action) {
       ->type_name("SPEC");
   command->add_flag("--no-equilibrium", arguments->no_equilibrium,
                     "Leave out the check of the blade's equilibrium; no shapes in the log");
-  command->footer("Ends on Ctrl-C.\nExample: hotblade sim --listen 127.0.0.1:1502 --log execution.jsonl");
+  command->footer(
+      "Ends on Ctrl-C.\nExample: hotblade sim --listen 127.0.0.1:1502 --log execution.jsonl --time-scale "
+      "max");
   command->callback([arguments, &console, &action] {
     action = [arguments, &console] { return sim(*arguments, console); };
   });

@@ -82,7 +82,8 @@ void add_study(CLI::App& app, const Console& console, Action& action) {
     one->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")
         ->check(CLI::Range(1, kMostThreads));
     one->add_flag("--force", arguments->force, "Overwrite results that are there");
-    one->footer(fmt::format("Example: hotblade study {} --seed 2 -o plots", study.name));
+    one->footer(fmt::format("Example: hotblade study {0} --seed 2 --samples 500 --checked 20 -o {0}_plots",
+                            study.name));
     one->callback([&action, &console, &study, arguments] {
       action = [&console, &study, arguments] { return run_study(study, *arguments, console); };
     });

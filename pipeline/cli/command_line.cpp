@@ -135,7 +135,8 @@ int run_command_line(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 ok, 1 internal, 2 usage or configuration, 3 bad input, 4 not cuttable as asked,\n"
-      "5 deviation over the tolerance, 6 controller, 7 file, 130 interrupted.");
+      "5 deviation over the tolerance, 6 controller, 7 file, 130 interrupted.\n"
+      "Example: hotblade check vault.obj --units mm");
   add_global_options(app, console);
   for (const Registrar add : kCommands) add(app, console, action);
   try {

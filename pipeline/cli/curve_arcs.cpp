@@ -114,8 +114,10 @@ Json arcs(const Json& line, const ArcArguments& arguments) {
 }  // namespace
 
 void add_curve_arcs(CLI::App& curve, Action& action) {
-  add_tool(curve, "quadratic", "Length, energy and nearest point of quadratic Beziers; tangent ones", action,
-           quadratic, "hotblade curve quadratic < quadratics.jsonl");
+  add_tool(
+      curve, "quadratic", "Length, energy and nearest point of quadratic Beziers; tangent ones", action,
+      quadratic,
+      "echo '{\"bezier\": [[0, 0], [50, 60], [100, 0]], \"nearest\": [40, 10]}' | hotblade curve quadratic");
   auto arguments = std::make_shared<ArcArguments>();
   auto* fitting = curve.add_subcommand("arcs", "Elastica or points as circular arcs of the same length");
   fitting->add_option("--tolerance", arguments->tolerance, "Largest distance, in the curve's unit")
@@ -124,7 +126,9 @@ void add_curve_arcs(CLI::App& curve, Action& action) {
   fitting->add_option("--order", arguments->order, "Arcs a piece: two, or three that keep its end curvatures")
       ->check(CLI::IsMember({"biarc", "triarc"}))
       ->type_name("biarc|triarc");
-  fitting->footer("Example: hotblade curve arcs --tolerance 0.01 < elastica.jsonl");
+  fitting->footer(
+      "Example: echo '{\"elastica\": {\"x\": 0, \"y\": 0, \"theta\": 0.4, \"kappa\": -0.008, \"lambda1\": 0, "
+      "\"lambda2\": 0.0001, \"length\": 100}}' | hotblade curve arcs --tolerance 0.01");
   fitting->callback([&action, arguments] {
     action = [arguments] {
       return each_line([arguments](const Json& line) { return arcs(line, *arguments); });

@@ -204,7 +204,9 @@ void add_nearest(CLI::App& curve, const Console& console, Action& action) {
   auto arguments = std::make_shared<NearestArguments>();
   auto* command = curve.add_subcommand("nearest", "Distances from points to a Bezier or an elastica");
   add_backend_option(*command, arguments->backend);
-  command->footer("Example: hotblade curve nearest < points.jsonl");
+  command->footer(
+      "Example: echo '{\"points\": [[50, 0]], \"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | "
+      "hotblade curve nearest");
   command->callback([&action, &console, arguments] {
     action = [&console, arguments] { return nearest_lines(*arguments, console); };
   });
@@ -219,7 +221,10 @@ void add_spline(CLI::App& curve, Action& action) {
       ->check(CLI::IsMember({"g1", "c1"}))
       ->type_name("g1|c1")
       ->capture_default_str();
-  command->footer("Example: hotblade curve spline --continuity c1 < chains.jsonl");
+  command->footer(
+      "Example: echo '{\"chain\": [[[0, 0], [10, 20], [30, 30], [50, 30]], [[50, 30], [70, 30], [90, 20], "
+      "[100, 0]]]}' | "
+      "hotblade curve spline --continuity c1");
   command->callback([&action, continuity] {
     action = [continuity] {
       return each_line([continuity](const Json& line) { return spline(line, *continuity); });
@@ -238,7 +243,9 @@ void add_split(CLI::App& curve, Action& action) {
       ->check(CLI::Range(1, 256))
       ->type_name("N")
       ->capture_default_str();
-  command->footer("Example: hotblade curve split --tolerance 0.5 < beziers.jsonl");
+  command->footer(
+      "Example: echo '{\"bezier\": [[0, 0], [30, 40], [70, 40], [100, 0]]}' | hotblade curve split "
+      "--tolerance 0.5");
   command->callback([&action, arguments] {
     action = [arguments] {
       return each_line([arguments](const Json& line) { return split(line, *arguments); });
@@ -250,7 +257,9 @@ void add_split(CLI::App& curve, Action& action) {
 
 void add_curve_shapes(CLI::App& curve, const Console& console, Action& action) {
   add_tool(curve, "features", "Shape, inflections, vertices and self-intersections of elastica", action,
-           features, "hotblade curve features < elastica.jsonl");
+           features,
+           "echo '{\"elastica\": {\"x\": 0, \"y\": 0, \"theta\": 0.4, \"kappa\": -0.008, \"lambda1\": 0, "
+           "\"lambda2\": 0.0001, \"length\": 100}}' | hotblade curve features");
   add_nearest(curve, console, action);
   add_spline(curve, action);
   add_split(curve, action);
