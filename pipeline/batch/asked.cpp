@@ -11,7 +11,7 @@
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/design_surface.hpp"
-#include "surface/read/obj_statements.hpp"
+#include "surface/read/polygons.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {

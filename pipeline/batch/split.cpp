@@ -14,6 +14,7 @@
 
 #include "surface/read/obj_statements.hpp"
 #include "surface/read/obj_text.hpp"
+#include "surface/read/words.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -267,8 +268,8 @@ class Splitter {
               untold_ = 0;  // the place of the walk, and the bytes that `read_` has not been told of
   Offsets offsets_;
   std::vector<int> parents_;
-  surface::ObjText::Group group_;  // in force
-  std::string name_ = "unnamed";   // of the panel in force
+  surface::Polygons::Group group_;  // in force
+  std::string name_ = "unnamed";    // of the panel in force
   bool wanted_ = options_.only.empty();
   Stretch* stretch_ = nullptr;
   std::deque<Panel> panels_;

@@ -14,10 +14,10 @@ namespace hotblade::pipeline {
 // Adds --config FILE and --set KEY=VALUE, both as often as wanted.
 void add_settings_options(CLI::App& command, SettingsSources& sources);
 
-// A design as commands take it: the OBJ, --units, --up, --config and --set.
+// A design as commands take it: its file, --units, --up, --format, --config and --set.
 struct DesignOptions {
   std::string file;
-  std::string units, up;  // empty: not given
+  std::string units, up, format;  // empty: not given
   SettingsSources sources;
 };
 void add_design_options(CLI::App& command, DesignOptions& options);

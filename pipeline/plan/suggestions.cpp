@@ -155,7 +155,7 @@ std::vector<Suggestion> suggestions(const Shape& shape, const std::optional<OddS
   constexpr std::size_t kMostTried = 16;
   std::vector<Suggestion> list;
   const std::vector<Suggestion> faces = of_faces(shape, settings);
-  if (odd) {
+  if (odd && settings.design.format != "gltf") {  // which is in metres
     for (const OtherUnit& other : odd->others) {
       if (other.strips_lower_bound > kMostTried) continue;
       Suggestion change{{"design.units=" + other.units}, odd->why};

@@ -10,7 +10,9 @@ surface::DesignSurface read_design(const std::filesystem::path& file, const Desi
   if (settings.facing) options.facing = Eigen::Vector3d((*settings.facing).data());
   options.facing_max_rad = settings.facing_max_deg * std::numbers::pi / 180;
   options.stitch_mm = settings.stitch_mm;
-  return surface::read_obj(file, options);
+  options.format = surface::format_named(settings.format);
+  options.resolution_mm = settings.tolerance_mm / 10;
+  return surface::read_surface(file, options);
 }
 
 surface::DesignSurface read_design(const std::filesystem::path& file, const Program& program) {

@@ -1,4 +1,4 @@
-// How settings and programs say which part of an OBJ is the design.
+// How settings and programs say how a file is read, and which part of it is the design.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace hotblade::pipeline {
 
-// Return the design of an OBJ file, as settings say or as the program's plan read it. Throw as
-// surface::read_obj() does.
+// Return the design of a file, as settings say or as the program's plan read it. Throw as
+// surface::read_surface() does.
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file,
                                                  const DesignSettings& settings);
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file, const Program& program);

@@ -28,10 +28,11 @@ enum class OverBudget { kWarn, kRefuse };
 [[nodiscard]] std::string_view name(OverBudget over_budget);
 
 struct DesignSettings {
-  std::string units;     // mm, cm, m, in, ft; required, no default
-  std::string up = "z";  // z or y
+  std::string units;            // mm, cm, m, in, ft; required, no default
+  std::string up = "z";         // z or y
+  std::string format = "auto";  // obj, stl, ply, gltf, or auto: as the file tells
   Keep keep = Keep::kBelow;
-  std::string group;  // OBJ group or object to cut; empty: the whole file
+  std::string group;  // group or object of the file to cut; empty: the whole file
   // The faces that look in this direction of the design frame are cut; absent, all are.
   std::optional<std::array<double, 3>> facing;
   double facing_max_deg = 80;     // between a face's normal and `facing`

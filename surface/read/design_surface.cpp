@@ -9,10 +9,13 @@
 #include <memory>
 #include <utility>
 
+#include "surface/read/gltf.hpp"
 #include "surface/read/mesh_health.hpp"
 #include "surface/read/mesh_repair.hpp"
-#include "surface/read/obj_statements.hpp"
 #include "surface/read/obj_text.hpp"
+#include "surface/read/ply.hpp"
+#include "surface/read/polygons.hpp"
+#include "surface/read/stl.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -25,7 +28,8 @@ std::string read_whole(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) file_error(file, "no such file: check the path");
-  if (std::filesystem::is_directory(status)) file_error(file, "is a directory, not a file: name an OBJ file");
+  if (std::filesystem::is_directory(status))
+    file_error(file, "is a directory, not a file: name a mesh's file");
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream)
     file_error(file, std::string("cannot be opened (") + std::strerror(errno) + "): check the permissions");
@@ -63,6 +67,40 @@ void to_design_frame(std::vector<Eigen::Vector3d>& positions, double scale, char
   }
 }
 
+Polygons parse(std::string_view bytes, FileFormat format, const std::filesystem::path& file, double limit) {
+  switch (format) {
+    case FileFormat::kObj:
+      return parse_obj(bytes, file.string(), limit);
+    case FileFormat::kStl:
+      return parse_stl(bytes, file.string(), limit);
+    case FileFormat::kPly:
+      return parse_ply(bytes, file.string(), limit);
+    case FileFormat::kGltf:
+      return parse_gltf(bytes, file, limit, read_whole);
+  }
+  throw std::logic_error("no reader for a format");
+}
+
+// glTF is in metres with y up, whatever is asked for.
+void take_units(DesignSurface& design, const std::filesystem::path& file, const ReadOptions& options) {
+  const bool gltf = design.format == FileFormat::kGltf;
+  if (gltf && !options.units.empty() && options.units != "m")
+    throw MeshError(file.string() + ": glTF is in metres, not in " + options.units + ": leave the unit out");
+  design.units = gltf ? "m" : options.units;
+  design.up = gltf ? 'y' : options.up;
+  design.scale_to_mm = scale_to_mm(design.units);
+}
+
+void warn_of_spacing(Polygons& polygons, double scale_to_mm, double resolution_mm) {
+  const double spacing_mm = polygons.spacing * scale_to_mm;
+  if (!(resolution_mm > 0) || spacing_mm <= resolution_mm) return;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2g", spacing_mm);
+  polygons.warnings.push_back(
+      "coordinates of single precision, so far from the origin " + std::string(text.data()) +
+      " mm apart: move the design to the origin before it is exported, or export an OBJ");
+}
+
 }  // namespace
 
 double scale_to_mm(const std::string& units) {
@@ -74,39 +112,47 @@ double scale_to_mm(const std::string& units) {
   throw std::logic_error("unknown unit ('" + units + "'): give mm, cm, m, in or ft");
 }
 
-DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options) {
+DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options) {
   if (options.up != 'z' && options.up != 'y') {
     throw std::logic_error(std::string("unknown up axis ('") + options.up + "'): give z or y");
   }
   if (!(options.stitch_mm >= 0) || (options.facing && !(options.facing->norm() > 0))) {
-    throw std::logic_error("read_obj: stitch_mm has to be 0 or more and facing has to have a length");
+    throw std::logic_error("read_surface: stitch_mm has to be 0 or more and facing has to have a length");
   }
   DesignSurface design;
   design.file_name = file.filename().string();
-  design.units = options.units;
-  design.up = options.up;
-  design.scale_to_mm = scale_to_mm(options.units);
   std::string text = read_whole(file);
-  design.sha256 = sha256_of(text);
-  ObjText obj = parse_obj(text, file.string(), kLargestCoordinateMm / design.scale_to_mm);
+  design.format = options.format ? *options.format : format_of(text, text.size(), file);
+  take_units(design, file, options);
+  Polygons polygons = parse(text, design.format, file, kLargestCoordinateMm / design.scale_to_mm);
+  design.sha256 = sha256_of(polygons.beside.empty() ? text : text + polygons.beside);
   std::string().swap(text);
-  design.health.file_vertices = obj.positions.size();
-  design.health.file_faces = obj.faces();
-  design.health.warnings = std::move(obj.warnings);
+  std::string().swap(polygons.beside);
+  design.place = polygons.place;
+  warn_of_spacing(polygons, design.scale_to_mm, options.resolution_mm);
+  design.health.file_vertices = polygons.positions.size();
+  design.health.file_faces = polygons.faces();
+  design.health.warnings = std::move(polygons.warnings);
   if (!options.group.empty()) {
-    keep_group(obj, options.group, file.string());
-    design.health.repairs.push_back("took the " + std::to_string(obj.faces()) + " of " +
+    keep_group(polygons, options.group, file.string());
+    design.health.repairs.push_back("took the " + std::to_string(polygons.faces()) + " of " +
                                     std::to_string(design.health.file_faces) + " faces in group " +
                                     options.group);
   }
-  to_design_frame(obj.positions, design.scale_to_mm, options.up);
-  std::vector<Eigen::Vector3d> positions = std::exchange(obj.positions, {});
+  to_design_frame(polygons.positions, design.scale_to_mm, design.up);
+  std::vector<Eigen::Vector3d> positions = std::exchange(polygons.positions, {});
   RepairedMesh repaired =
-      repair_mesh(std::move(obj), std::move(positions), options, file.string(), design.health);
+      repair_mesh(std::move(polygons), std::move(positions), options, file.string(), design.health);
   measure_mesh(repaired.mesh, design.health);
   design.mesh = repaired.mesh;
-  design.face_line = std::move(repaired.line);
+  design.face_place = std::move(repaired.place);
   return design;
+}
+
+DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options) {
+  ReadOptions as_obj = options;
+  as_obj.format = FileFormat::kObj;
+  return read_surface(file, as_obj);
 }
 
 }  // namespace hotblade::surface

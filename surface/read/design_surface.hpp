@@ -1,5 +1,5 @@
-// Reads the design: a triangulated surface in the design frame (mm, +z up), read strictly and with its health
-// measured.
+// Reads the design: a triangulated surface in the design frame (mm, +z up), read strictly from OBJ, STL, PLY
+// or glTF, with its health measured.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "surface/read/file_format.hpp"
 #include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::surface {
@@ -28,7 +29,7 @@ struct FileError : std::runtime_error {
 // non_manifold_vertices, degenerate_faces, duplicate_faces and unused_vertices, which tell what was found and
 // repaired. Border figures of a mesh with blockers stay 0.
 struct Health {
-  std::size_t file_vertices = 0, file_faces = 0;  // as written in the OBJ
+  std::size_t file_vertices = 0, file_faces = 0;  // as written
   std::size_t vertices = 0, triangles = 0;
   std::size_t components = 0;
   std::size_t border_loops = 0;
@@ -46,8 +47,12 @@ struct Health {
 
 struct DesignSurface {
   TriangleMesh mesh;
-  std::vector<std::uint32_t> face_line;  // per triangle: the line of the OBJ where its face starts
+  // What a face is counted by in the file (line, facet, face or triangle), and per triangle its face's
+  // number.
+  std::string_view place = "line";
+  std::vector<std::uint32_t> face_place;
   Health health;
+  FileFormat format = FileFormat::kObj;
   std::string file_name;  // base name
   std::string sha256;     // of the file's bytes, lower-case hex
   std::string units;      // mm, cm, m, in or ft
@@ -64,15 +69,21 @@ struct ReadOptions {
   std::optional<Eigen::Vector3d> facing = std::nullopt;
   double facing_max_rad = 1.4;
   double stitch_mm = 0;  // joins border vertices of the design that lie within this distance; 0: none
+  std::optional<FileFormat> format = std::nullopt;  // absent: as format_of() tells
+  // Warns where the file's single precision is coarser than this; 0: never.
+  double resolution_mm = 0;
 };
 
 // Returns how many mm a unit of this name has; throws std::logic_error for an unknown name.
 [[nodiscard]] double scale_to_mm(const std::string& units);
 
-// Reads an OBJ: the text is checked line by line, then its faces become a half-edge mesh, on which they are
-// repaired and measured. Throws FileError, or MeshError for the first bad line. Geometry that can be read but
-// not sliced is reported in health.blockers, not thrown. Face normals are made to agree within a component
-// where that is possible.
+// Reads a design: its file is checked line by line or number by number, then its faces become a half-edge
+// mesh, on which they are repaired and measured. Throws FileError, or MeshError for the first place that is
+// not usable. Geometry that can be read but not sliced is reported in health.blockers, not thrown. Face
+// normals are made to agree within a component where that is possible.
+[[nodiscard]] DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options);
+
+// The same of an OBJ, whatever its name ends with.
 [[nodiscard]] DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options);
 
 }  // namespace hotblade::surface

@@ -16,13 +16,10 @@
 #include "surface/read/place_text.hpp"
 #include "surface/read/polygon.hpp"
 #include "surface/read/stitches.hpp"
+#include "surface/read/words.hpp"
 
 namespace hotblade::surface {
 namespace {
-
-std::string counted(std::size_t n, const std::string& one, const std::string& many) {
-  return std::to_string(n) + " " + (n == 1 ? one : many);
-}
 
 // For each vertex the first one with exactly its coordinates; -0 and 0 are equal.
 std::vector<int> merge_positions(std::vector<Eigen::Vector3d>& positions) {
@@ -55,10 +52,11 @@ std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangle
 
 class Repair {
  public:
-  Repair(ObjText obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
+  Repair(Polygons polygons, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
          const std::string& name, Health& health)
-      : obj_(std::move(obj)), options_(options), name_(name), health_(health) {
+      : polygons_(std::move(polygons)), options_(options), name_(name), health_(health) {
     soup_.vertices = std::move(positions);
+    place_word_ = polygons_.place;
   }
 
   RepairedMesh run() {
@@ -68,7 +66,7 @@ class Repair {
     turn_to_agree(mesh);
     if (!(options_.stitch_mm > 0)) mention_gaps(mesh);
     if (health_.blockers.empty()) part_touching_sheets(mesh);
-    return {mesh, std::move(line_)};
+    return {mesh, std::move(place_)};
   }
 
  private:
@@ -91,28 +89,28 @@ class Repair {
   void cut_into_triangles(std::span<const int> first) {
     std::vector<int> corners;
     std::vector<std::array<int, 3>> pieces;
-    std::size_t crossing = 0, crossing_line = 0;
-    soup_.triangles.reserve(obj_.faces());
-    line_.reserve(obj_.faces());
-    for (std::size_t f = 0; f < obj_.faces(); ++f) {
-      clean_corners(obj_.face(f), first, corners);
+    std::size_t crossing = 0, crossing_place = 0;
+    soup_.triangles.reserve(polygons_.faces());
+    place_.reserve(polygons_.faces());
+    for (std::size_t f = 0; f < polygons_.faces(); ++f) {
+      clean_corners(polygons_.face(f), first, corners);
       pieces.clear();
       if (corners.size() >= 3 && !triangulate_polygon(soup_.vertices, corners, pieces) && crossing++ == 0) {
-        crossing_line = obj_.face_line[f];
+        crossing_place = polygons_.face_place[f];
       }
       // An outline bridged to a hole passes a vertex twice, and an ear may hold both.
       std::erase_if(pieces, [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
       soup_.triangles.insert(soup_.triangles.end(), pieces.begin(), pieces.end());
-      line_.resize(soup_.triangles.size(), obj_.face_line[f]);
+      place_.resize(soup_.triangles.size(), polygons_.face_place[f]);
       if (pieces.empty()) ++health_.degenerate_faces;
     }
-    faces_ = obj_.faces();
-    first_line_ = obj_.face_line[0];
-    obj_ = {};  // as large as the mesh, and told
+    faces_ = polygons_.faces();
+    first_place_ = polygons_.face_place[0];
+    polygons_ = {};  // as large as the mesh, and told
     if (crossing > 0) {
       health_.warnings.push_back(counted(crossing, "face is", "faces are") +
                                  " not a simple polygon and cut as a fan, the first in line " +
-                                 std::to_string(crossing_line));
+                                 std::to_string(crossing_place));
     }
   }
 
@@ -148,10 +146,10 @@ class Repair {
     for (std::size_t f = 0; f < soup_.triangles.size(); ++f) {
       if (!wanted(soup_.triangles[f])) continue;
       soup_.triangles[kept] = soup_.triangles[f];
-      line_[kept++] = line_[f];
+      place_[kept++] = place_[f];
     }
     soup_.triangles.resize(kept);
-    line_.resize(kept);
+    place_.resize(kept);
   }
 
   void mention_gaps(const TriangleMesh& mesh) {
@@ -188,16 +186,16 @@ class Repair {
   }
 
   void take_out_needles() {
-    WithoutNeedles clean = remove_needles(soup_.vertices, std::move(soup_.triangles), std::move(line_));
+    WithoutNeedles clean = remove_needles(soup_.vertices, std::move(soup_.triangles), std::move(place_));
     soup_.triangles = std::move(clean.triangles);
-    line_ = std::move(clean.line);
+    place_ = std::move(clean.line);
     health_.degenerate_faces += clean.removed;
     if (health_.degenerate_faces > 0) {
       health_.repairs.push_back("dropped " + counted(health_.degenerate_faces, "face", "faces") +
                                 " without area");
     }
     if (soup_.triangles.empty()) {
-      throw MeshError(name_ + ":" + std::to_string(first_line_) + ": no face has an area (" +
+      throw MeshError(place_of(name_, place_word_, first_place_) + "no face has an area (" +
                       counted(faces_, "face", "faces") + "): check the units and export again");
     }
   }
@@ -228,7 +226,7 @@ class Repair {
     for (std::size_t v = 0; v < renamed.size(); ++v) {
       if (renamed[v] < 0) continue;
       soup_.vertices[static_cast<std::size_t>(kept)] = soup_.vertices[v];
-      obj_number_.push_back(static_cast<int>(v) + 1);
+      file_number_.push_back(static_cast<int>(v) + 1);
       renamed[v] = kept++;
     }
     for (auto& t : soup_.triangles) {
@@ -255,7 +253,7 @@ class Repair {
                                ": part or trim the sheets that meet there");
   }
 
-  std::string number(int v) const { return std::to_string(obj_number_[static_cast<std::size_t>(v)]); }
+  std::string number(int v) const { return std::to_string(file_number_[static_cast<std::size_t>(v)]); }
 
   // Do two triangles run round their edge in opposite senses, as triangles of one side do?
   static bool agree(const TriangleMesh& mesh, HalfEdges::Halfedge h, HalfEdges::Halfedge other) {
@@ -327,9 +325,10 @@ class Repair {
     health_.orientable = false;
     const auto& t = mesh.triangles()[static_cast<std::size_t>(face)];
     const Eigen::Vector3d centre = (at(mesh, t[0]) + at(mesh, t[1]) + at(mesh, t[2])) / 3;
-    health_.blockers.push_back("the surface has one side only, like a Moebius strip: the faces of lines " +
-                               std::to_string(line_[static_cast<std::size_t>(face)]) + " and " +
-                               std::to_string(line_[static_cast<std::size_t>(other)]) + " near " +
+    health_.blockers.push_back("the surface has one side only, like a Moebius strip: the faces of " +
+                               std::string(place_word_) + "s " +
+                               std::to_string(place_[static_cast<std::size_t>(face)]) + " and " +
+                               std::to_string(place_[static_cast<std::size_t>(other)]) + " near " +
                                place_text(centre) + " cannot be made to agree: cut the strip open");
   }
 
@@ -387,23 +386,24 @@ class Repair {
     return fan;
   }
 
-  ObjText obj_;  // empty once its polygons are triangles
+  Polygons polygons_;  // empty once its polygons are triangles
   std::size_t faces_ = 0;
-  std::uint32_t first_line_ = 0;
+  std::string_view place_word_;  // what faces are counted by in the file
+  std::uint32_t first_place_ = 0;
   const ReadOptions& options_;
   const std::string& name_;
   Health& health_;
-  TriangleSoup soup_;                // empty once it is a mesh
-  std::vector<std::uint32_t> line_;  // per triangle
-  std::vector<int> obj_number_;      // per vertex, before sheets are parted
-  std::size_t stitched_ = 0;         // vertices
+  TriangleSoup soup_;                 // empty once it is a mesh
+  std::vector<std::uint32_t> place_;  // per triangle
+  std::vector<int> file_number_;      // per vertex, before sheets are parted
+  std::size_t stitched_ = 0;          // vertices
 };
 
 }  // namespace
 
-RepairedMesh repair_mesh(ObjText obj, std::vector<Eigen::Vector3d> positions, const ReadOptions& options,
-                         const std::string& name, Health& health) {
-  return Repair(std::move(obj), std::move(positions), options, name, health).run();
+RepairedMesh repair_mesh(Polygons polygons, std::vector<Eigen::Vector3d> positions,
+                         const ReadOptions& options, const std::string& name, Health& health) {
+  return Repair(std::move(polygons), std::move(positions), options, name, health).run();
 }
 
 }  // namespace hotblade::surface

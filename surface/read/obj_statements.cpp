@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
-#include <cstdlib>
+#include <optional>
 #include <utility>
 
 #include "surface/read/design_surface.hpp"
+#include "surface/read/polygons.hpp"
+#include "surface/read/words.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -19,13 +20,6 @@ constexpr std::string_view kConvertHint =
 constexpr std::array<std::string_view, 18> kPassedOver = {
     "vt",  "vn",     "vp",     "l",     "p",        "s",        "usemtl",     "mtllib",    "mg",
     "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vw"};
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t' || c == '\v' || c == '\f';
-}
-bool is_line_end(char c) {
-  return c == '\n' || c == '\r';
-}
 
 [[noreturn]] void fail_at(const std::string& name, std::size_t line, const std::string& what) {
   throw MeshError(name + ":" + std::to_string(line) + ": " + what);
@@ -43,21 +37,6 @@ std::size_t first_nul(std::string_view text, const std::function<void(std::size_
 }
 
 }  // namespace
-
-std::string shown_token(std::string_view token) {
-  constexpr std::size_t kLongest = 40;
-  std::string out(token.substr(0, kLongest));
-  for (char& c : out) {
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
-  }
-  return token.size() > kLongest ? out + "..." : out;
-}
-
-std::string joined_words(std::span<const std::string> words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
 
 // UTF-16 text reads as garbage or as nothing at all, so it is told apart before anything else.
 std::string_view checked_obj_text(std::string_view text, const std::string& name,
@@ -176,14 +155,9 @@ ObjStatements::Kind ObjStatements::read_statement() {
 }
 
 double ObjStatements::number(std::string_view token) const {
-  std::string_view digits = token;
-  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
-  double value = 0;
-  const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  // Out of range is said for numbers too small as well; those are zero for every purpose here.
-  if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);
-  if (error == std::errc::invalid_argument || rest != digits.data() + digits.size()) reject_number(token);
-  return value;
+  const std::optional<double> value = number_in(token);
+  if (!value) reject_number(token);
+  return *value;
 }
 
 void ObjStatements::reject_number(std::string_view token) const {
@@ -207,14 +181,7 @@ void ObjStatements::read_vertex() {
       fail(line_, "missing coordinate (" + std::to_string(axis) + " of 3 given): a v line reads: v x y z");
     }
     p[axis] = number(word);
-    if (!std::isfinite(p[axis])) {
-      fail(line_, "coordinate is not a finite number ('" + shown_token(word) +
-                      "'): repair the vertex in the CAD program");
-    }
-    if (std::abs(p[axis]) > limit_) {
-      fail(line_,
-           "coordinate too large (" + shown_token(word) + ", limit 1e7 mm after scaling): check --units");
-    }
+    if (const std::string why = refusal_of_coordinate(p[axis], word, limit_); !why.empty()) fail(line_, why);
   }
   // A weight and colours may follow; they are checked to be numbers, so that no text goes unseen, and not
   // used.

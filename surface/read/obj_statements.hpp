@@ -13,21 +13,11 @@
 
 namespace hotblade::surface {
 
-// Returns a token as messages show it: unprintable bytes as '?', and cut where it is long, so that a message
-// stays one readable line.
-[[nodiscard]] std::string shown_token(std::string_view token);
-
-// Returns the words with a blank between two.
-[[nodiscard]] std::string joined_words(std::span<const std::string> words);
-
 // Returns the text without its byte order mark. Throws MeshError, with `name` for the file, when it is empty,
 // UTF-16 or has a NUL byte. `passed` is called now and then with the number of bytes that have been gone
 // through since the last call.
 [[nodiscard]] std::string_view checked_obj_text(std::string_view text, const std::string& name,
                                                 const std::function<void(std::size_t)>& passed = nullptr);
-
-// Ten kilometres: far beyond any building part, so a larger coordinate is a damaged number or a wrong unit.
-inline constexpr double kLargestCoordinateMm = 1e7;
 
 class ObjStatements {
  public:

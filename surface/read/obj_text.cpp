@@ -1,11 +1,10 @@
 #include "surface/read/obj_text.hpp"
 
-#include <algorithm>
-#include <set>
 #include <unordered_map>
 
 #include "surface/read/design_surface.hpp"
 #include "surface/read/obj_statements.hpp"
+#include "surface/read/words.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -14,12 +13,10 @@ class Parser {
  public:
   Parser(std::string_view text, const std::string& name, double limit)
       : statements_(checked_obj_text(text, name), name, limit) {
-    obj_.first_corner.push_back(0);
-    obj_.groups.emplace_back();
     group_of_names_.emplace("\n", 0);
   }
 
-  ObjText parse() {
+  Polygons parse() {
     using Kind = ObjStatements::Kind;
     for (Kind kind = statements_.next(); kind != Kind::kEnd; kind = statements_.next()) {
       if (kind == Kind::kVertex) obj_.positions.push_back(statements_.position());
@@ -40,12 +37,12 @@ class Parser {
     if (obj_.corners.size() > ObjStatements::kMost)
       statements_.fail(statements_.line(), "too many face corners (limit 2147483647): thin the mesh out");
     obj_.first_corner.push_back(static_cast<std::uint32_t>(obj_.corners.size()));
-    obj_.face_line.push_back(static_cast<std::uint32_t>(statements_.line()));
+    obj_.face_place.push_back(static_cast<std::uint32_t>(statements_.line()));
     obj_.face_group.push_back(group_);
   }
 
   void add_group(bool object) {
-    ObjText::Group next = obj_.groups[group_];
+    Polygons::Group next = obj_.groups[group_];
     if (object) {
       next.object = joined_words(statements_.words());
     } else {
@@ -71,9 +68,9 @@ class Parser {
     for (std::size_t f = 0; f < obj_.faces(); ++f) {
       for (const int c : obj_.face(f)) {
         if (static_cast<std::size_t>(c) < vertices) continue;
-        statements_.fail(obj_.face_line[f], "vertex index out of range (" + std::to_string(c + 1LL) +
-                                                ", the file has " + std::to_string(vertices) +
-                                                " vertices): the file is cut short or was joined wrongly");
+        statements_.fail(obj_.face_place[f], "vertex index out of range (" + std::to_string(c + 1LL) +
+                                                 ", the file has " + std::to_string(vertices) +
+                                                 " vertices): the file is cut short or was joined wrongly");
       }
     }
     if (unknown_ > 0) {
@@ -83,65 +80,17 @@ class Parser {
   }
 
   ObjStatements statements_;
-  ObjText obj_;
+  Polygons obj_;
   std::uint32_t group_ = 0;  // in force
   std::unordered_map<std::string, std::uint32_t> group_of_names_;
   std::size_t unknown_ = 0;
   std::string first_unknown_;
 };
 
-// What the user may have meant.
-std::string known_groups(const ObjText& obj) {
-  std::set<std::string> names;
-  for (const std::uint32_t g : std::set<std::uint32_t>(obj.face_group.begin(), obj.face_group.end())) {
-    const ObjText::Group& group = obj.groups[g];
-    if (!group.object.empty()) names.insert(group.object);
-    names.insert(group.names.begin(), group.names.end());
-  }
-  if (names.empty()) return "the file names none, leave design.group empty";
-  constexpr std::size_t kShown = 8;
-  std::string text = "choose one of";
-  std::size_t listed = 0;
-  for (const std::string& name : names) {
-    if (listed++ == kShown) return text + ", ... (" + std::to_string(names.size()) + " in all)";
-    text += (listed == 1 ? " " : ", ") + shown_token(name);
-  }
-  return text;
-}
-
 }  // namespace
 
-ObjText parse_obj(std::string_view text, const std::string& name, double limit) {
+Polygons parse_obj(std::string_view text, const std::string& name, double limit) {
   return Parser(text, name, limit).parse();
-}
-
-bool ObjText::Group::has(std::string_view name) const {
-  return object == name || joined_words(names) == name ||
-         std::find(names.begin(), names.end(), name) != names.end();
-}
-
-void keep_group(ObjText& obj, const std::string& group, const std::string& name) {
-  std::vector<bool> wanted(obj.groups.size());
-  for (std::size_t g = 0; g < wanted.size(); ++g) wanted[g] = obj.groups[g].has(group);
-  std::size_t faces = 0, corners = 0;
-  for (std::size_t f = 0; f < obj.faces(); ++f) {
-    if (!wanted[obj.face_group[f]]) continue;
-    const std::size_t from = obj.first_corner[f], to = obj.first_corner[f + 1];
-    std::copy(obj.corners.begin() + static_cast<std::ptrdiff_t>(from),
-              obj.corners.begin() + static_cast<std::ptrdiff_t>(to),
-              obj.corners.begin() + static_cast<std::ptrdiff_t>(corners));
-    obj.first_corner[faces] = static_cast<std::uint32_t>(corners);
-    obj.face_line[faces] = obj.face_line[f];
-    obj.face_group[faces++] = obj.face_group[f];
-    corners += to - from;
-  }
-  if (faces == 0)
-    throw MeshError(name + ": no faces in group '" + shown_token(group) + "': " + known_groups(obj));
-  obj.first_corner[faces] = static_cast<std::uint32_t>(corners);
-  obj.first_corner.resize(faces + 1);
-  obj.corners.resize(corners);
-  obj.face_line.resize(faces);
-  obj.face_group.resize(faces);
 }
 
 }  // namespace hotblade::surface

@@ -210,11 +210,11 @@ SelfCrossings find_self_crossings(const TriangleMesh& mesh) {
 std::string self_crossings_text(const DesignSurface& design) {
   const SelfCrossings found = find_self_crossings(design.mesh);
   if (found.pairs == 0) return "";
-  const auto line = [&](int f) { return std::to_string(design.face_line[static_cast<std::size_t>(f)]); };
+  const auto place = [&](int f) { return std::to_string(design.face_place[static_cast<std::size_t>(f)]); };
   return std::to_string(found.pairs) +
-         (found.pairs == 1 ? " pair of faces crosses" : " pairs of faces cross") +
-         ", the first those of lines " + line(found.faces[0]) + " and " + line(found.faces[1]) + " near " +
-         place_text(found.at) + ": only one of them can be cut there, trim the sheets";
+         (found.pairs == 1 ? " pair of faces crosses" : " pairs of faces cross") + ", the first those of " +
+         std::string(design.place) + "s " + place(found.faces[0]) + " and " + place(found.faces[1]) +
+         " near " + place_text(found.at) + ": only one of them can be cut there, trim the sheets";
 }
 
 }  // namespace hotblade::surface

@@ -44,7 +44,7 @@ std::vector<std::string> names(const std::vector<PanelText>& panels) {
 // Corners of all faces of an OBJ, as points.
 using Corners = std::vector<std::array<double, 3>>;
 std::vector<Corners> faces_of(const std::string& text) {
-  const surface::ObjText obj = surface::parse_obj(text, "text", 1e7);
+  const surface::Polygons obj = surface::parse_obj(text, "text", 1e7);
   std::vector<Corners> faces;
   for (std::size_t f = 0; f < obj.faces(); ++f) {
     Corners corners;

@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{"option_without_value", {"check", kVault, "--units"}, "--units"},
         Usage{
             "unknown_progress", {"check", kVault, "--progress", "loud"}, "loud not in {auto,bar,json,none}"},
-        Usage{"missing_unit", {"check", kVault}, "an OBJ carries none: say --units mm, cm, m, in or ft"},
+        Usage{"missing_unit", {"check", kVault}, "the file carries none: say --units mm, cm, m, in or ft"},
         Usage{"unknown_unit",
               {"check", kVault, "--units", "furlong"},
               "--units: design.units (\"furlong\", must be one of mm, cm, m, in, ft)"},

@@ -127,6 +127,7 @@ const std::vector<Change>& changes() {
   static const std::vector<Change> all{
       {"design.units", "cm", {kAlongX}},
       {"design.up", "y", {kAlongX}},
+      {"design.format", "stl", {kAlongX}},
       {"design.keep", "above", {kAlongX}},
       {"design.group", "far", {kAlongX}, Design::kGroups},
       {"design.facing", "[0, 1, 1]", {kAlongX, "design.facing_max_deg=45"}},

@@ -1,0 +1,87 @@
+#include "surface/read/file_format.hpp"
+
+#include <array>
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include "surface/read/bytes.hpp"
+#include "surface/read/design_surface.hpp"
+#include "surface/read/words.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+constexpr std::array<std::pair<FileFormat, std::string_view>, 4> kWords{{{FileFormat::kObj, "obj"},
+                                                                         {FileFormat::kStl, "stl"},
+                                                                         {FileFormat::kPly, "ply"},
+                                                                         {FileFormat::kGltf, "gltf"}}};
+
+std::optional<FileFormat> by_name(const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  if (ending.empty()) return std::nullopt;
+  return ending == ".glb" ? FileFormat::kGltf : format_named(ending.substr(1));
+}
+
+// The header of a binary STL may hold anything, so its size is asked first.
+bool has_size_of_stl(std::string_view head, std::uintmax_t size) {
+  constexpr std::size_t kCountAt = 80;
+  return head.size() >= kCountAt + 4 &&
+         size == kCountAt + 4 + std::uintmax_t{50} * number_at<std::uint32_t>(head, kCountAt);
+}
+
+// In OBJ text `solid` would be a word to pass over, so the line after it is looked at too.
+bool begins_as_text_stl(std::string_view head) {
+  Words words(head);
+  if (words.next() != "solid") return false;
+  (void)words.rest_of_line();
+  const std::string_view word = words.next();
+  return word == "facet" || word == "endsolid";
+}
+
+std::optional<FileFormat> by_content(std::string_view head, std::uintmax_t size) {
+  if (head.starts_with("glTF")) return FileFormat::kGltf;
+  if (head.starts_with("ply\n") || head.starts_with("ply\r")) return FileFormat::kPly;
+  if (has_size_of_stl(head, size) || begins_as_text_stl(head)) return FileFormat::kStl;
+  if (Words(head).next().starts_with('{')) return FileFormat::kGltf;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string_view name(FileFormat format) {
+  for (const auto& [value, word] : kWords) {
+    if (value == format) return word;
+  }
+  return "";
+}
+
+std::optional<FileFormat> format_named(std::string_view word) {
+  for (const auto& [value, known] : kWords) {
+    if (known == word) return value;
+  }
+  return std::nullopt;
+}
+
+FileFormat format_of(std::string_view head, std::uintmax_t size, const std::filesystem::path& file) {
+  const std::optional<FileFormat> said = by_content(head, size), named = by_name(file);
+  if (said && named && *said != *named) {
+    throw MeshError(file.string() + ": the name says " + std::string(name(*named)) + ", the bytes say " +
+                    std::string(name(*said)) + ": rename the file, or say which with --format");
+  }
+  return said ? *said : named.value_or(FileFormat::kObj);
+}
+
+std::optional<FileFormat> format_of_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  if (error || !stream) return std::nullopt;
+  std::string head(kFormatHead, '\0');
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return format_of(head, size, file);
+}
+
+}  // namespace hotblade::surface

@@ -1,0 +1,54 @@
+#include "surface/read/file_format.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/surface/read/mesh_files.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::SizeIs;
+
+const std::string kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+FileFormat told(const std::string& bytes, const std::string& name) {
+  return format_of(bytes, bytes.size(), name);
+}
+
+TEST(FileFormat, IsToldByBytesAndThenByName) {
+  const TriangleSoup dome = hotblade::surface::dome(900, 300, 2);
+  EXPECT_EQ(told(to_binary_stl(dome), "a"), FileFormat::kStl);
+  EXPECT_EQ(told(to_text_stl(dome), "a.dat"), FileFormat::kStl);
+  EXPECT_EQ(told(binary_ply(std::endian::big), "a"), FileFormat::kPly);
+  EXPECT_EQ(told("glTF\x02", "a"), FileFormat::kGltf);
+  EXPECT_EQ(told("\n {\"asset\"", "a"), FileFormat::kGltf);
+  EXPECT_EQ(told(kObj, "a"), FileFormat::kObj);
+  EXPECT_EQ(told(kObj, "a.STL"), FileFormat::kStl);  // which its reader refuses
+  EXPECT_EQ(told("solid ground\nv 0 0 0\n", "a"), FileFormat::kObj);
+  EXPECT_EQ(told("", "a.glb"), FileFormat::kGltf);
+}
+
+TEST(FileFormat, ANameThatContradictsTheBytesIsRefused) {
+  EXPECT_THAT(
+      refusal_of(binary_ply(std::endian::big), "a.obj"),
+      HasSubstr("a.obj: the name says obj, the bytes say ply: rename the file, or say which with --format"));
+  ReadOptions options{"mm", 'z'};
+  options.format = FileFormat::kPly;
+  EXPECT_THAT(read_bytes_as(binary_ply(std::endian::big), "a.obj", options).mesh.triangles(), SizeIs(2));
+}
+
+TEST(FileFormat, AFileOnTheDiskIsToldByItsHead) {
+  const ScratchFile file(to_binary_stl(dome(900, 300, 12)), "a");
+  EXPECT_EQ(format_of_file(file.path()), FileFormat::kStl);
+  EXPECT_EQ(format_of_file(file.folder() / "none"), std::nullopt);
+}
+
+TEST(FileFormat, WordsAndFormatsGoTogether) {
+  for (const FileFormat format : {FileFormat::kObj, FileFormat::kStl, FileFormat::kPly, FileFormat::kGltf})
+    EXPECT_EQ(format_named(name(format)), format);
+  EXPECT_EQ(format_named("auto"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace hotblade::surface
