@@ -352,8 +352,6 @@ std::vector<std::string> warnings(const robot::Cell& cell) {
                       ": accelerations are assumed: give acceleration_rad_s2 of the arm's maker");
     if (arm.tool.shapes.empty()) lines.push_back("arm " + arm.id + ": the tool has no shape: give its boxes");
   }
-  if (cell.place.how == robot::Placing::kSearch)
-    lines.push_back("cell.place = \"search\": heights are tried, moves and turns are not yet");
   if (!cell.table_mm) lines.push_back("no table: give [table] size_mm");
   return lines;
 }

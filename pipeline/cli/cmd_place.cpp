@@ -30,6 +30,7 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   robot::Cell cell = read_cell(arguments.cell);
   if (arguments.how == "fixed") cell.place.how = robot::Placing::kFixed;
   if (arguments.how == "raise") cell.place.how = robot::Placing::kRaise;
+  if (arguments.how == "search") cell.place.how = robot::Placing::kSearch;
   const Program program = read_program(arguments.program);
   expect_passed(program, arguments.program);
   // A directory that is not there yet is made for a result alone.
@@ -58,9 +59,11 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
   command->add_option("-o,--output", arguments->output, "Directory for the new program.json")
       ->required()
       ->type_name("DIR");
-  command->add_option("--place", arguments->how, "Instead of the cell's own: may blocks be raised?")
-      ->check(CLI::IsMember({"fixed", "raise"}))
-      ->type_name("fixed|raise");
+  command
+      ->add_option("--place", arguments->how,
+                   "Instead of the cell's own: may blocks be raised, moved and turned?")
+      ->check(CLI::IsMember({"fixed", "raise", "search"}))
+      ->type_name("fixed|raise|search");
   command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--force", arguments->force, "Overwrite a program that is there");
   command->footer(

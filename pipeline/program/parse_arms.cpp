@@ -144,6 +144,8 @@ StripArms strip_arms_of(const JsonNode& node) {
   if (has_nearest) keys.push_back("nearest_mm");
   const bool has_added = node.json().is_object() && node.json().contains("added_s");
   if (has_added) keys.push_back("added_s");
+  const bool has_reach = node.json().is_object() && node.json().contains("reach");
+  if (has_reach) keys.push_back("reach");
   node.expect_keys(keys);
   StripArms arms;
   const JsonNode a = node.field("a"), b = node.field("b"), place = node.field("place");
@@ -152,12 +154,24 @@ StripArms strip_arms_of(const JsonNode& node) {
   const JsonNode margin = node.field("joint_margin_rad"), wrist = node.field("wrist_rad");
   arms.joint_margin_rad = nearest_of(margin, true);
   arms.wrist_rad = nearest_of(wrist, false);
+  if (has_reach) {
+    const JsonNode reach = node.field("reach");
+    arms.reach = nearest_of(reach, false);
+  }
   if (has_nearest) {
     const JsonNode nearest = node.field("nearest_mm");
     arms.nearest_mm = nearest_pairs_of(nearest);
   }
-  place.expect_keys(std::array{"raise_mm"});
+  std::vector<const char*> of_place{"raise_mm"};
+  const bool moved = place.json().is_object() && place.json().contains("yaw_rad");
+  if (moved) of_place.insert(of_place.end(), {"dx_mm", "dy_mm", "yaw_rad"});
+  place.expect_keys(of_place);
   arms.raise_mm = place.field("raise_mm").number();
+  if (moved) {
+    arms.dx_mm = place.field("dx_mm").number();
+    arms.dy_mm = place.field("dy_mm").number();
+    arms.yaw_rad = place.field("yaw_rad").number();
+  }
   if (has_added) {
     const JsonNode added = node.field("added_s");
     added.expect_keys(std::array{"jerk", "joints"});

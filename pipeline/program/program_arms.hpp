@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,9 @@ struct StripArms {
   };
   Nearest joint_margin_rad;  // to a joint's limit
   Nearest wrist_rad;         // from axes 4 and 6 in one line
+  // The farthest wrist: its centre's distance from axis 2, as a share of what the arm reaches. Absent in
+  // programs made before it was looked at.
+  std::optional<Nearest> reach{};
   // The least distance of each kind of pair (robot::PairKind) and when; kinds that come no nearer than
   // robot::kWidest_mm are left out.
   struct NearestPair {
@@ -57,7 +61,8 @@ struct StripArms {
     double mm = 0, t = 0;
   };
   std::vector<NearestPair> nearest_mm;
-  double raise_mm = 0;  // what the block stands higher for the arms
+  double raise_mm = 0;                       // what the block stands higher for the arms
+  double dx_mm = 0, dy_mm = 0, yaw_rad = 0;  // how it was turned about the cell's vertical axis and moved
   // What the arms take longer than the plan's clamps, s: speeds and accelerations, and jerk.
   double joints_s = 0, jerk_s = 0;
 };

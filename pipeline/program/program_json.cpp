@@ -171,7 +171,13 @@ void write_arms(Text& out, const StripArms& arms) {
   out.raw("}");
   nearest(",\"joint_margin_rad\":[", arms.joint_margin_rad, true);
   nearest(",\"wrist_rad\":[", arms.wrist_rad, false);
+  if (arms.reach) nearest(",\"reach\":[", *arms.reach, false);
   out.field(",\"place\":{\"raise_mm\":", arms.raise_mm);
+  if (arms.dx_mm != 0 || arms.dy_mm != 0 || arms.yaw_rad != 0) {
+    out.field(",\"dx_mm\":", arms.dx_mm)
+        .field(",\"dy_mm\":", arms.dy_mm)
+        .field(",\"yaw_rad\":", arms.yaw_rad);
+  }
   out.field("},\"added_s\":{\"jerk\":", arms.jerk_s).field(",\"joints\":", arms.joints_s).raw("}},\n");
 }
 

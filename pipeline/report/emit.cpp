@@ -1,4 +1,5 @@
 #include "pipeline/report/emit.hpp"
+#include "pipeline/report/arms_section.hpp"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -120,6 +121,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                {"poses", strip.poses.size()},
                {"rib_facts", ribs}};
   if (f.motion.jerk_s > 0) json["jerk_s"] = f.motion.jerk_s;
+  if (strip.arms) json["arms"] = arms_json(*strip.arms);
   return json;
 }
 
@@ -293,6 +295,8 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["warnings"] = result.warnings;
   report["not_checked"] = v.not_checked;
   report["directions"] = ranking_json(result.ranking);
+  if (result.program.cell)
+    report["cell"] = {{"name", result.program.cell->name}, {"sha256", result.program.cell->sha256}};
   report["strips"] = Json::array();
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/advice.hpp"
+#include "pipeline/report/arms_section.hpp"
 #include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/places_table.hpp"
 #include "pipeline/report/reasons.hpp"
@@ -333,8 +334,8 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
           remedies_section(result, w);
   html += figures_section(result, w);
   html += pictures_section(pictures, picture_note, view, w) + strips_section(result, w) +
-          places_section(result, w, !program_sha256.empty()) + reasons_section(result, w) +
-          deviation_section(result, w);
+          places_section(result, w, !program_sha256.empty()) + arms_section(result, w) +
+          reasons_section(result, w) + deviation_section(result, w);
   html += budget_section(result, w) + list_section(w("Warnings"), result.warnings);
   html += list_section(w("Refusals overridden"), result.program.overrides);
   html += list_section(w("Not checked"), result.program.verification.not_checked);

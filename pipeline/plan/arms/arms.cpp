@@ -82,10 +82,54 @@ std::vector<ArmPlace> places(const robot::PlaceRange& range) {
   return all;
 }
 
+// Of the search: heights, turns and shifts, farther apart than heights alone. A turn by half a circle does
+// what changing the arms does.
+std::vector<ArmPlace> grid(const robot::PlaceRange& range) {
+  constexpr double kGridRaise_mm = 2 * kRaiseStep_mm;
+  const auto steps = [](const std::array<double, 2>& from_to, double step) {
+    std::vector<double> all;
+    for (int i = 0; from_to[0] + i * step <= from_to[1] + 1e-9; ++i) all.push_back(from_to[0] + i * step);
+    return all;
+  };
+  std::vector<double> turns = steps(range.yaw_deg, range.yaw_step_deg);
+  if (turns.size() > 1 && turns.back() - turns.front() >= 360 - 1e-9) turns.pop_back();
+  std::vector<ArmPlace> all;
+  for (const double raise : steps(range.raise_mm, kGridRaise_mm)) {
+    for (const double turn : turns) {
+      for (const double x : steps(range.x_mm, range.step_mm)) {
+        for (const double y : steps(range.y_mm, range.step_mm)) {
+          if (x == 0 && y == 0 && turn == 0) continue;  // heights alone have had it
+          all.push_back({raise, false, x, y, turn * kDegree_rad});
+        }
+      }
+    }
+  }
+  return all;
+}
+
+// How far a block is moved, mm; a degree counts as 5 mm.
+double moved_mm(const ArmPlace& place) {
+  constexpr double kDegree_mm = 5;
+  return place.raise_mm + std::abs(place.dx_mm) + std::abs(place.dy_mm) +
+         kDegree_mm * std::abs(place.yaw_rad) / kDegree_rad;
+}
+
+std::string words(const ArmPlace& place) {
+  std::string text = fmt::format("raised {:.0f} mm", place.raise_mm);
+  if (place.dx_mm != 0 || place.dy_mm != 0)
+    text += fmt::format(", moved {:.0f}, {:.0f} mm", place.dx_mm, place.dy_mm);
+  if (place.yaw_rad != 0) text += fmt::format(", turned {:.0f} degrees", place.yaw_rad / kDegree_rad);
+  return text;
+}
+
+ArmPlace place_of(const StripArms& arms) {
+  return {arms.raise_mm, false, arms.dx_mm, arms.dy_mm, arms.yaw_rad};
+}
+
 // The distance of the strip's clamps outside of the envelope, mm.
-double outside(const Strip& strip, double raise_mm, const robot::MotionLimits& limits) {
+double outside(const Strip& strip, const ArmPlace& at, const robot::MotionLimits& limits) {
   double most = 0;
-  const Pose place = raised(strip.design_to_cell, raise_mm);
+  const Pose place = placed(strip.design_to_cell, at);
   for (const BladePose& pose : strip.poses) {
     for (const Pose* clamp : {&pose.a, &pose.b}) {
       const Eigen::Vector3d p = robot::transformed(place, *clamp).p;
@@ -128,12 +172,29 @@ ArmJoints plain(const robot::JointAngles& q) {
   return joints;
 }
 
-void take(const Tried& tried, Strip& strip) {
-  strip.design_to_cell = raised(strip.design_to_cell, tried.place.raise_mm);
+// The farthest wrist of both arms, as a share of what its arm reaches.
+StripArms::Nearest farthest(const robot::Cell& cell, const Tried& tried, const Strip& strip) {
+  StripArms::Nearest most{-1, "", 0, 0};
+  for (const ArmChoice* choice : {&tried.a, &tried.b}) {
+    const robot::Arm& arm = cell.arms[cell.arms[0].id == choice->held.arm ? 0 : 1].model.arm;
+    for (std::size_t k = 0; k < choice->joints.size(); ++k) {
+      const robot::Reach reach = robot::reach(arm, robot::forward(arm, choice->joints[k]));
+      const double share = reach.from_axis_2_mm / reach.most_mm;
+      if (share > most.value) most = {share, choice->held.arm, 0, strip.poses[k].t};
+    }
+  }
+  return most;
+}
+
+void take(const Tried& tried, const robot::Cell& cell, Strip& strip) {
+  strip.design_to_cell = placed(strip.design_to_cell, tried.place);
   StripArms arms;
   arms.a = tried.a.held;
   arms.b = tried.b.held;
   arms.raise_mm = tried.place.raise_mm;
+  arms.dx_mm = tried.place.dx_mm;
+  arms.dy_mm = tried.place.dy_mm;
+  arms.yaw_rad = tried.place.yaw_rad;
   // Times are those of arms that it had before, if any.
   arms.joints_s = tried.timing.slower.joints_s + (strip.arms ? strip.arms->joints_s : 0);
   arms.jerk_s = tried.timing.slower.jerk_s + (strip.arms ? strip.arms->jerk_s : 0);
@@ -150,6 +211,7 @@ void take(const Tried& tried, Strip& strip) {
   };
   arms.joint_margin_rad = nearer(tried.a.margins.joint_rad, tried.b.margins.joint_rad, 0);
   arms.wrist_rad = nearer(tried.a.margins.wrist_rad, tried.b.margins.wrist_rad, 5);
+  arms.reach = farthest(cell, tried, strip);
   strip.arms = arms;
   for (std::size_t i = 0; i < strip.poses.size(); ++i)
     strip.poses[i].joints = ClampJoints{plain(tried.a.joints[i]), plain(tried.b.joints[i])};
@@ -213,10 +275,9 @@ Refusal refusal_of(const Strip& strip, const std::vector<Tried>& tried, const ro
   std::array<int, 5> counts{};
   for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.stage())];
   refusal.note += fmt::format(
-      " (raised {:.0f} mm; of {} choices of height and arms {} are out of reach, {} at joint "
+      " ({}; of {} choices of place and arms {} are out of reach, {} at joint "
       "limits, {} next to singular, {} not clear, {} too slow a cut for a joint; cell {})",
-      furthest.place.raise_mm, tried.size(), counts[0], counts[1], counts[2], counts[3], counts[4],
-      cell.name);
+      words(furthest.place), tried.size(), counts[0], counts[1], counts[2], counts[3], counts[4], cell.name);
   return refusal;
 }
 
@@ -225,7 +286,7 @@ void prove(const Strip& strip, const robot::BladeSection& blade, const MotionSet
            const robot::Cell& cell, Tried& tried) {
   if (!tried.held()) return;
   Strip there = strip;
-  there.design_to_cell = raised(strip.design_to_cell, tried.place.raise_mm);
+  there.design_to_cell = placed(strip.design_to_cell, tried.place);
   HeldJoints held;
   held.arm = tried.place.swapped ? std::array<std::size_t, 2>{1, 0} : std::array<std::size_t, 2>{0, 1};
   held.joints = {tried.a.joints, tried.b.joints};
@@ -233,37 +294,79 @@ void prove(const Strip& strip, const robot::BladeSection& blade, const MotionSet
   if (!tried.clearance.worst) tried.timing = time_for_arms(there, motion, cell, held);
 }
 
-// The first place that serves both arms: good ones by height, then the others by score.
-std::optional<Tried> choose(const Strip& strip, const Program& program, const robot::Cell& cell,
-                            const robot::MotionLimits& limits, std::vector<Tried>& failed,
-                            double& least_outside) {
-  struct Scored {
-    ArmPlace place;
-    double score = 0;
-  };
-  std::vector<Scored> order;
-  for (const ArmPlace& place : places(cell.place)) {
-    const double off = outside(strip, place.raise_mm, limits);
-    least_outside = std::min(least_outside, off);
-    if (off <= 0 || place.raise_mm == 0) order.push_back({place, score(strip, cell, place)});
+// Places with what they promise, the best first.
+struct ScoredPlace {
+  ArmPlace place;
+  double score = 0;
+};
+
+// One strip's way to its place: heights first, the lowest good one, then by score; then, where the cell says
+// so, the grid: good ones by how little they move the block, then by score, as many as are worth a try.
+class Placement {
+ public:
+  Placement(const Strip& strip, const Program& program, const robot::Cell& cell)
+      : strip_(strip), program_(program), cell_(cell), limits_(planned_limits(program)) {}
+
+  std::optional<Tried> choose() {
+    std::vector<ScoredPlace> order = scored(places(cell_.place), -1);
+    std::stable_sort(order.begin(), order.end(), [](const ScoredPlace& a, const ScoredPlace& b) {
+      return std::min(a.score, 1.0) > std::min(b.score, 1.0);
+    });
+    if (auto found = first_served(order)) return found;
+    if (cell_.place.how != robot::Placing::kSearch) return std::nullopt;
+    order = scored(grid(cell_.place), 0);
+    std::stable_sort(order.begin(), order.end(), [](const ScoredPlace& a, const ScoredPlace& b) {
+      const bool good = a.score >= 1;
+      if (good != (b.score >= 1)) return good;
+      return good ? moved_mm(a.place) < moved_mm(b.place) : a.score > b.score;
+    });
+    constexpr std::size_t kMostTried = 40;
+    if (order.size() > kMostTried) order.resize(kMostTried);
+    return first_served(order);
   }
-  std::stable_sort(order.begin(), order.end(), [](const Scored& a, const Scored& b) {
-    return std::min(a.score, 1.0) > std::min(b.score, 1.0);
-  });
-  for (const Scored& one : order) {
-    Tried tried{one.place, choose_branch(strip, cell, one.place, false),
-                choose_branch(strip, cell, one.place, true)};
-    prove(strip, program.blade, program.settings.motion, cell, tried);
-    if (tried.served()) return tried;
-    failed.push_back(std::move(tried));
+
+  [[nodiscard]] const std::vector<Tried>& failed() const { return failed_; }
+  [[nodiscard]] double least_outside_mm() const { return least_outside_mm_; }
+
+ private:
+  // Those within the envelope whose score is above `least`; the place as planned is tried wherever it lies.
+  std::vector<ScoredPlace> scored(const std::vector<ArmPlace>& all, double least) {
+    std::vector<ScoredPlace> list;
+    for (const ArmPlace& place : all) {
+      const double off = outside(strip_, place, limits_);
+      least_outside_mm_ = std::min(least_outside_mm_, off);
+      if (off > 0 && moved_mm(place) > 0) continue;
+      const double value = score(strip_, cell_, place);
+      if (value > least || least < 0) list.push_back({place, value});
+    }
+    return list;
   }
-  return std::nullopt;
-}
+
+  std::optional<Tried> first_served(const std::vector<ScoredPlace>& order) {
+    for (const ScoredPlace& one : order) {
+      Tried tried{one.place, choose_branch(strip_, cell_, one.place, false),
+                  choose_branch(strip_, cell_, one.place, true)};
+      prove(strip_, program_.blade, program_.settings.motion, cell_, tried);
+      if (tried.served()) return tried;
+      failed_.push_back(std::move(tried));
+    }
+    return std::nullopt;
+  }
+
+  const Strip& strip_;
+  const Program& program_;
+  const robot::Cell& cell_;
+  robot::MotionLimits limits_;
+  std::vector<Tried> failed_;
+  double least_outside_mm_ = 1e9;
+};
 
 }  // namespace
 
 std::string cell_sha256(const robot::Cell& cell) {
-  std::string all = to_toml(cell);
+  robot::Cell placed_anyhow = cell;
+  placed_anyhow.place = {};
+  std::string all = to_toml(placed_anyhow);
   for (const robot::CellArm& arm : cell.arms) all += files_sha256(arm);
   return sha256_hex(all);
 }
@@ -271,19 +374,17 @@ std::string cell_sha256(const robot::Cell& cell) {
 ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
   ArmedProgram armed{program, {}};
   armed.report.warnings = warnings(cell);
-  const robot::MotionLimits limits = planned_limits(program);
   for (Strip& strip : armed.program.strips) {
-    if (strip.arms) strip.design_to_cell = raised(strip.design_to_cell, -strip.arms->raise_mm);
-    std::vector<Tried> failed;
-    double least_outside = 1e9;
-    if (const auto tried = choose(strip, program, cell, limits, failed, least_outside)) {
-      take(*tried, strip);
+    if (strip.arms) strip.design_to_cell = unplaced(strip.design_to_cell, place_of(*strip.arms));
+    Placement placement(strip, program, cell);
+    if (const auto tried = placement.choose()) {
+      take(*tried, cell, strip);
       warn_of(strip, armed.report.warnings);
-    } else if (failed.empty()) {
-      armed.report.refusals.push_back(
-          {strip.id, "", Limit::kEnvelope, least_outside, 0, "at any height of cell.raise_mm"});
+    } else if (placement.failed().empty()) {
+      armed.report.refusals.push_back({strip.id, "", Limit::kEnvelope, placement.least_outside_mm(), 0,
+                                       "at any height of cell.raise_mm"});
     } else {
-      armed.report.refusals.push_back(refusal_of(strip, failed, cell));
+      armed.report.refusals.push_back(refusal_of(strip, placement.failed(), cell));
     }
   }
   if (armed.report.refusals.empty()) {
@@ -310,6 +411,8 @@ std::string describe_arms(const Program& program) {
                         fmt::format("{:.1f} deg {} J{}", arms.joint_margin_rad.value * degrees,
                                     arms.joint_margin_rad.arm, arms.joint_margin_rad.joint),
                         fmt::format("{:.1f} deg {}", arms.wrist_rad.value * degrees, arms.wrist_rad.arm));
+    if (arms.dx_mm != 0 || arms.dy_mm != 0 || arms.yaw_rad != 0)
+      text += fmt::format("{:<6}{}\n", "", words(place_of(arms)));
     std::string nearest;
     for (const StripArms::NearestPair& pair : arms.nearest_mm)
       nearest +=

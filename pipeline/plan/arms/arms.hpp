@@ -1,6 +1,7 @@
 // The arms of a program: which holds which clamp, how high each block has to stand for both, and every joint.
 //
-// Each strip's path of clamps is fixed in its design; what is left to choose is the block's height, which arm
+// Each strip's path of clamps is fixed in its design; what is left to choose is the block's height, where the
+// cell allows it also where it stands and how it is turned, which arm
 // takes which end, which way round the blade lies in each jaw, and the arms' branches. All are tried, and the
 // first that keeps every limit with its margins at every pose, and is proved clear of everything, is taken.
 // Waypoints are then met later where joints ask for it.
@@ -20,7 +21,8 @@ struct ArmsReport {
   std::vector<std::string> warnings;  // small margins, and what the cell's file left out
 };
 
-// Returns the hash of every value of a cell and of its arms' files, by which a program names its cell.
+// Returns the hash of every value of a cell, but for how blocks may be placed, and of its arms' files, by
+// which a program names its cell.
 [[nodiscard]] std::string cell_sha256(const robot::Cell& cell);
 
 // Returns the program with the cell and, in each strip that both arms serve, the arms, the joints of every

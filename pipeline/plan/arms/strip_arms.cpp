@@ -175,10 +175,21 @@ bool further(const ArmChoice& a, const ArmChoice& b) {
 
 }  // namespace
 
-Pose raised(const Pose& design_to_cell, double raise_mm) {
-  Pose place = design_to_cell;
-  place.p.z() += raise_mm;
-  return place;
+Pose placed(const Pose& design_to_cell, const ArmPlace& place) {
+  Pose moved = design_to_cell;
+  if (place.yaw_rad != 0) {
+    const Eigen::Quaterniond turn(Eigen::AngleAxisd(place.yaw_rad, Eigen::Vector3d::UnitZ()));
+    moved.p = turn * moved.p;
+    moved.q = robot::canonical((turn * moved.q).normalized());
+  }
+  moved.p += Eigen::Vector3d(place.dx_mm, place.dy_mm, place.raise_mm);
+  return moved;
+}
+
+Pose unplaced(const Pose& design_to_cell, const ArmPlace& place) {
+  Pose moved = design_to_cell;
+  moved.p -= Eigen::Vector3d(place.dx_mm, place.dy_mm, place.raise_mm);
+  return placed(moved, {0, false, 0, 0, -place.yaw_rad});
 }
 
 Isometry3d flange_of(const robot::CellArm& arm, const Pose& design_to_cell, const BladePose& pose,
@@ -192,7 +203,7 @@ double score(const Strip& strip, const robot::Cell& cell, const ArmPlace& place)
     const robot::CellArm& arm = arm_of(cell, place, clamp_b);
     double best = -1;
     for (const bool flip : ways_round(arm)) {
-      const Hold hold = hold_of(arm, raised(strip.design_to_cell, place.raise_mm), clamp_b, flip);
+      const Hold hold = hold_of(arm, placed(strip.design_to_cell, place), clamp_b, flip);
       const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, kScoreStep);
       for (const BranchPath& branch : robot::follow_branches(arm.model.arm, path)) {
         if (branch.size() < path.size()) continue;
@@ -212,7 +223,7 @@ ArmChoice choose_branch(const Strip& strip, const robot::Cell& cell, const ArmPl
   ArmChoice best;
   bool first = true;
   for (const bool flip : ways_round(arm)) {
-    const Hold hold = hold_of(arm, raised(strip.design_to_cell, place.raise_mm), clamp_b, flip);
+    const Hold hold = hold_of(arm, placed(strip.design_to_cell, place), clamp_b, flip);
     const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, 1);
     const auto branches = robot::follow_branches(arm.model.arm, path);
     for (std::size_t branch = 0; branch < robot::kBranches; ++branch) {

@@ -15,7 +15,8 @@ namespace hotblade::pipeline {
 // Where a block may stand, and which arm holds clamp A.
 struct ArmPlace {
   double raise_mm = 0;
-  bool swapped = false;  // the second arm holds clamp A
+  bool swapped = false;                      // the second arm holds clamp A
+  double dx_mm = 0, dy_mm = 0, yaw_rad = 0;  // turned about the cell's vertical axis, then moved
 };
 
 // Returns the flange of the arm that holds a clamp, in its base_link: clamp A as it is, clamp B turned by 180
@@ -23,8 +24,9 @@ struct ArmPlace {
 [[nodiscard]] Eigen::Isometry3d flange_of(const robot::CellArm& arm, const Pose& design_to_cell,
                                           const BladePose& pose, bool clamp_b, bool flip);
 
-// Returns the strip's place in the cell, raised.
-[[nodiscard]] Pose raised(const Pose& design_to_cell, double raise_mm);
+// Returns the strip's place in the cell, turned, moved and raised; and what it was before.
+[[nodiscard]] Pose placed(const Pose& design_to_cell, const ArmPlace& place);
+[[nodiscard]] Pose unplaced(const Pose& design_to_cell, const ArmPlace& place);
 
 // How good a place is by every so many poses, 1 or more is good enough in everything: the least of joint
 // margin over 20 degrees, wrist over 20, elbow over 10, shoulder over 200 mm, of both arms' best branches.

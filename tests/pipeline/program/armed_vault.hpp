@@ -28,6 +28,12 @@ inline Program with_joints() {
     arms.wrist_rad = {0.25, "R2", 5, 0.5};
     arms.nearest_mm = {{"arm_arm", 412.5, 1.5}, {"blade", 61.25, 0.5}};
     arms.raise_mm = 200;
+    arms.reach = StripArms::Nearest{0.75, "R2", 0, 0.25};
+    arms.dx_mm = -150;
+    arms.dy_mm = 300;
+    arms.yaw_rad = 0.5;
+    arms.joints_s = 1.5;
+    arms.jerk_s = 0.5;
     strip.arms = arms;
     for (std::size_t i = 0; i < strip.poses.size(); ++i) {
       ClampJoints joints;

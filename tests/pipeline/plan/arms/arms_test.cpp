@@ -110,6 +110,30 @@ TEST(WithArms, TakesTheLeastHeightThatIsGood) {
   EXPECT_EQ(with_arms(program, cell).program.strips[0].arms->raise_mm, raise + 100);
 }
 
+TEST(WithArms, SearchesWhereHeightsDoNotServe) {
+  robot::Cell cell = cell_named("two_irb4600");
+  // A wall where an arm would be.
+  robot::Obstacle fence{"fence", {}, {Isometry3d::Identity(), robot::Box{{50, 300, 2000}}}};
+  fence.at.p = {-800, 0, 1000};
+  cell.obstacles.push_back(fence);
+  const Program program = slow_vault();
+  cell.place.how = robot::Placing::kRaise;
+  ASSERT_THAT(with_arms(program, cell).report.refusals, SizeIs(1));
+  cell.place.how = robot::Placing::kSearch;
+  const ArmedProgram armed = with_arms(program, cell);
+  ASSERT_THAT(armed.report.refusals, IsEmpty()) << describe(armed.report.refusals.front());
+  const StripArms& arms = *armed.program.strips[0].arms;
+  EXPECT_GT(std::abs(arms.dx_mm) + std::abs(arms.dy_mm) + std::abs(arms.yaw_rad), 0);
+  EXPECT_THAT(check_joints(armed.program, cell).breaches, IsEmpty());
+  EXPECT_THAT(describe_arms(armed.program), HasSubstr("raised "));
+  // What was moved is put back before arms are looked for again.
+  EXPECT_EQ(with_arms(armed.program, cell).program.strips[0].arms->yaw_rad, arms.yaw_rad);
+  const Pose &before = program.strips[0].design_to_cell, &now = armed.program.strips[0].design_to_cell;
+  const Pose back = unplaced(now, {arms.raise_mm, false, arms.dx_mm, arms.dy_mm, arms.yaw_rad});
+  EXPECT_LE((back.p - before.p).norm(), 1e-9);
+  EXPECT_LE(back.q.angularDistance(before.q), 1e-12);
+}
+
 TEST(WithArms, SaysTheMarginsThatAreThere) {
   const robot::Cell cell = cell_named("two_kr50");
   const ArmedProgram armed = with_arms(slow_vault(), cell);
@@ -126,6 +150,9 @@ TEST(WithArms, SaysTheMarginsThatAreThere) {
     }
   }
   EXPECT_NEAR(strip.arms->joint_margin_rad.value, least, 1e-12);
+  ASSERT_TRUE(strip.arms->reach);
+  EXPECT_GT(strip.arms->reach->value, 0.3);
+  EXPECT_LT(strip.arms->reach->value, 1);
   EXPECT_GE(least, cell.margins.joint_deg * robot::kDegree_rad);
 }
 
@@ -146,7 +173,7 @@ TEST(WithArms, RefusesAnArmThatStandsTooFarOff) {
   EXPECT_THAT(said, HasSubstr("S001: distance of an arm's wrist from its shoulder"));
   EXPECT_THAT(said, HasSubstr("(limit 2377 mm) in phase"));
   EXPECT_THAT(said, HasSubstr("arm R2 cannot reach clamp"));
-  EXPECT_THAT(said, HasSubstr("of 10 choices of height and arms 10 are out of reach"));
+  EXPECT_THAT(said, HasSubstr("of 10 choices of place and arms 10 are out of reach"));
 }
 
 TEST(WithArms, RefusesAFenceInTheWayByName) {
@@ -267,6 +294,8 @@ TEST(WithArms, HasAHashOfTheWholeCell) {
   const auto hash = [&] { return with_arms(slow_vault(), cell).program.cell->sha256; };
   const std::string before = hash();
   EXPECT_EQ(hash(), before);
+  cell.place.how = robot::Placing::kSearch;
+  EXPECT_EQ(hash(), before) << "joints are checked the same wherever a block may have been put";
   cell.margins.wrist_deg = 4;
   EXPECT_NE(hash(), before);
   cell.margins.wrist_deg = 5;

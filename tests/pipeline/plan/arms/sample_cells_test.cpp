@@ -18,7 +18,7 @@ class PlanSample : public ::testing::TestWithParam<const char*> {};
 
 INSTANTIATE_TEST_SUITE_P(All, PlanSample,
                          ::testing::Values("barrel_vault", "branch", "bump", "hypar", "petal", "ragged",
-                                           "s_wall", "saddle", "wave_wall", "window"),
+                                           "s_wall", "saddle", "vase", "wave_wall", "window"),
                          [](const auto& sample) { return std::string(sample.param); });
 
 TEST_P(PlanSample, BothCellsServe) {
@@ -52,6 +52,25 @@ TEST_P(PlanSample, BothCellsServe) {
                   with.id.c_str(), with.poses.back().t - without.poses.back().t, with.poses.back().t,
                   with.arms->jerk_s);
       EXPECT_LE(with.arms->jerk_s, 0.05 * without.poses.back().t);
+    }
+  }
+}
+
+// Blades turned by 90 degrees bring the wrists down to the table.
+TEST(PlannedSample, RefusesWhatArmsCannot) {
+  const std::string base = hotblade::testing::source_dir() + "/samples/corner";
+  const Settings settings = resolve({{base + ".toml"}, {}, {}});
+  const PlanResult result =
+      plan(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings, {});
+  ASSERT_TRUE(result.refusals.empty());
+  for (const std::string& name : embedded_cells()) {
+    const ArmedProgram armed = with_arms(result.program, read_cell(name));
+    EXPECT_FALSE(armed.program.cell) << name;
+    ASSERT_FALSE(armed.report.refusals.empty()) << name;
+    for (const Refusal& refusal : armed.report.refusals) {
+      EXPECT_THAT(describe(refusal),
+                  ::testing::AnyOf(HasSubstr("from the plinth"), HasSubstr("from the table")));
+      EXPECT_THAT(describe(refusal), HasSubstr("too near): raise the block"));
     }
   }
 }

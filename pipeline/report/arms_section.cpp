@@ -1,0 +1,78 @@
+#include "pipeline/report/arms_section.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/report/report_plots.hpp"
+#include "robot/arm/arm.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using robot::kDegree_rad;
+
+nlohmann::ordered_json held_json(const HeldClamp& held) {
+  return {{"arm", held.arm}, {"branch", held.branch}, {"flip", held.flip}, {"turns", held.turns}};
+}
+
+std::string cell(const std::string& text) {
+  return "<td>" + escaped(text) + "</td>";
+}
+
+std::string row(const Strip& strip) {
+  const StripArms& arms = *strip.arms;
+  std::string nearest;
+  for (const StripArms::NearestPair& pair : arms.nearest_mm)
+    nearest += fmt::format("{}{} {:.0f}", nearest.empty() ? "" : ", ", pair.kind, pair.mm);
+  return "<tr><td class=\"l\">" + escaped(strip.id) + "</td>" + cell(arms.a.arm) + cell(arms.b.arm) +
+         cell(arms.dx_mm == 0 && arms.dy_mm == 0 && arms.yaw_rad == 0
+                  ? fmt::format("{:.0f}", arms.raise_mm)
+                  : fmt::format("{:.0f}; {:.0f}, {:.0f}; {:.0f}\u00b0", arms.raise_mm, arms.dx_mm, arms.dy_mm,
+                                arms.yaw_rad / kDegree_rad)) +
+         cell(arms.reach ? fmt::format("{:.0f} % {}", 100 * arms.reach->value, arms.reach->arm) : "") +
+         cell(fmt::format("{:.1f}\u00b0 {} J{}", arms.joint_margin_rad.value / kDegree_rad,
+                          arms.joint_margin_rad.arm, arms.joint_margin_rad.joint)) +
+         cell(fmt::format("{:.1f}\u00b0 {}", arms.wrist_rad.value / kDegree_rad, arms.wrist_rad.arm)) +
+         cell(fmt::format("{:.1f}", arms.joints_s + arms.jerk_s)) + "<td class=\"l\">" + escaped(nearest) +
+         "</td></tr>\n";
+}
+
+}  // namespace
+
+nlohmann::ordered_json arms_json(const StripArms& arms) {
+  nlohmann::ordered_json nearest = nlohmann::ordered_json::object();
+  for (const StripArms::NearestPair& pair : arms.nearest_mm)
+    nearest[pair.kind] = {{"mm", pair.mm}, {"t", pair.t}};
+  nlohmann::ordered_json json = {{"a", held_json(arms.a)},    {"b", held_json(arms.b)},
+                                 {"raise_mm", arms.raise_mm}, {"dx_mm", arms.dx_mm},
+                                 {"dy_mm", arms.dy_mm},       {"yaw_deg", arms.yaw_rad / kDegree_rad}};
+  if (arms.reach)
+    json["reach"] = {{"share", arms.reach->value}, {"arm", arms.reach->arm}, {"t", arms.reach->t}};
+  json["joint_margin"] = {{"deg", arms.joint_margin_rad.value / kDegree_rad},
+                          {"arm", arms.joint_margin_rad.arm},
+                          {"joint", arms.joint_margin_rad.joint},
+                          {"t", arms.joint_margin_rad.t}};
+  json["wrist"] = {
+      {"deg", arms.wrist_rad.value / kDegree_rad}, {"arm", arms.wrist_rad.arm}, {"t", arms.wrist_rad.t}};
+  json["nearest"] = nearest;
+  json["added_s"] = {{"jerk", arms.jerk_s}, {"joints", arms.joints_s}};
+  return json;
+}
+
+std::string arms_section(const PlanResult& result, const Words& w) {
+  const Program& program = result.program;
+  if (!program.cell) return "";
+  std::string html = "<h2>" + w("Arms") + "</h2><p>" + escaped(program.cell->name) + ". " +
+                     w("Reach is the farthest wrist's, of what its arm reaches; least distances in mm.") +
+                     "</p>\n<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
+  for (const char* head : {"clamp A", "clamp B", "raised, mm", "reach", "joint margin", "wrist", "added, s"})
+    html += "<th>" + w(head) + "</th>";
+  html += "<th class=\"l\">" + w("nearest") + "</th></tr>\n";
+  for (const Strip& strip : program.strips) {
+    if (strip.arms) html += row(strip);
+  }
+  return html + "</table></div>\n";
+}
+
+}  // namespace hotblade::pipeline
