@@ -51,14 +51,15 @@ std::string came_to(const PlanesTried& tried, const Words& w) {
   return text + ", " + w.format("elastica miss its sections by {:.2f} mm", tried.missed_mm);
 }
 
-// Fitted ones first, then fewer parts, then what is less off.
-const PlanesTried* best(const PlanResult& result, const Decision& decision, bool other) {
+// Of those that `counts`: fitted ones first, then fewer parts, then what is less off. Null: none.
+template <typename Counts>
+const PlanesTried* best(const PlanResult& result, const Counts& counts) {
   const auto rank = [](const PlanesTried& d) {
     return std::tuple(!d.fit_mm, parts(d), d.fit_mm ? *d.fit_mm : d.missed_mm);
   };
   const PlanesTried* found = nullptr;
   for (const PlanesTried& d : result.ranking) {
-    if (is_other(d, decision) == other && (found == nullptr || rank(d) < rank(*found))) found = &d;
+    if (counts(d) && (found == nullptr || rank(d) < rank(*found))) found = &d;
   }
   return found;
 }
@@ -77,7 +78,9 @@ std::string direction_reason(const PlanResult& result, const Words& w) {
   if (given.direction) return w("The planes were given by slice.direction.");
   if (given.fan_axis) return w("The planes were given by slice.fan_axis.");
   std::string text;
-  const PlanesTried *own = best(result, *decision, false), *next = best(result, *decision, true);
+  const auto other = [&](const PlanesTried& d) { return is_other(d, *decision); };
+  const PlanesTried* own = best(result, [&](const PlanesTried& d) { return !other(d); });
+  const PlanesTried* next = best(result, other);
   if (own != nullptr)
     text =
         w.format("{} ways to lay planes were ranked; of these: {}.", result.ranking.size(), came_to(*own, w));
@@ -113,10 +116,11 @@ std::string split_reason(const PlanResult& result, const Words& w) {
     text = w.format("No fewer can cut it: by its area and size it takes {} at least.",
                     result.strips_lower_bound);
   } else {
-    text = w.format(
-        "By area and size it takes {} strips at least; fewer than {} were not fitted in full, as the "
-        "ranking of directions put them behind.",
-        result.strips_lower_bound, count);
+    text = w.format("By its area and size {} would be the least.", result.strips_lower_bound) + " ";
+    const PlanesTried* fewer = best(result, [&](const PlanesTried& d) { return parts(d) < count; });
+    text += fewer != nullptr && fewer->fit_mm
+                ? w.format("The best cheap fit of fewer parts: {}.", came_to(*fewer, w))
+                : w.format("Of fewer than {} parts no layout had a cheap fit of them all.", count);
   }
   double seconds = 0, foam_l = 0;
   for (const StripFacts& f : result.strips) {

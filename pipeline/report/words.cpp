@@ -212,6 +212,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"The picture stands in for the view", "Das Bild steht für die Ansicht"},
     {"cut coloured by", "Schnitt gefärbt nach"},
     {"cut too deep", "zu tief geschnitten"},
+    {"what stands in the way", "was im Weg steht"},
     {"foam left standing", "Schaum stehen geblieben"},
     {"show in the view", "in der Ansicht zeigen"},
     {"its row", "seine Zeile"},
@@ -338,10 +339,10 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"One strip does.", "Ein Streifen genügt."},
     {"No fewer can cut it: by its area and size it takes {} at least.",
      "Weniger gehen nicht: nach Fläche und Größe braucht er mindestens {}."},
-    {"By area and size it takes {} strips at least; fewer than {} were not fitted in full, as the ranking of "
-     "directions put them behind.",
-     "Nach Fläche und Größe braucht er mindestens {} Streifen; weniger als {} wurden nicht ganz gepasst, da "
-     "sie in der Ordnung der Richtungen dahinter standen."},
+    {"By its area and size {} would be the least.", "Nach Fläche und Größe wären {} das Mindeste."},
+    {"The best cheap fit of fewer parts: {}.", "Die beste grobe Passung von weniger Teilen: {}."},
+    {"Of fewer than {} parts no layout had a cheap fit of them all.",
+     "Von weniger als {} Teilen hatte keine Teilung eine grobe Passung aller Teile."},
     {"A strip takes {} on the machine and {:.1f} l of foam on average: about that is what one more would "
      "cost.",
      "Ein Streifen braucht im Mittel {} auf der Maschine und {:.1f} l Schaum: etwa das würde einer mehr "

@@ -254,6 +254,10 @@ class View(unittest.TestCase):
         card = self.live.find_element(By.CSS_SELECTOR, "[data-part=card]").text
         self.assertIn(strip, card)
         self.assertIn("stability margin", card)
+        self.assertIn("a shorter one", card)  # why this blade
+        links = self.live.find_elements(By.CSS_SELECTOR, "[data-part=card] a")
+        self.assertEqual([link.get_attribute("href").rpartition("#")[2] for link in links],
+                         [f"{place}-{strip}" for place in ("strip", "sheet", "why")])
         chosen = self.live.find_elements(By.CSS_SELECTOR, "tr.chosen")
         self.assertEqual({row.get_attribute("data-strip") for row in chosen}, {strip})
         before = self.picture("chosen")
@@ -278,6 +282,43 @@ class View(unittest.TestCase):
         self.opened(self.page("bump"))
         pdf = base64.b64decode(self.live.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})["data"])
         self.assertIn(b"/Width 1280", pdf)
+
+    def test_it_fits_a_phone_a_tablet_and_a_desk_with_and_without_webgl(self):
+        pages = {"report": self.page("bump"), "sheets": self.page("bump").with_name("sheets.html")}
+        for webgl in (True, False):
+            driver = browser(webgl)
+            try:
+                for width in (390, 820, 1280):
+                    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                        "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600})
+                    for name, page in pages.items():
+                        with self.subTest(width=width, webgl=webgl, page=name):
+                            driver.get(page.as_uri())
+                            if name == "report":
+                                self.opened(page, driver)
+                                self.assertEqual(self.value("state", driver), "webgl2" if webgl else "still")
+                            wide = driver.execute_script("return document.documentElement.scrollWidth")
+                            self.assertLessEqual(wide, width)
+                            if os.environ.get("HOTBLADE_BROWSER_SHOTS"):
+                                shot = driver.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True})
+                                place = pathlib.Path(os.environ["HOTBLADE_BROWSER_SHOTS"])
+                                (place / f"{name}{width}{'' if webgl else 'still'}.png").write_bytes(
+                                    base64.b64decode(shot["data"]))
+            finally:
+                driver.quit()
+
+    def test_every_sheet_is_one_page_of_a4(self):
+        for sample in ("wave_wall", "vase"):
+            with self.subTest(sample):
+                sheets = self.page(sample).with_name("sheets.html")
+                self.live.get(sheets.as_uri())
+                pdf = base64.b64decode(self.live.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"])
+                sections = sheets.read_text().count("<section")
+                self.assertGreater(sections, 4)
+                self.assertEqual(len(re.findall(rb"/Type\s*/Page\b(?!s)", pdf)), sections)
+                for left, low, right, high in re.findall(rb"/MediaBox\s*\[(\S+) (\S+) (\S+) (\S+)\]", pdf):
+                    self.assertAlmostEqual(float(right) - float(left), 595, delta=1)
+                    self.assertAlmostEqual(float(high) - float(low), 842, delta=1)
 
     def test_without_its_script_the_page_reads_whole(self):
         bare = self.directory / "bare.html"

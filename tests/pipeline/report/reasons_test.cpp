@@ -73,6 +73,13 @@ TEST(Reasons, TellByWhatFewerStripsFailed) {
   result.strips_lower_bound = count;
   result.decisions.resize(1, result.decisions.back());
   EXPECT_THAT(split_reason(result, kEnglish), HasSubstr(fmt::format("it takes {} at least", count)));
+  result.strips_lower_bound = 1;
+  result.ranking = {ranked({1, 0, 0}, count, 0.1), ranked({1, 0, 0}, 1, {})};
+  EXPECT_THAT(split_reason(result, kEnglish), AllOf(HasSubstr("By its area and size 1 would be the least."),
+                                                    HasSubstr("parts no layout had a cheap fit")));
+  result.ranking.back().fit_mm = 7.5;
+  EXPECT_THAT(split_reason(result, kEnglish),
+              HasSubstr("The best cheap fit of fewer parts: one part, its cheap fit is off by 7.50 mm."));
   Decision coarser = result.decisions.back();
   coarser.taken = coarser.passed = false;
   coarser.strips = 1;

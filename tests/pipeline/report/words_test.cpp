@@ -65,6 +65,23 @@ TEST(Words, OfGermanAreThereForEveryWayThatATryCameAbout) {
   }
 }
 
+TEST(Words, OfGermanAreThereForEveryReason) {
+  PlanResult result = plan(cylinder_design(), in_german(), {});
+  result.strips_lower_bound = 1;
+  result.program.settings.slice.direction.reset();
+  for (const std::optional<double> fit_mm : {std::optional<double>(), std::optional(1.5)}) {
+    result.ranking = {{surface::PlaneFamily::parallel(Eigen::Vector3d::UnitZ()), 1, 1, 2.5, fit_mm},
+                      {surface::PlaneFamily::parallel(Eigen::Vector3d::UnitX()), 2, 1, 2.5, fit_mm}};
+    EXPECT_NO_THROW((void)report_html(result, {}, "none"));
+  }
+  Decision refused = result.decisions.back();
+  refused.taken = refused.passed = false;
+  refused.strips = 1;
+  refused.normal = Eigen::Vector3d::UnitZ();
+  result.decisions.insert(result.decisions.begin(), refused);
+  EXPECT_THAT(report_html(result, {}, "none"), HasSubstr("Streifen wurden versucht und abgelehnt"));
+}
+
 TEST(Words, OfGermanAreThereForARefusedPlan) {
   Settings settings = in_german();
   settings.blade.min_margin = 1000;
@@ -87,6 +104,9 @@ TEST(Words, HaveAllThatTheViewSays) {
     }
   }
   EXPECT_GT(count, 20u);
+  // The marks of pipeline/preview/scene.cpp.
+  for (const char* mark : {"largest deviation", "what stands in the way"})
+    EXPECT_NO_THROW((void)german(mark));
 }
 
 TEST(Words, HaveEveryColumnOfTheStrips) {
