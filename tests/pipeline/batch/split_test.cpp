@@ -109,12 +109,12 @@ TEST(Batch, SplitKeepsBytes) {
 
 TEST(Batch, EveryWalkOverTheTextIsTold) {
   constexpr double kStep = 1 << 26;  // what may be left untold at the end
-  const std::string text = Facade{std::vector<double>(20000, 1), false, false}.text();
+  const std::string text = Facade{std::vector<double>(30000, 1), false, false}.text();
   const double whole = static_cast<double>(text.size());
   ASSERT_GT(whole, kStep / 2);
   for (const auto& [by, walks] : {std::pair{SplitBy::kGroup, 3}, std::pair{SplitBy::kComponent, 5}}) {
     SplitOptions options{by, 0, ""};
-    options.largest_coordinate = 1e7;
+    options.largest_coordinate = 1e8;  // panels stand beside each other for 30 km
     double told = 0;
     split_obj(
         text, "facade.obj", options, [](PanelText&&) {},
