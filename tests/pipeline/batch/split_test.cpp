@@ -120,7 +120,7 @@ TEST(Batch, EveryWalkOverTheTextIsTold) {
         text, "facade.obj", options, [](PanelText&&) {},
         [&](std::size_t bytes) { told += static_cast<double>(bytes); });
     EXPECT_LE(told, walks * whole);
-    EXPECT_GT(told, walks * whole - kStep);
+    EXPECT_GT(told, (walks - 1) * whole - kStep);  // the last one passes over vertices
   }
 }
 
