@@ -293,6 +293,16 @@ class Nearest {
   std::optional<PlanResult> verified_;
 };
 
+// What the strips of a plan melt, each by the speeds of its own motion; none where it has none.
+std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, const Settings& settings) {
+  std::vector<std::shared_ptr<const SweptBands>> bands(swept.strips.size());
+  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t i) {
+    BladeSpeeds speeds(move_blade(swept.strips[i], settings).poses);
+    if (!speeds.empty()) bands[i] = std::make_shared<SweptBands>(settings.blade, std::move(speeds));
+  });
+  return bands;
+}
+
 // Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
 // looked at in full, `progress` of the rest.
 void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
@@ -321,9 +331,12 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     return {true, {}};
   };
   const auto watched = [&] { progress.fitted(); };
+  BandsOfSweep bands;
+  if (settings.blade.melt.by_speed())
+    bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
   std::vector<PlanesTried> ranking;
   try {
-    ranking = search_sweeps(design, settings, judged, watched);
+    ranking = search_sweeps(design, settings, judged, watched, bands);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }

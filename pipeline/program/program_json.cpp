@@ -126,7 +126,15 @@ void write_blade(Text& out, const robot::BladeSet& blade) {
   out.field(",\"yield_strength_mpa\":", blade.yield_strength_mpa).field(",\"safety\":", blade.safety);
   out.field(",\"max_curvature_per_mm\":", robot::max_curvature_per_mm(blade))
       .field(",\"kerf_mm\":", blade.kerf_mm);
-  out.field(",\"density_kg_m3\":", blade.density_kg_m3).raw("},\n");
+  out.field(",\"density_kg_m3\":", blade.density_kg_m3);
+  if (!blade.melt.band_mm_at_mm_s.empty()) {
+    out.raw(",\"band_mm_at_mm_s\":").list(blade.melt.band_mm_at_mm_s, [&](const std::array<double, 2>& pair) {
+      out.vector(pair);
+    });
+  } else if (blade.melt.by_speed()) {
+    out.field(",\"melt_mm2_s\":", blade.melt.melt_mm2_s).field(",\"loss_mm_s\":", blade.melt.loss_mm_s);
+  }
+  out.raw("},\n");
 }
 
 void write_cell(Text& out, const ProgramCell& cell) {

@@ -135,10 +135,39 @@ DesignData design_of(const JsonNode& node) {
   return design;
 }
 
+// The band by speed, where a program has one.
+robot::Melt melt_of(const JsonNode& node) {
+  robot::Melt melt;
+  if (node.json().contains("band_mm_at_mm_s")) {
+    const JsonNode pairs = node.field("band_mm_at_mm_s");
+    melt.band_mm_at_mm_s.resize(pairs.items(1));
+    for (std::size_t i = 0; i < melt.band_mm_at_mm_s.size(); ++i) {
+      const JsonNode pair = pairs.item(i);
+      [[maybe_unused]] const std::size_t numbers = pair.items(2, true);
+      melt.band_mm_at_mm_s[i] = {pair.item(0).number(kPositive), pair.item(1).number(kPositive)};
+      if (i == 0) continue;
+      const auto& [speed, band] = melt.band_mm_at_mm_s[i];
+      const auto& [slower, wider] = melt.band_mm_at_mm_s[i - 1];
+      if (!(speed > slower) || band > wider) pair.fail("speeds rise from pair to pair, and bands do not");
+    }
+  } else if (node.json().contains("melt_mm2_s")) {
+    melt.melt_mm2_s = number(node, "melt_mm2_s", kPositive);
+    melt.loss_mm_s = number(node, "loss_mm_s", kPositive);
+  }
+  return melt;
+}
+
 robot::BladeSet blade_of(const JsonNode& node) {
-  node.expect_keys(std::array{"free_lengths_mm", "width_mm", "thickness_mm", "youngs_modulus_mpa",
-                              "yield_strength_mpa", "safety", "max_curvature_per_mm", "kerf_mm",
-                              "density_kg_m3"});
+  std::vector<const char*> keys{
+      "free_lengths_mm",    "width_mm", "thickness_mm",         "youngs_modulus_mpa",
+      "yield_strength_mpa", "safety",   "max_curvature_per_mm", "kerf_mm",
+      "density_kg_m3"};
+  if (node.json().contains("band_mm_at_mm_s")) {
+    keys.push_back("band_mm_at_mm_s");
+  } else if (node.json().contains("melt_mm2_s")) {
+    keys.insert(keys.end(), {"melt_mm2_s", "loss_mm_s"});
+  }
+  node.expect_keys(keys);
   robot::BladeSet blade;
   const JsonNode lengths = node.field("free_lengths_mm");
   blade.free_lengths_mm = lengths.numbers(1, kPositive);
@@ -155,6 +184,7 @@ robot::BladeSet blade_of(const JsonNode& node) {
   blade.safety = number(node, "safety", kPositive);
   blade.kerf_mm = number(node, "kerf_mm", kPositive);
   blade.density_kg_m3 = number(node, "density_kg_m3", kPositive);
+  blade.melt = melt_of(node);
   const JsonNode written = node.field("max_curvature_per_mm");
   const double curvature = written.number(kPositive), follows = robot::max_curvature_per_mm(blade);
   if (std::abs(curvature - follows) > kUnitError * follows) {

@@ -48,6 +48,15 @@ struct SettingReader {
     if (!choose(field, word, *place)) throw std::logic_error("an enum of settings has to have its words");
   }
   void operator()(std::vector<double>* place) const { *place = node.numbers(1, range()); }
+  void operator()(std::vector<std::array<double, 2>>* place) const {
+    if (node.is_null()) return;
+    place->resize(node.items(1));
+    for (std::size_t i = 0; i < place->size(); ++i) {
+      const std::vector<double> pair = node.item(i).numbers(2, range());
+      if (pair.size() != 2) node.item(i).fail("is not a pair of numbers");
+      (*place)[i] = {pair[0], pair[1]};
+    }
+  }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
   template <std::size_t N>
   void operator()(std::optional<std::array<double, N>>* place) const {

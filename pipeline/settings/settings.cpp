@@ -112,6 +112,19 @@ struct Reader {
     return text.str();
   }
 
+  std::vector<std::array<double, 2>> pairs() const {
+    const std::string wanted = "a list of pairs of numbers";
+    const toml::array* array = node.as_array();
+    if (array == nullptr) wrong_type(wanted);
+    std::vector<std::array<double, 2>> values;
+    for (const toml::node& element : *array) {
+      const toml::array* pair = element.as_array();
+      if (pair == nullptr || pair->size() != 2) wrong_type(wanted);
+      values.push_back({number((*pair)[0], wanted), number((*pair)[1], wanted)});
+    }
+    return values;
+  }
+
   template <std::size_t N>
   std::array<double, N> tuple() const {
     const std::string wanted = "a list of " + std::to_string(N) + " numbers";
@@ -150,6 +163,7 @@ struct Reader {
     if (!choose(field, word, *place)) fail(where, full_key(field) + " " + unknown_word(field, word));
   }
   void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
+  void operator()(std::vector<std::array<double, 2>>* place) const { *place = pairs(); }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
   template <std::size_t N>
   void operator()(std::optional<std::array<double, N>>* place) const {
@@ -185,6 +199,13 @@ struct RangeCheck {
                "(" + std::to_string(v->size()) + " numbers, must be " + range_text(field) + ")");
     }
     for (const double value : *v) check(value);
+  }
+  void operator()(const std::vector<std::array<double, 2>>* v) const {
+    if (v->size() > kMaxLengths) {
+      fail_key(origins, full_key(field),
+               "(" + std::to_string(v->size()) + " pairs, must be " + range_text(field) + ")");
+    }
+    for (const auto& pair : *v) (*this)(&pair);
   }
   template <std::size_t N>
   void operator()(const std::array<double, N>* v) const {
@@ -243,11 +264,51 @@ void check_together(const Settings& s, const Origins& origins) {
           s.machine.envelope_mm[2]);
 }
 
+// The band by speed: measured or modelled, and known for every speed that a blade may have.
+void check_melt(const Settings& s, const Origins& origins) {
+  const robot::Melt& melt = s.blade.melt;
+  const auto& pairs = melt.band_mm_at_mm_s;
+  constexpr const char* kPairs = "foam.band_mm_at_mm_s";
+  if (!pairs.empty() && melt.melt_mm2_s > 0)
+    fail_key(origins, "foam.melt_mm2_s",
+             std::string("(given with ") + kPairs + "): one of both says the band");
+  if (melt.melt_mm2_s > 0 && melt.loss_mm_s == 0)
+    fail_key(origins, "foam.loss_mm_s",
+             "(0 with foam.melt_mm2_s): a blade at rest melts no band without end");
+  if (melt.melt_mm2_s == 0 && melt.loss_mm_s > 0)
+    fail_key(origins, "foam.loss_mm_s", "(given without foam.melt_mm2_s): it says nothing alone");
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const bool faster = pairs[i][0] > pairs[i - 1][0], wider = pairs[i][1] > pairs[i - 1][1];
+    if (faster && !wider) continue;
+    fail_key(origins, kPairs,
+             "(" + number_text(pairs[i][1]) + " mm at " + number_text(pairs[i][0]) + " mm/s after " +
+                 number_text(pairs[i - 1][1]) + " mm at " + number_text(pairs[i - 1][0]) +
+                 " mm/s): speeds rise, and a faster blade melts no wider band");
+  }
+  if (!melt.by_speed()) return;
+  if (!pairs.empty() && (pairs.front()[0] > s.motion.min_feed_mm_s || pairs.back()[0] < s.motion.feed_mm_s)) {
+    fail_key(origins, kPairs,
+             "(" + number_text(pairs.front()[0]) + " to " + number_text(pairs.back()[0]) +
+                 " mm/s, must reach from motion.min_feed_mm_s, " + number_text(s.motion.min_feed_mm_s) +
+                 ", to motion.feed_mm_s, " + number_text(s.motion.feed_mm_s) +
+                 "): a blade may move at any speed between them");
+  }
+  const double narrowest = melt.band_mm(s.motion.feed_mm_s);
+  if (narrowest < s.blade.thickness_mm) {
+    fail_key(origins, pairs.empty() ? "foam.melt_mm2_s" : kPairs,
+             "(a band of " + number_text(narrowest) +
+                 " mm at motion.feed_mm_s, must be at least "
+                 "blade.thickness_mm, " +
+                 number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
+  }
+}
+
 // The access functions take a mutable Settings; a copy keeps const callers honest.
 void check(Settings settings, const Origins& origins) {
   for (const SettingField& field : setting_fields())
     std::visit(RangeCheck{field, origins}, field.place(settings));
   check_together(settings, origins);
+  check_melt(settings, origins);
 }
 
 // ---- applying ----

@@ -59,7 +59,7 @@ struct FitSettings {
 struct BladeSettings : robot::BladeSet {
   // Spring steel of 8 x 0.5 mm (samples/blades/spring_steel_1_4310.toml).
   BladeSettings()
-      : BladeSet{{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0}, {400, 600, 800, 1000, 1200, 1500}} {}
+      : BladeSet{{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0, {}}, {400, 600, 800, 1000, 1200, 1500}} {}
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
   // The smallest accepted clamp error that snaps the blade; 0 takes it from the machine's errors.
   double min_margin_mm = 0;

@@ -95,6 +95,19 @@ constexpr SettingField kFields[] = {
      "Smallest accepted clamp error that makes the blade snap; 0 takes twice the machine's clamp errors",
      [](S& s) -> Place { return &s.blade.min_margin_mm; }},
 
+    {"foam", "band_mm_at_mm_s", "", 0.01, 1000, "",
+     "Melted band by the blade's speed square to itself: pairs of mm/s and mm, speeds rising and bands not, "
+     "as "
+     "[[1, 2.6], [3, 1.6], [7, 1.0]]; absent: blade.kerf_mm at every speed",
+     [](S& s) -> Place { return &s.blade.melt.band_mm_at_mm_s; }},
+    {"foam", "melt_mm2_s", "mm2/s", 0, 10000, "",
+     "Instead of pairs, band = melt_mm2_s / (speed + loss_mm_s): area that a length of blade melts in a "
+     "second; 0: not given",
+     [](S& s) -> Place { return &s.blade.melt.melt_mm2_s; }},
+    {"foam", "loss_mm_s", "mm/s", 0, 1000, "",
+     "Speed at which as much heat goes into melting as is lost beside the cut",
+     [](S& s) -> Place { return &s.blade.melt.loss_mm_s; }},
+
     {"stock", "max_size_mm", "mm", 10, 10000, "", "Largest foam block: length, width, height",
      [](S& s) -> Place { return &s.stock.max_size_mm; }},
     {"stock", "base_mm", "mm", 0, 2000, "", "Foam left under the lowest kept point",
@@ -178,6 +191,12 @@ struct TomlText {
   // A JSON string with its escapes is a TOML basic string too.
   std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
+  std::optional<std::string> operator()(const std::vector<std::array<double, 2>>* v) const {
+    if (v->empty()) return std::nullopt;
+    std::string text = "[";
+    for (const auto& pair : *v) text += (text.size() > 1 ? ", " : "") + list_text(pair);
+    return text + "]";
+  }
   std::optional<std::string> operator()(const std::array<double, 3>* v) const { return list_text(*v); }
   template <std::size_t N>
   std::optional<std::string> operator()(const std::optional<std::array<double, N>>* v) const {
@@ -249,6 +268,7 @@ std::string range_text(const SettingField& field) {
   if (std::holds_alternative<double*>(place) || std::holds_alternative<int*>(place)) return range;
   const char* count = "3 numbers";
   if (std::holds_alternative<std::vector<double>*>(place)) count = "1 to 100 numbers";
+  if (std::holds_alternative<std::vector<std::array<double, 2>>*>(place)) count = "1 to 100 pairs of numbers";
   if (std::holds_alternative<std::optional<std::array<double, 6>>*>(place)) count = "6 numbers";
   return std::string(count) + ", each " + range;
 }

@@ -14,6 +14,9 @@ struct ToJson {
   nlohmann::ordered_json operator()(const std::optional<std::array<double, N>>* v) const {
     return v->has_value() ? nlohmann::ordered_json(**v) : nlohmann::ordered_json(nullptr);
   }
+  nlohmann::ordered_json operator()(const std::vector<std::array<double, 2>>* v) const {
+    return v->empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(*v);
+  }
   template <typename T>
   nlohmann::ordered_json operator()(const T* v) const {
     if constexpr (std::is_enum_v<T>) {

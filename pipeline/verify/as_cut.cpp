@@ -10,6 +10,7 @@
 
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/as_cut_budget.hpp"
+#include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "robot/controller/execution_log.hpp"
 #include "robot/controller/execution_poses.hpp"
@@ -96,20 +97,23 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
   std::array<Eigen::Vector3d, kMarks> last;
   last.fill(Eigen::Vector3d::Zero());
   bool any = false;
-  for (const BladePose& pose : strip.poses) {
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+    const BladePose& pose = strip.poses[i];
     if (!pose.heat) continue;
     const int points = static_cast<int>(std::ceil(pose.blade.length / sample_mm)) + 1;
     std::array<Eigen::Vector3d, kMarks> marks;
     const auto ends = elastica::sample(pose.blade, kMarks);
     double moved = 0;
-    for (std::size_t i = 0; i < kMarks; ++i) {
-      marks[i] = pose.frame.point(ends[i].x, ends[i].y);
-      if (any) moved = std::max(moved, (marks[i] - last[i]).norm());
+    for (std::size_t k = 0; k < kMarks; ++k) {
+      marks[k] = pose.frame.point(ends[k].x, ends[k].y);
+      if (any) moved = std::max(moved, (marks[k] - last[k]).norm());
     }
     if (any && moved < sample_mm) continue;
     any = true;
     last = marks;
     const elastica::ElasticaCurve curve(pose.blade);
+    const BladePose& next = strip.poses[i + 1 < strip.poses.size() ? i + 1 : i];
+    const elastica::ElasticaCurve then(next.blade);
     for (int k = 0; k < points; ++k) {
       const double s = pose.blade.length * k / (points - 1);
       if (pose.foam && s >= (*pose.foam)[0] && s <= (*pose.foam)[1]) continue;
@@ -118,6 +122,10 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
       if (!planned.block.contains(p)) continue;
       touches.points.push_back(p);
       touches.plane_normals.push_back(pose.frame.normal());
+      const auto moved_to = then.at(s);
+      touches.speeds_mm_s.push_back(
+          speed_across(p, next.frame.point(moved_to.x, moved_to.y), next.t - pose.t,
+                       std::cos(q.theta) * pose.frame.x + std::sin(q.theta) * pose.frame.y));
       touches.strip_of_point.push_back(index);
     }
   }

@@ -11,6 +11,7 @@
 #include "elastica/blade/taut.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/as_cut.hpp"
+#include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/hanging.hpp"
 #include "robot/pose/motion.hpp"
@@ -65,7 +66,8 @@ class DroppedRibs {
       : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices(), mesh_.triangles(), backend) {}
 
   // Of what lies on the design or no farther than `edge_mm` past its border, moved as the blade hangs.
-  [[nodiscard]] double deviation_mm(const Points& in_plane, const HangingRib& rib, double edge_mm) const {
+  [[nodiscard]] double deviation_mm(const Points& in_plane, const HangingRib& rib, const BladeSpeeds& speeds,
+                                    double edge_mm) const {
     double worst = 0;
     Points points;
     std::vector<Eigen::Vector3d> plane_normals;
@@ -83,7 +85,8 @@ class DroppedRibs {
       const Eigen::Vector3d d = points[i] - nearest[i].point;
       const double across = std::abs(n.dot(d));
       if ((d - n.dot(d) * n).norm() > edge_mm) continue;
-      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normals[i])));
+      const double speed = speeds.empty() ? 0 : speeds.at(points[i]);
+      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normals[i], speed)));
     }
     return worst;
   }
@@ -104,14 +107,16 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
   const DroppedRibs measure(program, design, options.backend);
   RibErrors errors;
   for (const Strip& strip : program.strips) {
+    const BladeSpeeds speeds(strip.poses);
     for (const Rib& rib : strip.ribs) {
       Points target, curve;
       for (const Eigen::Vector2d& q : rib.target) target.push_back(rib.frame.point(q.x(), q.y()));
       for (const auto& q : elastica::sample(rib.elastica, kSamples))
         curve.push_back(rib.frame.point(q.x, q.y));
       const HangingRib hung(strip, static_cast<int>(&rib - strip.ribs.data()), program.blade);
-      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(target, hung, options.edge_mm));
-      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, hung, options.edge_mm));
+      errors.section_mm =
+          std::max(errors.section_mm, measure.deviation_mm(target, hung, speeds, options.edge_mm));
+      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, hung, speeds, options.edge_mm));
       errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
     }
   }

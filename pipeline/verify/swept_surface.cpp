@@ -158,6 +158,19 @@ Eigen::Vector3d grid_normal(const StripGrid& g, const std::vector<Eigen::Vector3
   return (n.dot(left) < 0 ? -n : n) / size;
 }
 
+// Speed of the blade at row i and column j square to itself, by central differences.
+double grid_speed(const StripGrid& g, const std::vector<Eigen::Vector3d>& points, std::size_t i,
+                  std::size_t j) {
+  const auto at = [&](std::size_t a, std::size_t b) -> const Eigen::Vector3d& {
+    return points[g.first_vertex + a * g.columns + b];
+  };
+  const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, g.rows.size() - 1);
+  const Eigen::Vector3d along =
+      (at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0)).normalized();
+  const Eigen::Vector3d moved = at(after, j) - at(before, j);
+  return (moved - along.dot(moved) * along).norm() / (g.rows[after]->t - g.rows[before]->t);
+}
+
 // Two triangles between four vertices, facing as the normals do.
 void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, SweptSurface& out) {
   const auto& v = out.vertices;
@@ -194,6 +207,7 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
       for (std::size_t j = 0; j < grid.columns; ++j) {
         const std::size_t v = grid.first_vertex + i * grid.columns + j;
         out.normals[v] = grid_normal(grid, out.vertices, i, j, out.normals[v]);
+        out.speeds_mm_s[v] = grid_speed(grid, out.vertices, i, j);
         out.strip_of_vertex[v] = static_cast<int>(index);
         out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
         out.sides_of_vertex[v] = sides_at(grid, i, j);
@@ -203,7 +217,9 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     const std::size_t last = grid.first_vertex + to * grid.columns;
     for (std::size_t v = grid.first_vertex + from * grid.columns; v < last; ++v) {
-      out.vertices[v] -= half_band_mm(program.blade, out.normals[v], out.plane_normals[v]) * out.normals[v];
+      out.vertices[v] -=
+          half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v]) *
+          out.normals[v];
     }
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_triangles(grid, from, to, out); });
@@ -212,8 +228,8 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
 }  // namespace
 
 double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
-                    const Eigen::Vector3d& plane_normal) {
-  return 0.5 * (blade.kerf_mm + blade.width_mm * std::abs(normal.dot(plane_normal)));
+                    const Eigen::Vector3d& plane_normal, double speed_mm_s) {
+  return 0.5 * (blade.band_mm(speed_mm_s) + blade.width_mm * std::abs(normal.dot(plane_normal)));
 }
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
@@ -229,6 +245,7 @@ SweptSurface swept_surface(const Program& program, double sample_mm) {
   SweptSurface out;
   out.vertices.resize(vertices);
   out.plane_normals.resize(vertices);
+  out.speeds_mm_s.resize(vertices);
   out.normals.resize(vertices);
   out.strip_of_vertex.resize(vertices);
   out.pose_of_vertex.resize(vertices);

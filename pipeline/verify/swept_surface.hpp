@@ -10,10 +10,10 @@
 
 namespace hotblade::pipeline {
 
-// Returns half of what a blade melts across a surface of this unit normal, mm: the width stands along the
-// normal of the plane the blade bends in.
+// Returns half of what a blade melts across a surface of this unit normal, mm, at this speed square to
+// itself: the width stands along the normal of the plane the blade bends in.
 [[nodiscard]] double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
-                                  const Eigen::Vector3d& plane_normal);
+                                  const Eigen::Vector3d& plane_normal, double speed_mm_s);
 
 // A surface with what made each of its vertices.
 struct SweptSurface {
@@ -24,6 +24,7 @@ struct SweptSurface {
   std::vector<int> pose_of_vertex;             // index into its strip's poses
   std::vector<double> curvature_per_mm;        // of the blade there, without sign
   std::vector<Eigen::Vector3d> plane_normals;  // unit, along the blade's width
+  std::vector<double> speeds_mm_s;             // of the blade there, square to itself
   // The sides of its strip's surface that a vertex lies on, a bit each; an edge whose ends share one is the
   // strip's edge.
   std::vector<unsigned char> sides_of_vertex;

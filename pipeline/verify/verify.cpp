@@ -217,8 +217,9 @@ class CutMeasurement {
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
-    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i]);
-    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i]);
+    const double speed = cut_.speeds_mm_s[i];
+    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed);
+    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed);
     c.half_band = std::abs(by_cut - by_design);
     return c;
   }
@@ -238,6 +239,7 @@ class CutMeasurement {
   void forget_what_cut_the_design() {
     to_design_.reset();
     for (auto* list : {&cut_.normals, &cut_.plane_normals}) std::vector<Eigen::Vector3d>().swap(*list);
+    std::vector<double>().swap(cut_.speeds_mm_s);
     std::vector<double>().swap(cut_.curvature_per_mm);
     std::vector<int>().swap(cut_.pose_of_vertex);
   }
@@ -326,7 +328,8 @@ class CutMeasurement {
       Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;
       const double above = n.dot(touches.points[i] - feet[i]);
-      const double depth = half_band_mm(program_.blade, n, touches.plane_normals[i]) - above;
+      const double depth =
+          half_band_mm(program_.blade, n, touches.plane_normals[i], touches.speeds_mm_s[i]) - above;
       if (!(depth > 0)) continue;
       report_.gouge_mm = std::max(report_.gouge_mm, depth);
       add(depth, feet[i], touches.strip_of_point[i]);

@@ -42,6 +42,7 @@ struct VerifyOptions {
 struct BladeTouches {
   std::vector<Eigen::Vector3d> points;         // mm, design frame
   std::vector<Eigen::Vector3d> plane_normals;  // unit, of the plane the blade bends in
+  std::vector<double> speeds_mm_s;             // square to the blade
   std::vector<int> strip_of_point;
 };
 

@@ -6,6 +6,8 @@
 
 #include <vector>
 
+#include "robot/blade/melt.hpp"
+
 namespace hotblade::robot {
 
 // What bending in a plane depends on: a rectangular section, its width along the normal of that plane.
@@ -27,6 +29,11 @@ struct Blade : BladeSection {
   double safety = 1;  // bending stress stays below the yield strength divided by this
   double density_kg_m3 = 0;
   double kerf_mm = 0;  // melted band of a blade that moves square to its width, the thickness included
+  Melt melt{};         // by its speed; where that says nothing, kerf_mm at every speed
+  // Returns the melted band in mm of a blade that moves so fast square to itself and to its width.
+  [[nodiscard]] double band_mm(double speed_mm_s) const {
+    return melt.by_speed() ? melt.band_mm(speed_mm_s) : kerf_mm;
+  }
   bool operator==(const Blade&) const = default;
 };
 

@@ -298,8 +298,8 @@ std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& 
   constexpr int kSections = 8;
   constexpr double kSampleMm = 40;
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  const SweepData data = sweep_sections(*row.surface, row.axes,
-                                        section_options(settings_, row.seams, kSections, kSampleMm, nullptr));
+  const SweepData data = sweep_sections(
+      *row.surface, row.axes, section_options(settings_, row.seams, kSections, kSampleMm, nullptr, nullptr));
   if (data.sections.empty()) return {};
   // Of all sections, how far they run between places of x at most.
   const double low = data.low.x(), width = data.high.x() - low;

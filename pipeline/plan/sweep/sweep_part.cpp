@@ -95,7 +95,9 @@ std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
     return Refusal{"", "", Limit::kFacing, kDegrees * data.turn_rad, kDegrees * kMostTurnRad};
   if (data.steepest_rad > kMaxSlopeRad)
     return Refusal{"", "", Limit::kSlope, kDegrees * data.steepest_rad, kDegrees * kMaxSlopeRad};
-  if (data.gap) return Refusal{"", "", Limit::kGap, data.gap->width_mm(), settings_.blade.kerf_mm};
+  if (data.gap)
+    return Refusal{"", "", Limit::kGap, data.gap->width_mm(),
+                   settings_.blade.band_mm(settings_.motion.feed_mm_s)};
   const auto& most = settings_.stock.max_size_mm;
   const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
   for (Eigen::Index i = 2; i >= 0; --i) {
@@ -138,8 +140,9 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
 
 SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effort,
                                   const SweepSag* sag) const {
-  return sweep_sections(*part.surface, part.axes,
-                        section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag));
+  return sweep_sections(
+      *part.surface, part.axes,
+      section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag, part.bands.get()));
 }
 
 PartFit PartFitter::measured(const SweepData& data) const {
@@ -234,7 +237,8 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
   constexpr double kSameBladeMm = 5;
   SweptStrip made;
   for (int look = 0; look < kLooks; ++look) {
-    made = make_swept_strip(*part.surface, part.axes, part.seams, fit, fit.formed_by.get(), settings_);
+    made = make_swept_strip(*part.surface, part.axes, part.seams, fit, fit.formed_by.get(), part.bands.get(),
+                            settings_);
     if (!made.strip || part.axes.planes.turns()) return made;
     const SweepBlade was = fit.formed_by ? fit.formed_by->blade() : SweepBlade{};
     if (std::abs(was.length_mm - made.blade.length_mm) <= kSameBladeMm &&
@@ -294,9 +298,9 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SweepFamily& family = plans[i].fit.family;
     sides.push_back({&parts[i].axes, &parts[i].seams, parts[i].surface.get(), plans[i].fit.formed_by.get(),
-                     family.first_mm, family.last_mm});
+                     parts[i].bands.get(), family.first_mm, family.last_mm});
   }
-  const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr));
+  const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr, nullptr));
   if (seams.empty()) return plans;
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     watch_();
@@ -316,7 +320,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joined[i].data);
     plan.fit.cost_mm = cost_of(plan.fit, parts[i].axes.planes.turns());
     SweptStrip made = make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit,
-                                       plan.fit.formed_by.get(), settings_);
+                                       plan.fit.formed_by.get(), parts[i].bands.get(), settings_);
     plan.strip = std::move(made.strip);
     if (plan.strip) {
       plan.strip->joint_fit_mm = std::max(0.0, plan.fit.max_mm - alone_mm);

@@ -21,6 +21,8 @@ struct SweepPart {
   std::vector<SweepSeam> seams;
   std::shared_ptr<const WasteSurface> surface;  // the design's, or the triangles near the part
   int rib_splits = 0;  // seams that ribs end at, beyond those that their length asks for
+  std::shared_ptr<const SweptBands> bands =
+      nullptr;  // by the speeds of its strip in a former plan; none: not known
 };
 
 // What a fit costs and how close it is.

@@ -89,6 +89,7 @@ class Cells {
 // A point as a part forms it, on its family's side of where closed planes are cut open.
 FormedPoint formed_by(const SeamSide& part, const SurfacePoint& p, SweepSectionOptions options) {
   options.sag = part.sag;
+  options.bands = part.bands;
   FormedPoint formed = formed_point(p.at, p.normal, *part.axes, options);
   if (part.axes->planes.closed()) {
     const double turn = 2 * std::numbers::pi * part.axes->planes.radius_mm();

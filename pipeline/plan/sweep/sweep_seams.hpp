@@ -22,6 +22,7 @@ struct SeamSide {
   const std::vector<SweepSeam>* seams = nullptr;
   const WasteSurface* surface = nullptr;  // the triangles near the part
   const SweepSag* sag = nullptr;          // of the blades that form it; none: weightless ones
+  const SweptBands* bands = nullptr;      // SweepSectionOptions
   double first_mm = 0, last_mm = 0;       // of its family, along the sweep
 };
 

@@ -23,9 +23,10 @@ using Eigen::Vector3d;
 class Search {
  public:
   Search(const surface::DesignSurface& design, double waste_side, const Settings& settings,
-         const WatchSweeps& watch)
+         const WatchSweeps& watch, const BandsOfSweep& bands)
       : mesh_(design.mesh),
         settings_(settings),
+        bands_(bands),
         fitter_(settings, watch),
         layouts_(design.mesh, waste_surface(design.mesh, waste_side),
                  sweep_planes(design.mesh, settings.slice), settings, fitter_) {}
@@ -110,8 +111,8 @@ class Search {
            std::pair(b.layout.parts.size() + b.failing(), b.layout.cost_mm);
   }
 
-  // Plans the parts that have none yet and has the whole judged; whether it is taken.
-  bool look_at(Tried& tried, const JudgeSweep& judge) const {
+  // Plans the parts that have none yet, and fits them together; whether all have a strip.
+  bool plan_parts(Tried& tried) const {
     const std::size_t count = tried.layout.parts.size();
     tried.plans.resize(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -119,9 +120,42 @@ class Search {
       if (!plan.strip) plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
     });
     tried.joined = tried.plans;
-    const bool whole = std::all_of(tried.plans.begin(), tried.plans.end(),
-                                   [](const PartPlan& plan) { return plan.strip.has_value(); });
-    if (whole) tried.joined = fitter_.join(tried.layout.parts, std::move(tried.joined));
+    const auto all_made = [](const std::vector<PartPlan>& plans) {
+      return std::all_of(plans.begin(), plans.end(),
+                         [](const PartPlan& plan) { return plan.strip.has_value(); });
+    };
+    if (!all_made(tried.plans)) return false;
+    tried.joined = fitter_.join(tried.layout.parts, std::move(tried.joined));
+    return all_made(tried.joined);
+  }
+
+  // What a blade melts depends on its speed, and its speed on the path that it is offset to: planned again
+  // with the bands of the plan before, until these stay.
+  void settle_bands(Tried& tried) const {
+    constexpr int kLooks = 4;
+    // A tenth of what the budget calls exact; a look takes off nine tenths of what the one before was off by.
+    constexpr double kSameMm = 0.005;
+    for (int look = 0; look < kLooks; ++look) {
+      const auto bands = bands_(plan_of(tried));
+      double change = 0;
+      for (std::size_t i = 0; i < bands.size(); ++i) {
+        if (!bands[i]) continue;
+        SweepPart& part = tried.layout.parts[i];
+        change = std::max(change, bands[i]->farthest_mm(part.bands.get(), nominal_band_mm()));
+        part.bands = bands[i];
+      }
+      if (change <= kSameMm) return;
+      tried.plans.clear();
+      if (!plan_parts(tried)) return;
+    }
+  }
+
+  [[nodiscard]] double nominal_band_mm() const { return settings_.blade.band_mm(settings_.motion.feed_mm_s); }
+
+  // Plans the parts and has the whole judged; whether it is taken.
+  bool look_at(Tried& tried, const JudgeSweep& judge) const {
+    const std::size_t count = tried.layout.parts.size();
+    if (plan_parts(tried) && bands_) settle_bands(tried);
     const SweptPlan plan = plan_of(tried);
     const SweepVerdict verdict = judge(plan);
     if (verdict.taken) return true;
@@ -328,6 +362,7 @@ class Search {
 
   const surface::TriangleMesh& mesh_;
   const Settings& settings_;
+  const BandsOfSweep& bands_;
   std::vector<PlanesTried> tried_planes_;
   PartFitter fitter_;
   SweepLayouts layouts_;
@@ -352,10 +387,11 @@ const char* name(SweepWay way) {
 }
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
-                                       const JudgeSweep& judge, const WatchSweeps& watch) {
+                                       const JudgeSweep& judge, const WatchSweeps& watch,
+                                       const BandsOfSweep& bands) {
   const double side = waste_side(design.mesh, settings.design.keep);
   if (side == 0) return {};
-  Search search(design, side, settings, watch);
+  Search search(design, side, settings, watch, bands);
   search.run(judge);
   return search.tried_planes();
 }

@@ -52,12 +52,17 @@ struct SweepVerdict {
 };
 using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;
 
+// What the blades of a plan's strips melt by the speeds that they would have; for each strip in its order,
+// none where its blade does not move.
+using BandsOfSweep = std::function<std::vector<std::shared_ptr<const SweptBands>>(const SweptPlan&)>;
+
 // Hands plans over until one is taken, or all are left: fewer parts first, then smaller deviations. Those
 // with parts that have no strip are handed over with the reasons, and are not to be taken. Returns the planes
 // that were ranked on the way. The same input gives the same plans, whatever the number of threads. Throws
-// surface::FanError where `slice.fan_axis` does not go with the design.
+// surface::FanError where `slice.fan_axis` does not go with the design. With `bands`, strips are fitted anew
+// until the speeds that they lead to melt what they were offset by, before they are handed over.
 std::vector<PlanesTried> search_sweeps(
     const surface::DesignSurface& design, const Settings& settings, const JudgeSweep& judge,
-    const WatchSweeps& watch = [] {});
+    const WatchSweeps& watch = [] {}, const BandsOfSweep& bands = nullptr);
 
 }  // namespace hotblade::pipeline

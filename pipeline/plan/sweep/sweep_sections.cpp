@@ -45,11 +45,11 @@ MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& 
   v.own_at = in_planes(axes, point);
   const Frame plane = axes.plane(v.own_at.z());
   const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal(v.own_at.z())));
-  const auto band = [&](double across) {
-    return 0.5 * (options.kerf_mm + options.width_mm * std::abs(across));
-  };
+  double kerf_mm = options.kerf_mm;
+  const auto band = [&](double across) { return 0.5 * (kerf_mm + options.width_mm * std::abs(across)); };
   v.along = n.z();
   v.turn = std::atan2(std::abs(n.x()), n.y());
+  if (options.bands) kerf_mm = options.bands->band_mm(point + band(n.z()) * normal);
   v.world = point + band(n.z()) * normal;
   v.at = in_planes(axes, v.world);
   if (options.sag) {

@@ -4,9 +4,10 @@
 // A point P with unit normal n towards the waste is formed by a blade whose middle line passes
 //   T = P + (kerf + width |n . N|) / 2 n,
 // N being the planes' normal: the melted band is that wide across a slope, and the kept side follows its
-// edge. T is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a
-// place higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved
-// surface: the points of one section lie in one plane and are followed by one elastica.
+// edge. Where the band depends on the blade's speed, the kerf is that of a former plan there (SweptBands). T
+// is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a place
+// higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved surface: the
+// points of one section lie in one plane and are followed by one elastica.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,6 +18,7 @@
 
 #include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/plan/sweep/sweep_sag.hpp"
+#include "pipeline/plan/sweep/swept_bands.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -68,6 +70,7 @@ struct SweepSectionOptions {
   std::vector<SweepSeam> seams = {};
   std::vector<double> extra_mm = {};  // offsets of further sections
   const SweepSag* sag = nullptr;      // of the blades that form the sections; none: weightless ones
+  const SweptBands* bands = nullptr;  // that the blades melt by their speeds; none: kerf_mm everywhere
   // Gaps within sections are looked for from this width on, this far behind the seams; nothing: they are not
   // looked for.
   std::optional<double> gap_mm = {};

@@ -75,8 +75,15 @@ std::vector<Vector2d> even_points(const std::vector<Foot>& feet) {
 class StripMaker {
  public:
   StripMaker(const WasteSurface& surface, const RibAxes& axes, const std::vector<SweepSeam>& seams,
-             const SweepFitReport& fit, const SweepSag* sag, const Settings& settings)
-      : surface_(surface), axes_(axes), seams_(seams), fit_(fit), sag_(sag), settings_(settings) {}
+             const SweepFitReport& fit, const SweepSag* sag, const SweptBands* bands,
+             const Settings& settings)
+      : surface_(surface),
+        axes_(axes),
+        seams_(seams),
+        fit_(fit),
+        sag_(sag),
+        bands_(bands),
+        settings_(settings) {}
 
   SweptStrip run() {
     SweptStrip made;
@@ -131,7 +138,7 @@ class StripMaker {
   void gather() {
     constexpr int kSections = 64;
     constexpr double kSampleMm = 10;
-    SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_);
+    SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_, bands_);
     for (int i = 0; i < rib_count(); ++i) options.extra_mm.push_back(rib_offset(i));
     const SweepData data = sweep_sections(surface_, axes_, options);
     double reach = 0;
@@ -235,6 +242,7 @@ class StripMaker {
   const std::vector<SweepSeam>& seams_;
   const SweepFitReport& fit_;
   const SweepSag* sag_;
+  const SweptBands* bands_;
   const Settings& settings_;
   std::vector<double> offsets_, slopes_;  // of the sections
   std::vector<std::vector<Foot>> feet_;
@@ -245,11 +253,12 @@ class StripMaker {
 }  // namespace
 
 SweepSectionOptions section_options(const Settings& settings, const std::vector<SweepSeam>& seams, int count,
-                                    double sample_mm, const SweepSag* sag) {
-  SweepSectionOptions options{
-      settings.blade.kerf_mm, settings.blade.width_mm, count, sample_mm, seams, {}, sag};
+                                    double sample_mm, const SweepSag* sag, const SweptBands* bands) {
+  // Before anything is known of speeds, that of the feed.
+  const double kerf_mm = settings.blade.band_mm(settings.motion.feed_mm_s);
+  SweepSectionOptions options{kerf_mm, settings.blade.width_mm, count, sample_mm, seams, {}, sag, bands};
   // A slit narrower than what the blade melts is cut away anyhow.
-  if (settings.slice.gaps == Gaps::kApart) options.gap_mm = settings.blade.kerf_mm;
+  if (settings.slice.gaps == Gaps::kApart) options.gap_mm = kerf_mm;
   options.gap_behind_mm = kSeamOverlapMm;
   for (SweepSeam& seam : options.seams) seam.at_mm += kSeamOverlapMm;
   return options;
@@ -257,8 +266,8 @@ SweepSectionOptions section_options(const Settings& settings, const std::vector<
 
 SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
                             const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
-                            const SweepSag* sag, const Settings& settings) {
-  return StripMaker(surface, axes, seams, fit, sag, settings).run();
+                            const SweepSag* sag, const SweptBands* bands, const Settings& settings) {
+  return StripMaker(surface, axes, seams, fit, sag, bands, settings).run();
 }
 
 }  // namespace hotblade::pipeline

@@ -19,11 +19,13 @@ struct SweptStrip {
 // As many ribs as the family has coefficients, evenly spaced: their interpolating spline is the family itself
 // (SweepBasis). More, and near it to a hundredth of a millimetre, where slice.spacing_mm asks for closer
 // ones. All are equally long, about the family's middles, and reach past what they form; the first and the
-// last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` is what the
-// data was moved by. The blade is the shortest of the list that the family serves (plan/motion/blade.hpp).
+// last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` and `bands`
+// are what the data was moved by. The blade is the shortest of the list that the family serves
+// (plan/motion/blade.hpp).
 [[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
                                           const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
-                                          const SweepSag* sag, const Settings& settings);
+                                          const SweepSag* sag, const SweptBands* bands,
+                                          const Settings& settings);
 
 // Parts of a split design overlap by twice this, so that neither cuts what it has not seen.
 inline constexpr double kSeamOverlapMm = 8;
@@ -31,6 +33,7 @@ inline constexpr double kSeamOverlapMm = 8;
 // The sections that fits and strips are made from; seams are passed by kSeamOverlapMm.
 [[nodiscard]] SweepSectionOptions section_options(const Settings& settings,
                                                   const std::vector<SweepSeam>& seams, int count,
-                                                  double sample_mm, const SweepSag* sag);
+                                                  double sample_mm, const SweepSag* sag,
+                                                  const SweptBands* bands);
 
 }  // namespace hotblade::pipeline

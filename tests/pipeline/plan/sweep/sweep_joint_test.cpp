@@ -44,7 +44,8 @@ struct Halves {
     for (const double side : {1.0, -1.0}) {
       seams.push_back({{side * n, side * n.dot(middle)}});
       JointPart part;
-      part.data = sweep_sections(surface, axes, section_options(settings, seams.back(), 40, 20, nullptr));
+      part.data =
+          sweep_sections(surface, axes, section_options(settings, seams.back(), 40, 20, nullptr, nullptr));
       part.options.coefficients = 7;
       part.options.exponents = {2, 4, 8};
       part.options.blade_length_mm = 800;
@@ -53,8 +54,9 @@ struct Halves {
     }
     std::vector<SeamSide> sides;
     for (std::size_t i = 0; i < 2; ++i)
-      sides.push_back({&axes, &seams[i], &surface, nullptr, parts[i].start.first_mm, parts[i].start.last_mm});
-    met = seams_of(sides, section_options(settings, {}, 1, 1, nullptr));
+      sides.push_back(
+          {&axes, &seams[i], &surface, nullptr, nullptr, parts[i].start.first_mm, parts[i].start.last_mm});
+    met = seams_of(sides, section_options(settings, {}, 1, 1, nullptr, nullptr));
   }
 
   Settings settings;
