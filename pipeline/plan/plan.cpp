@@ -55,6 +55,11 @@ StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   f.droop_error_mm =
       f.motion.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * f.motion.twist_rad;
   f.stock_volume_mm3 = plan.block.size_mm.prod();
+  const BladeSpeeds speeds(posed.motion.poses);
+  const auto [slowest, fastest] =
+      speeds.empty() ? std::pair(settings.motion.feed_mm_s, settings.motion.feed_mm_s) : speeds.range();
+  f.band_min_mm = settings.blade.band_mm(fastest);
+  f.band_max_mm = settings.blade.band_mm(slowest);
   f.plinth_mm = plan.block.height_above_table_mm(plan.design_to_cell);
   f.plane_turn_rad =
       plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
@@ -375,7 +380,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   v.uncut_mm2 = result.verification.uncut_mm2;
   v.budget_mm = error_budget(design, program, pose_errors(result.strips));
   v.samples = result.verification.cut_samples + result.verification.design_samples;
-  v.not_checked = not_checked();
+  v.not_checked = not_checked(program.blade);
   if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
     for (std::string& item : v.not_checked)
       if (item == kJerkNotChecked) item = "jerk of the clamps in the ramps of a hold";

@@ -33,8 +33,9 @@ struct StripFacts {
   double deviation_max_mm = 0;
   double droop_error_mm = 0;  // what droop and twist move the surface where it is steepest
   double stock_volume_mm3 = 0;
-  double plinth_mm = 0;                 // the block stands this far above the table
-  double foam_kept_share = 0;           // of it that becomes the part (pipeline/verify/foam_share.hpp)
+  double band_min_mm = 0, band_max_mm = 0;  // that the blade melts, square to its width, by its speed
+  double plinth_mm = 0;                     // the block stands this far above the table
+  double foam_kept_share = 0;               // of it that becomes the part (pipeline/verify/foam_share.hpp)
   double plane_turn_rad = 0;            // between the first and the last rib's plane; 0: they are parallel
   std::optional<BladeTrials> blades{};  // of a plan that passed
 

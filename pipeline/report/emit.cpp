@@ -112,6 +112,8 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                {"duration_s", f.motion.duration_s},
                {"cut_s", f.motion.cut_s},
                {"feed_slowest_mm_s", f.motion.slowest_feed_mm_s},
+               {"band_min_mm", f.band_min_mm},
+               {"band_max_mm", f.band_max_mm},
                {"plane_turn_rad", f.plane_turn_rad},
                {"off_plane_mm", f.motion.off_plane_mm},
                {"stock_volume_mm3", f.stock_volume_mm3},

@@ -388,12 +388,12 @@ std::string largest_text(const VerifyReport& report) {
   return fmt::format("{}{:.3f} mm", report.capped ? ">= " : "", report.deviation.max);
 }
 
-std::vector<std::string> not_checked() {
+std::vector<std::string> not_checked(const robot::Blade& blade) {
   return {"snaps and bending by verify between every sixteenth waypoint; the plan checks every pose",
           "errors of the clamps in the measured deviation: they have a line in the budget, and an amber "
           "verdict says "
           "what they may be",
-          "melt-back of a slow or held blade",
+          blade.melt.by_speed() ? "melt-back of a held blade" : "melt-back of a slow or held blade",
           "how much softer hot steel hangs than the blade that is measured: a fifth of its sag stands in the "
           "budget",
           kArmsNotChecked,

@@ -85,7 +85,7 @@ inline constexpr double kClampMismatchMm = 1e-3;
                                   const VerifyOptions& options);
 
 // Returns what no stage of this version looks at, as every program and report says it.
-[[nodiscard]] std::vector<std::string> not_checked();
+[[nodiscard]] std::vector<std::string> not_checked(const robot::Blade& blade);
 // What of it a plan with limits of jerk, and one with a cell, looks at in part.
 inline constexpr const char* kJerkNotChecked = "jerk of the clamps";
 inline constexpr const char* kArmsNotChecked = "arm reach and arm collision";

@@ -10,6 +10,7 @@
 
 #include "elastica/fit/fit.hpp"
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/verify/verify.hpp"
 #include "samples/sample_surfaces.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -44,6 +45,44 @@ TEST(SampleBump, IsCutWithinEveryToleranceAskedFor) {
     for (const pipeline::StripFacts& f : result.strips) ribs += f.ribs;
     EXPECT_GE(ribs, before);
     before = ribs;
+  }
+}
+
+// Blades that turn, at three feeds: planned with one band and executed under bands that depend on the speed,
+// the cut is off; planned by those bands it is as near as if there were one.
+TEST(SampleCorner, IsCutAsNearByBandsThatDependOnTheSpeed) {
+  pipeline::Settings settings = pipeline::resolve({{kSamples / "corner.toml"}, {}, {}});
+  const surface::DesignSurface design =
+      surface::read_obj(kSamples / "corner.obj", {settings.design.units, settings.design.up.front()});
+  const robot::Melt melt{{{1, 2.6}, {3, 1.6}, {7, 1.0}, {15, 0.7}}, 0, 0};
+  pipeline::VerifyOptions options;
+  options.tolerance_mm = settings.design.tolerance_mm;
+  for (const double feed : {3.0, 7.0, 15.0}) {
+    settings.motion.feed_mm_s = feed;
+    settings.blade.melt = {};
+    settings.blade.kerf_mm = melt.band_mm(feed);
+    pipeline::PlanResult one = pipeline::plan(design, settings, {});
+    ASSERT_EQ(one.program.verification.status, pipeline::VerificationStatus::kPassed) << feed;
+    const double planned_mm = one.verification.deviation.max;
+    one.program.blade.melt = melt;
+    const double executed_mm = pipeline::verify(one.program, design, options).deviation.max;
+    settings.blade.melt = melt;
+    const pipeline::PlanResult coupled = pipeline::plan(design, settings, {});
+    ASSERT_EQ(coupled.program.verification.status, pipeline::VerificationStatus::kPassed) << feed;
+    const double coupled_mm = coupled.verification.deviation.max;
+    EXPECT_GT(executed_mm - planned_mm, 0.04) << feed;
+    EXPECT_LT(coupled_mm - planned_mm, (executed_mm - planned_mm) / 5) << feed;
+    // The program says its bands itself.
+    const pipeline::Program read = pipeline::parse_program(pipeline::to_json(coupled.program), "corner");
+    EXPECT_EQ(read.blade.melt, melt);
+    EXPECT_EQ(pipeline::verify(read, design, options).deviation.max, coupled_mm);
+    double widest = 0, narrowest = 10;
+    for (const pipeline::StripFacts& strip : coupled.strips) {
+      widest = std::max(widest, strip.band_max_mm);
+      narrowest = std::min(narrowest, strip.band_min_mm);
+    }
+    EXPECT_NEAR(narrowest, melt.band_mm(feed), 0.02);
+    EXPECT_GT(widest, narrowest + 0.2);
   }
 }
 

@@ -291,6 +291,19 @@ double PartFitter::wanted_mm() const {
   return kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
 }
 
+PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
+  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm);
+  PartPlan now{fit(part, effort, &plan.fit), std::nullopt, std::nullopt, plan.calm};
+  if (!now.fit.holds()) {
+    now.refusal = now.fit.refusal;
+    return now;
+  }
+  SweptStrip made = strip_of(part, effort, now.fit);
+  now.strip = std::move(made.strip);
+  if (!now.strip) now.refusal = made.refusal;
+  return now;
+}
+
 std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
                                        std::vector<PartPlan> plans) const {
   std::vector<JointPart> joined(parts.size());

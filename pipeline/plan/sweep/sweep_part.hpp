@@ -85,6 +85,9 @@ class PartFitter {
   // that are calmer than `calmer_than`, where the blade does not serve.
   [[nodiscard]] PartPlan plan(const SweepPart& part, const PartFit& start, double calmer_than = 0) const;
 
+  // A plan's fit carried on with the part as it is now, as by other bands.
+  [[nodiscard]] PartPlan again(const SweepPart& part, const PartPlan& plan) const;
+
   // Strips that meet at seams fitted together, from the plans of their own; all parts have a strip. A strip
   // whose blade is lost so has none any more.
   [[nodiscard]] std::vector<PartPlan> join(const std::vector<SweepPart>& parts,

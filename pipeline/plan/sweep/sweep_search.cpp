@@ -119,6 +119,11 @@ class Search {
       PartPlan& plan = tried.plans[i];
       if (!plan.strip) plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
     });
+    return join_parts(tried);
+  }
+
+  // Fits planned parts together; whether all have a strip.
+  bool join_parts(Tried& tried) const {
     tried.joined = tried.plans;
     const auto all_made = [](const std::vector<PartPlan>& plans) {
       return std::all_of(plans.begin(), plans.end(),
@@ -145,8 +150,10 @@ class Search {
         part.bands = bands[i];
       }
       if (change <= kSameMm) return;
-      tried.plans.clear();
-      if (!plan_parts(tried)) return;
+      tbb::parallel_for(std::size_t{0}, tried.plans.size(), [&](std::size_t i) {
+        tried.plans[i] = fitter_.again(tried.layout.parts[i], tried.plans[i]);
+      });
+      if (!join_parts(tried)) return;
     }
   }
 

@@ -122,6 +122,13 @@ INSTANTIATE_TEST_SUITE_P(
                  "(0, at least 1)"},
         Breakage{"FallingBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"][2] = 600; },
                  "blade.free_lengths_mm[2]: is not above the one before (600, above 600)"},
+        Breakage{"BandsThatRise",
+                 [](Json& j) {
+                   j["blade"]["band_mm_at_mm_s"] = {{1, 1.5}, {7, 2}};
+                 },
+                 "blade.band_mm_at_mm_s[1]: speeds rise from pair to pair, and bands do not"},
+        Breakage{"MeltWithoutLoss", [](Json& j) { j["blade"]["melt_mm2_s"] = 12; },
+                 "blade: \"loss_mm_s\" is missing"},
         Breakage{"NegativeThickness", [](Json& j) { j["blade"]["thickness_mm"] = -0.5; },
                  "blade.thickness_mm: out of range (-0.5, above 0)"},
         Breakage{"NoStrips", [](Json& j) { j["strips"] = Json::array(); }, "strips: wrong number of items"}),

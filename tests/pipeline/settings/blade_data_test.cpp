@@ -29,6 +29,16 @@ TEST(BladeData, EveryShippedBladeIsAValidConfigurationThatNamesItsSources) {
   EXPECT_GE(blades, 2u);
 }
 
+TEST(BladeData, TheShippedFoamMeltsTheDefaultBandAtTheDefaultFeedAndNamesItsSources) {
+  const std::string file = hotblade::testing::source_dir() + "/samples/foams/eps_20.toml";
+  const Settings settings = resolve({{file}, {}, {}});
+  EXPECT_NEAR(settings.blade.band_mm(settings.motion.feed_mm_s), Settings{}.blade.kerf_mm, 1e-9);
+  EXPECT_NEAR(settings.blade.band_mm(2), 1.75, 0.01);
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  EXPECT_NE(text.str().find("# Where the numbers are from:"), std::string::npos);
+}
+
 TEST(BladeData, TheDefaultsAreTheSpringSteelThatShips) {
   const Settings shipped =
       resolve({{hotblade::testing::source_dir() + "/samples/blades/spring_steel_1_4310.toml"}, {}, {}});

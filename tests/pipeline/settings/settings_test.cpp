@@ -167,6 +167,8 @@ TEST(Settings, EveryNumberIsCheckedForRangeAndFiniteness) {
       before = "[200, 200, 200, 200, 200, ", after = "]";
     } else if (info.range.starts_with("1 to 100 numbers")) {
       before = "[", after = "]";
+    } else if (info.range.starts_with("1 to 100 pairs")) {
+      before = "[[1, 2], [3, ", after = "]]";
     } else if (info.range.find(" to ") == std::string::npos) {
       continue;
     }
@@ -198,6 +200,25 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_THAT(set_error("design.facing=[0, 0, 0]"), HasSubstr("leave it out to cut all faces"));
 }
 
+TEST(Settings, TheBandBySpeedIsKnownForEverySpeedOfThePlan) {
+  const std::string pairs = "foam.band_mm_at_mm_s=";
+  EXPECT_THAT(set_error(pairs + "1"), HasSubstr("must be a list of pairs of numbers"));
+  EXPECT_THAT(set_error(pairs + "[[1, 2], [3]]"), HasSubstr("must be a list of pairs of numbers"));
+  EXPECT_THAT(set_error(pairs + "[[1, 2], [1, 1.5], [7, 1]]"),
+              HasSubstr("1.5 mm at 1 mm/s after 2 mm at 1 mm/s"));
+  EXPECT_THAT(set_error(pairs + "[[1, 1], [7, 1.5]]"), HasSubstr("a faster blade melts no wider band"));
+  EXPECT_THAT(set_error(pairs + "[[2, 1.5], [7, 1]]"), HasSubstr("must reach from motion.min_feed_mm_s, 1"));
+  EXPECT_THAT(set_error(pairs + "[[1, 1.5], [6, 1]]"), HasSubstr("to motion.feed_mm_s, 7"));
+  EXPECT_THAT(set_error(pairs + "[[1, 1.5], [7, 0.4]]"),
+              HasSubstr("must be at least blade.thickness_mm, 0.5"));
+  EXPECT_THAT(set_error("foam.loss_mm_s=5"), HasSubstr("it says nothing alone"));
+  EXPECT_THAT(set_error("foam.melt_mm2_s=12"), HasSubstr("foam.loss_mm_s (0 with foam.melt_mm2_s)"));
+  EXPECT_THAT(usage_error({{}, {pairs + "[[1, 1.5], [7, 1]]", "foam.melt_mm2_s=12", "foam.loss_mm_s=5"}, {}}),
+              HasSubstr("one of both says the band"));
+  const Settings good = resolve({{}, {"foam.melt_mm2_s=12", "foam.loss_mm_s=5"}, {}});
+  EXPECT_DOUBLE_EQ(good.blade.band_mm(7), 1);
+}
+
 TEST(Settings, ValidateChecksSettingsMadeInCode) {
   Settings settings;
   settings.design.tolerance_mm = std::numeric_limits<double>::quiet_NaN();
@@ -218,6 +239,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   settings.design.tolerance_mm = 1.0 / 3.0;
   settings.slice.fan_axis = {0.1, -1.0 / 7.0, 1, 0, 2, 1e-3};
   settings.blade.free_lengths_mm = {333.3333333333333, 1000};
+  settings.blade.melt.band_mm_at_mm_s = {{1, 8.0 / 3.0}, {7, 1}};
   settings.fit.max_splits = 7;
   const std::string text = to_toml(settings);
   const Settings back = resolve({{write("out.toml", text)}, {}, {}});
@@ -225,6 +247,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   EXPECT_EQ(to_json(back), to_json(settings));
   EXPECT_EQ(back.design.tolerance_mm, settings.design.tolerance_mm);
   EXPECT_EQ(back.slice.fan_axis, settings.slice.fan_axis);
+  EXPECT_EQ(back.blade.melt, settings.blade.melt);
 }
 
 TEST(Settings, JsonHoldsEverySectionAndKey) {
