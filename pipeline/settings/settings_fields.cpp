@@ -99,14 +99,14 @@ constexpr SettingField kFields[] = {
      "Melted band by the blade's speed square to itself: pairs of mm/s and mm, speeds rising and bands not, "
      "as "
      "[[1, 2.6], [3, 1.6], [7, 1.0]]; absent: blade.kerf_mm at every speed",
-     [](S& s) -> Place { return &s.blade.melt.band_mm_at_mm_s; }},
+     [](S& s) -> Place { return &s.blade.melt.band_mm_at_mm_s; }, true},
     {"foam", "melt_mm2_s", "mm2/s", 0, 10000, "",
      "Instead of pairs, band = melt_mm2_s / (speed + loss_mm_s): area that a length of blade melts in a "
      "second; 0: not given",
-     [](S& s) -> Place { return &s.blade.melt.melt_mm2_s; }},
+     [](S& s) -> Place { return &s.blade.melt.melt_mm2_s; }, true},
     {"foam", "loss_mm_s", "mm/s", 0, 1000, "",
      "Speed at which as much heat goes into melting as is lost beside the cut",
-     [](S& s) -> Place { return &s.blade.melt.loss_mm_s; }},
+     [](S& s) -> Place { return &s.blade.melt.loss_mm_s; }, true},
 
     {"stock", "max_size_mm", "mm", 10, 10000, "", "Largest foam block: length, width, height",
      [](S& s) -> Place { return &s.stock.max_size_mm; }},

@@ -34,7 +34,8 @@ struct SettingField {
                              // means unset; kAnyText: any
   std::string_view description;
   SettingPlace (*place)(Settings&);
-  bool off_at_zero = false;  // 0 leaves out what it is about, and programs and reports leave it out then
+  bool off_at_zero = false;  // 0, or an empty list, leaves out what it is about, and programs and reports
+                             // leave it out then
 };
 
 // The table, in the order of docs/configuration.md.

@@ -27,6 +27,11 @@ struct ToJson {
   }
 };
 
+bool is_off(const SettingPlace& place) {
+  if (const auto* number = std::get_if<double*>(&place)) return **number == 0;
+  return std::get<std::vector<std::array<double, 2>>*>(place)->empty();
+}
+
 std::string unit_and_range(const SettingField& field) {
   return (field.unit.empty() ? "" : std::string(field.unit) + ", ") + range_text(field);
 }
@@ -37,8 +42,9 @@ nlohmann::ordered_json to_json(const Settings& settings) {
   Settings copy = settings;
   nlohmann::ordered_json json;
   for (const SettingField& field : setting_fields()) {
-    if (field.off_at_zero && *std::get<double*>(field.place(copy)) == 0) continue;
-    json[std::string(field.section)][std::string(field.key)] = std::visit(ToJson{}, field.place(copy));
+    const SettingPlace place = field.place(copy);
+    if (field.off_at_zero && is_off(place)) continue;
+    json[std::string(field.section)][std::string(field.key)] = std::visit(ToJson{}, place);
   }
   return json;
 }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/hanging.hpp"
 
 namespace hotblade::pipeline {
@@ -165,10 +166,8 @@ double grid_speed(const StripGrid& g, const std::vector<Eigen::Vector3d>& points
     return points[g.first_vertex + a * g.columns + b];
   };
   const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, g.rows.size() - 1);
-  const Eigen::Vector3d along =
-      (at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0)).normalized();
-  const Eigen::Vector3d moved = at(after, j) - at(before, j);
-  return (moved - along.dot(moved) * along).norm() / (g.rows[after]->t - g.rows[before]->t);
+  return speed_across(at(before, j), at(after, j), g.rows[after]->t - g.rows[before]->t,
+                      at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0));
 }
 
 // Two triangles between four vertices, facing as the normals do.

@@ -253,6 +253,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
 TEST(Settings, JsonHoldsEverySectionAndKey) {
   Settings settings;
   settings.motion.jerk_mm_s3 = settings.motion.angular_jerk_rad_s3 = 1;  // left out where they are 0
+  settings.blade.melt = {{{1, 2}}, 12, 5};
   const auto json = to_json(settings);
   for (const SettingInfo& info : describe_settings()) {
     const auto dot = info.key.find('.');
