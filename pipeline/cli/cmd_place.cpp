@@ -40,6 +40,11 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   for (const std::string& line : armed.report.warnings) console.warn("warning: " + line);
   for (const Refusal& refusal : armed.report.refusals) console.warn("refused: " + describe(refusal));
   if (!armed.report.refusals.empty()) return Exit::kNotCuttable;
+  if (program.blade.melt.by_speed())
+    console.warn(
+        "warning: the arms may have made the blade slower, and it melts more then: measure the new program "
+        "with "
+        "`hotblade verify`, or plan with --cell");
   ensure_directory(arguments.output);
   const std::string text = to_json(armed.program);
   write_file_atomically(output, arguments.gzip ? packed(text) : text, arguments.force);

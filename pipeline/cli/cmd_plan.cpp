@@ -138,7 +138,8 @@ constexpr double kRead = 0.02, kTried = 0.5, kPlanned = 0.82, kDrawn = 0.97;
 
 // Gives a plan its arms, or refuses it by what stands in their way. A plan that is refused already keeps its
 // own reasons.
-void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
+void hold_in_cell(const surface::DesignSurface& design, const std::optional<robot::Cell>& cell,
+                  gpu::Backend backend, PlanResult& result) {
   if (!cell || !result.refusals.empty()) return;
   ArmedProgram armed = with_arms(result.program, *cell);
   result.program = std::move(armed.program);
@@ -150,7 +151,11 @@ void hold_in_cell(PlanResult& result, const std::optional<robot::Cell>& cell) {
   }
   result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
   result.refusals = std::move(armed.report.refusals);
-  if (!result.refusals.empty()) result.program.verification.status = VerificationStatus::kRefused;
+  if (!result.refusals.empty()) {
+    result.program.verification.status = VerificationStatus::kRefused;
+  } else if (result.program.blade.melt.by_speed()) {
+    measure_again(design, backend, result);
+  }
 }
 
 // Progress of a part of the command, told as that of the whole.
@@ -201,7 +206,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   std::future<std::string> crossings =
       std::async(std::launch::async, [&] { return surface::self_crossings_text(design); });
   PlanResult result = plan(design, settings, hooks);
-  hold_in_cell(result, cell);
+  hold_in_cell(design, cell, hooks.backend, result);
   if (const std::string text = crossings.get(); !text.empty()) {
     console.warn("warning: " + text);
     design.health.warnings.push_back(text);
@@ -218,7 +223,9 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
       hooks.progress = progress_within(console, end(trial), end(trial + 1));
       ++trial;
       return plan_again(design_options.file, changed, hooks, arguments.strict,
-                        [&](PlanResult& again) { hold_in_cell(again, cell); });
+                        [&](const surface::DesignSurface& same, PlanResult& again) {
+                          hold_in_cell(same, cell, hooks.backend, again);
+                        });
     });
   }
   console.report_progress("draw", kPlanned);

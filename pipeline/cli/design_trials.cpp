@@ -27,11 +27,11 @@ void refuse_warnings(PlanResult& result) {
 }
 
 PlanResult plan_again(const std::string& file, const Settings& settings, const PlanHooks& hooks, bool strict,
-                      const std::function<void(PlanResult&)>& judge) {
+                      const JudgeAgain& judge) {
   surface::DesignSurface design = read_design(file, settings.design);
   refuse_blocked(design, file);
   PlanResult result = plan(design, settings, hooks);
-  judge(result);
+  judge(design, result);
   if (!strict) return result;
   (void)forecast_of(design, settings);
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);

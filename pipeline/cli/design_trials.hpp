@@ -24,10 +24,13 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
 // With --strict a warning is as good as a limit.
 void refuse_warnings(PlanResult& result);
 
+// Judges a plan of a design beyond what the planner does.
+using JudgeAgain = std::function<void(const surface::DesignSurface&, PlanResult&)>;
+
 // Reads the file and plans it with other settings, judged alike: by `judge` too, before warnings are.
 [[nodiscard]] PlanResult plan_again(
     const std::string& file, const Settings& settings, const PlanHooks& hooks, bool strict,
-    const std::function<void(PlanResult&)>& judge = [](PlanResult&) {});
+    const JudgeAgain& judge = [](const surface::DesignSurface&, PlanResult&) {});
 
 // Returns lines that say which changes were tried and passed, or that none did.
 [[nodiscard]] std::vector<std::string> tried_lines(const std::vector<TriedRemedy>& remedies);

@@ -33,6 +33,29 @@ namespace {
 // Of a try that is looked at in full, what is done when its strips are posed.
 constexpr double kPosed = 0.6;
 
+// The narrowest and the widest band by the speeds of poses.
+void set_bands(const std::vector<BladePose>& poses, const Settings& settings, StripFacts& facts) {
+  const BladeSpeeds speeds(poses);
+  const double feed = settings.motion.feed_mm_s;
+  const auto [slowest, fastest] = speeds.empty() ? std::pair(feed, feed) : speeds.range();
+  facts.band_min_mm = settings.blade.band_mm(fastest);
+  facts.band_max_mm = settings.blade.band_mm(slowest);
+}
+
+// A blade that goes slower than anybody measured melts wider than the plan takes.
+void warn_of_slow_melt(const std::string& strip, const std::vector<BladePose>& poses,
+                       const Settings& settings, std::vector<std::string>& warnings) {
+  const auto& pairs = settings.blade.melt.band_mm_at_mm_s;
+  if (pairs.empty()) return;
+  const BladeSpeeds speeds(poses);
+  if (speeds.empty() || speeds.range().first >= pairs.front()[0]) return;
+  warnings.push_back(
+      fmt::format("{}: the blade goes at {:.3g} mm/s square to itself, slower than foam.band_mm_at_mm_s "
+                  "tells ({:.3g} mm/s): "
+                  "it melts more than the {:.3g} mm that are taken there",
+                  strip, speeds.range().first, pairs.front()[0], pairs.front()[1]));
+}
+
 StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   const StripPlan& plan = posed.strip;
   StripFacts f;
@@ -55,11 +78,7 @@ StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
   f.droop_error_mm =
       f.motion.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * f.motion.twist_rad;
   f.stock_volume_mm3 = plan.block.size_mm.prod();
-  const BladeSpeeds speeds(posed.motion.poses);
-  const auto [slowest, fastest] =
-      speeds.empty() ? std::pair(settings.motion.feed_mm_s, settings.motion.feed_mm_s) : speeds.range();
-  f.band_min_mm = settings.blade.band_mm(fastest);
-  f.band_max_mm = settings.blade.band_mm(slowest);
+  set_bands(posed.motion.poses, settings, f);
   f.plinth_mm = plan.block.height_above_table_mm(plan.design_to_cell);
   f.plane_turn_rad =
       plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
@@ -71,6 +90,7 @@ PlannedStrip planned_strip(PosedStrip posed, const Settings& settings) {
   planned.facts = facts_of(posed, settings);
   planned.refusals = std::move(posed.motion.refusals);
   planned.warnings = std::move(posed.motion.warnings);
+  warn_of_slow_melt(posed.strip.id, posed.motion.poses, settings, planned.warnings);
   planned.strip = make_strip(posed.strip, std::move(posed.motion.poses), settings.design.tolerance_mm);
   planned.facts.foam_kept_share = foam_kept_share(planned.strip);
   return planned;
@@ -126,6 +146,19 @@ void measure_ribs(Program& program, gpu::Backend backend) {
   }
 }
 
+void measure_cut(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result) {
+  const Settings& settings = result.program.settings;
+  VerifyOptions options;
+  options.tolerance_mm = settings.design.tolerance_mm;
+  options.max_uncut_share = settings.design.max_uncut_share;
+  options.backend = backend;
+  options.min_margin = settings.blade.min_margin;
+  result.verification = verify(result.program, design, options);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
+  }
+}
+
 // Poses strips, and measures what they cut.
 void pose_and_verify(const std::vector<StripPlan>& strips, const surface::DesignSurface& design,
                      const Settings& settings, const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
@@ -133,15 +166,7 @@ void pose_and_verify(const std::vector<StripPlan>& strips, const surface::Design
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
   hooks.progress("verify", kPosed);
-  VerifyOptions verify_options;
-  verify_options.tolerance_mm = settings.design.tolerance_mm;
-  verify_options.max_uncut_share = settings.design.max_uncut_share;
-  verify_options.backend = hooks.backend;
-  verify_options.min_margin = settings.blade.min_margin;
-  result.verification = verify(result.program, design, verify_options);
-  for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
-  }
+  measure_cut(design, hooks.backend, result);
   watch.lap("verify");
 }
 
@@ -349,6 +374,28 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   result.ranking = std::move(ranking);
 }
 
+// What the program says of itself, once all is measured.
+void conclude(const surface::DesignSurface& design, PlanResult& result) {
+  Program& program = result.program;
+  const Settings& settings = program.settings;
+  Verification& v = program.verification;
+  v.tolerance_mm = settings.design.tolerance_mm;
+  v.deviation_mm = result.verification.deviation;
+  v.uncut_mm2 = result.verification.uncut_mm2;
+  v.budget_mm = error_budget(design, program, pose_errors(result.strips));
+  v.samples = result.verification.cut_samples + result.verification.design_samples;
+  v.not_checked = not_checked(program.blade);
+  if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
+    for (std::string& item : v.not_checked)
+      if (item == kJerkNotChecked) item = "jerk of the clamps in the ramps of a hold";
+  }
+  if (!result.verification.within_tolerance && result.refusals.empty()) {
+    throw std::logic_error("a deviation that is not a number must not pass");
+  }
+  v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
+  judge_budget(settings, result);
+}
+
 }  // namespace
 
 std::string clamp_coordinate_name(std::size_t coordinate) {
@@ -374,23 +421,19 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& settings, 
   try_sweeps(design, settings, looking, progress, watch, result);
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
-  Verification& v = program.verification;
-  v.tolerance_mm = settings.design.tolerance_mm;
-  v.deviation_mm = result.verification.deviation;
-  v.uncut_mm2 = result.verification.uncut_mm2;
-  v.budget_mm = error_budget(design, program, pose_errors(result.strips));
-  v.samples = result.verification.cut_samples + result.verification.design_samples;
-  v.not_checked = not_checked(program.blade);
-  if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
-    for (std::string& item : v.not_checked)
-      if (item == kJerkNotChecked) item = "jerk of the clamps in the ramps of a hold";
-  }
-  if (!result.verification.within_tolerance && result.refusals.empty()) {
-    throw std::logic_error("a deviation that is not a number must not pass");
-  }
-  v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
-  judge_budget(settings, result);
+  conclude(design, result);
   return result;
+}
+
+void measure_again(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result) {
+  measure_cut(design, backend, result);
+  // The budget's warning is said again, with what it is now.
+  std::erase_if(result.warnings,
+                [](const std::string& line) { return line.starts_with("design: error budget"); });
+  for (std::size_t i = 0; i < result.strips.size(); ++i)
+    set_bands(result.program.strips[i].poses, result.program.settings, result.strips[i]);
+  judge(result.program.settings, result);
+  conclude(design, result);
 }
 
 }  // namespace hotblade::pipeline

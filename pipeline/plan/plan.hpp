@@ -113,4 +113,8 @@ struct PlanHooks {
 [[nodiscard]] PlanResult plan(const surface::DesignSurface& design, const Settings& settings,
                               const PlanHooks& hooks);
 
+// Measures and judges a plan anew whose poses have other times than it was planned with, as for a cell's
+// arms: where the melted band depends on the speed, it cuts something else.
+void measure_again(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result);
+
 }  // namespace hotblade::pipeline

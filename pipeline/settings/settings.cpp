@@ -115,7 +115,7 @@ struct Reader {
   std::vector<std::array<double, 2>> pairs() const {
     const std::string wanted = "a list of pairs of numbers";
     const toml::array* array = node.as_array();
-    if (array == nullptr) wrong_type(wanted);
+    if (array == nullptr || array->empty()) wrong_type(wanted);
     std::vector<std::array<double, 2>> values;
     for (const toml::node& element : *array) {
       const toml::array* pair = element.as_array();

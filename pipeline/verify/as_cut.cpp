@@ -64,6 +64,9 @@ ExecutedStrip executed_strip(const Strip& planned, const std::vector<LoggedPose>
                              const std::filesystem::path& log) {
   ExecutedStrip strip;
   for (const LoggedPose& l : logged) {
+    if (!strip.poses.empty() && l.t < strip.poses.back().t)
+      refuse(log,
+             fmt::format("strip {}: time goes back from {} to {} s", planned.id, strip.poses.back().t, l.t));
     if (!l.blade)
       refuse(log,
              fmt::format("strip {} at {:.2f} s: no blade shape: the controller has to solve the equilibrium "
@@ -112,7 +115,7 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
     any = true;
     last = marks;
     const elastica::ElasticaCurve curve(pose.blade);
-    const BladePose& next = strip.poses[i + 1 < strip.poses.size() ? i + 1 : i];
+    const BladePose& next = strip.poses[i + 1 < strip.poses.size() ? i + 1 : i - std::min<std::size_t>(i, 1)];
     const elastica::ElasticaCurve then(next.blade);
     for (int k = 0; k < points; ++k) {
       const double s = pose.blade.length * k / (points - 1);
@@ -124,7 +127,7 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
       touches.plane_normals.push_back(pose.frame.normal());
       const auto moved_to = then.at(s);
       touches.speeds_mm_s.push_back(
-          speed_across(p, next.frame.point(moved_to.x, moved_to.y), next.t - pose.t,
+          speed_across(p, next.frame.point(moved_to.x, moved_to.y), std::abs(next.t - pose.t),
                        std::cos(q.theta) * pose.frame.x + std::sin(q.theta) * pose.frame.y));
       touches.strip_of_point.push_back(index);
     }
@@ -145,16 +148,38 @@ std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at) {
   return id;
 }
 
-// Hot poses in the order of the path, without what was gone over again after a retraction.
+// Hot poses in the order of the path, without what was gone over again after a retraction. Their times are
+// those of the motion that forms: where it was interrupted, the path's.
 std::vector<BladePose> forming_poses(const ExecutedStrip& strip) {
   std::vector<BladePose> poses;
-  double reached = -1;
+  double reached = -1, clock = 0;
+  bool going = false;
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
-    if (!strip.poses[i].foam || !(strip.path_s[i] > reached)) continue;
-    reached = strip.path_s[i];
-    poses.push_back(strip.poses[i]);
+    const bool forms = strip.poses[i].foam && strip.path_s[i] > reached;
+    if (forms) {
+      if (!poses.empty())
+        clock += going ? strip.poses[i].t - strip.poses[i - 1].t : strip.path_s[i] - reached;
+      reached = strip.path_s[i];
+      poses.push_back(strip.poses[i]);
+      poses.back().t = clock;
+    }
+    going = forms;
   }
   return poses;
+}
+
+// By how much half the melted band differs where the blade went at another speed than planned, at most.
+double melt_speed_mm(const Program& program, const Program& cut) {
+  double worst = 0;
+  for (std::size_t i = 0; i < cut.strips.size() && program.blade.melt.by_speed(); ++i) {
+    const BladeSpeeds planned(program.strips[i].poses), executed(cut.strips[i].poses);
+    if (planned.empty()) continue;
+    executed.for_each([&](const Eigen::Vector3d& point, double speed_mm_s) {
+      const double more = program.blade.band_mm(speed_mm_s) - program.blade.band_mm(planned.at(point));
+      worst = std::max(worst, 0.5 * std::abs(more));
+    });
+  }
+  return worst;
 }
 
 }  // namespace
@@ -203,6 +228,7 @@ AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& exe
   }
   const AsCutBudget budget = as_cut_budget(program, executed, design, report.cut.half_band_mm, options);
   report.budget_mm = budget.lines_mm;
+  if (program.blade.melt.by_speed()) report.budget_mm.emplace_back("melt_speed", melt_speed_mm(program, cut));
   report.not_in_budget = budget.missing;
   report.shape_mismatch_mm = budget.shape_mismatch_mm;
   return report;

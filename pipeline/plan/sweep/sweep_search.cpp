@@ -141,6 +141,7 @@ class Search {
     // A tenth of what the budget calls exact; a look takes off nine tenths of what the one before was off by.
     constexpr double kSameMm = 0.005;
     for (int look = 0; look < kLooks; ++look) {
+      Tried before = tried;
       const auto bands = bands_(plan_of(tried));
       double change = 0;
       for (std::size_t i = 0; i < bands.size(); ++i) {
@@ -153,7 +154,9 @@ class Search {
       tbb::parallel_for(std::size_t{0}, tried.plans.size(), [&](std::size_t i) {
         tried.plans[i] = fitter_.again(tried.layout.parts[i], tried.plans[i]);
       });
-      if (!join_parts(tried)) return;
+      if (join_parts(tried)) continue;
+      tried = std::move(before);  // whose cut the verification says
+      return;
     }
   }
 

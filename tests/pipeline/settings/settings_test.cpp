@@ -203,6 +203,7 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
 TEST(Settings, TheBandBySpeedIsKnownForEverySpeedOfThePlan) {
   const std::string pairs = "foam.band_mm_at_mm_s=";
   EXPECT_THAT(set_error(pairs + "1"), HasSubstr("must be a list of pairs of numbers"));
+  EXPECT_THAT(set_error(pairs + "[]"), HasSubstr("must be a list of pairs of numbers"));
   EXPECT_THAT(set_error(pairs + "[[1, 2], [3]]"), HasSubstr("must be a list of pairs of numbers"));
   EXPECT_THAT(set_error(pairs + "[[1, 2], [1, 1.5], [7, 1]]"),
               HasSubstr("1.5 mm at 1 mm/s after 2 mm at 1 mm/s"));

@@ -52,6 +52,53 @@ TEST(AsCut, TheBudgetIsNoLessThanTheWhole) {
   for (const auto& [name, mm] : report.budget_mm) EXPECT_TRUE(mm >= 0 && mm < 1) << name << " " << mm;
 }
 
+// Its program says what it melts at each speed.
+const Program& melting_program() {
+  static const Program program = [] {
+    Settings settings = along_x();
+    settings.blade.melt = {{{1, 2.6}, {3, 1.6}, {7, 1.0}}, 0, 0};
+    return plan(cylinder_design(), settings, {}).program;
+  }();
+  return program;
+}
+
+TEST(AsCut, MeltsByTheSpeedsOfTheLog) {
+  ASSERT_EQ(melting_program().verification.status, VerificationStatus::kPassed);
+  const Executed run(melting_program());
+  auto strips = read_executed(run.work, run.log);
+  const auto line = [](const AsCutReport& report) {
+    for (const auto& [name, mm] : report.budget_mm)
+      if (name == "melt_speed") return mm;
+    return -1.0;
+  };
+  const AsCutReport as_planned = measured(run, strips);
+  EXPECT_NEAR(as_planned.cut.deviation.max, melting_program().verification.deviation_mm.max, 0.02);
+  EXPECT_LT(line(as_planned), 0.02);
+  EXPECT_GE(as_planned.budget_sum_mm(), as_planned.cut.deviation.max);
+  // A hold of a minute in the foam, the blade where it was: the motion that goes on melts as it did.
+  const auto whole = strips;
+  ExecutedStrip& strip = strips[0];
+  std::size_t middle = strip.poses.size() / 2;
+  while (!strip.poses[middle].foam) ++middle;
+  BladePose held = strip.poses[middle];
+  for (std::size_t i = middle + 1; i < strip.poses.size(); ++i) strip.poses[i].t += 60;
+  for (const double after : {20.0, 59.9}) {
+    held.t = strip.poses[middle].t + after;
+    const auto at = static_cast<std::ptrdiff_t>(middle) + (after > 20 ? 2 : 1);
+    strip.poses.insert(strip.poses.begin() + at, held);
+    strip.after.insert(strip.after.begin() + at, strip.after[middle]);
+    strip.path_s.insert(strip.path_s.begin() + at, strip.path_s[middle]);
+  }
+  EXPECT_NEAR(measured(run, strips).cut.deviation.max, as_planned.cut.deviation.max, 0.01);
+  // Half as fast, it melts 0.25 mm more to each side, and the budget has a line for it.
+  auto slow = whole;
+  for (BladePose& pose : slow[0].poses) pose.t *= 2;
+  const AsCutReport slower = measured(run, slow);
+  EXPECT_NEAR(slower.cut.deviation.max, as_planned.cut.deviation.max + 0.25, 0.1);
+  EXPECT_NEAR(line(slower), 0.25, 0.06);
+  EXPECT_GE(slower.budget_sum_mm(), slower.cut.deviation.max);
+}
+
 TEST(AsCut, AHotBladeBesideTheCutCountsOnTheKeptSideOnly) {
   for (const double depth : {3.0, -3.0}) {
     auto strips = read_executed(cylinder().work, cylinder().log);
