@@ -51,8 +51,8 @@ HB_INLINE HB_REAL hb_reciprocal_of(HB_REAL a, int about) {
   return about ? r * r : HB_RECIPROCAL(a);
 }
 
-/* The roots about, for the bound, or exactly, for panels. Least values keep numbers that vanish in range: a
- * quadratic that lacks its first coefficient has a root at infinity, and 1e12 is as far. */
+/* The roots about, for the bound, or exactly, for panels. Least values keep numbers that vanish in range. The
+ * derivative of a parabola lacks its first coefficient and has one root at infinity: a million is as far. */
 HB_INLINE hb_speed_roots hb_speed_roots_of(const hb_cubic* c, int about) {
   const HB_REAL three = HB_BROADCAST(3.0), zero = HB_BROADCAST(0.0), one_half = HB_BROADCAST(0.5);
   const HB_REAL least = HB_BROADCAST(1e-30), least_lead = HB_BROADCAST(1e-24);
@@ -72,11 +72,13 @@ HB_INLINE hb_speed_roots hb_speed_roots_of(const hb_cubic* c, int about) {
   const HB_REAL qx = -(bx + sx), qy = -(by + sy);
   hb_speed_roots r;
   r.gap2 = HB_BROADCAST(4.0) * size;
-  r.lead2 = HB_MAX(HB_FMA(ax, ax, ay * ay), least_lead);
+  const HB_REAL lead2 = HB_FMA(ax, ax, ay * ay), far = HB_BROADCAST(1e6);
+  const HB_MASK parabola = lead2 < least_lead;
+  r.lead2 = HB_MAX(lead2, least_lead);
   const HB_REAL per1 = hb_reciprocal_of(r.lead2, about);
   const HB_REAL per2 = hb_reciprocal_of(HB_MAX(HB_FMA(qx, qx, qy * qy), least), about);
-  r.x1 = (qx * ax + qy * ay) * per1;
-  r.y1 = HB_ABS(qy * ax - qx * ay) * per1;
+  r.x1 = HB_SELECT(parabola, far, (qx * ax + qy * ay) * per1);
+  r.y1 = HB_SELECT(parabola, far, HB_ABS(qy * ax - qx * ay) * per1);
   r.x2 = (dx * qx + dy * qy) * per2;
   r.y2 = HB_ABS(dy * qx - dx * qy) * per2;
   return r;

@@ -26,7 +26,9 @@ Json json_of(const Quadratic& q) {
 
 Json measures(const Json& line) {
   const auto list = points(field(line, "bezier"), "bezier");
-  if (list.size() != 3) throw LineError(fmt::format("bezier: has {} points (3 needed)", list.size()));
+  if (list.size() != 3)
+    throw LineError(
+        fmt::format("bezier: has {} {} (3 needed)", list.size(), list.size() == 1 ? "point" : "points"));
   const Quadratic q{list[0], list[1], list[2]};
   const elastica::Parabola p = elastica::parabola(q);
   const char* status[] = {"ok", "folded", "line"};
@@ -48,7 +50,9 @@ Json measures(const Json& line) {
 
 elastica::TangentCurves solve(const Json& line) {
   const auto ends = points(field(line, "ends"), "ends");
-  if (ends.size() != 2) throw LineError(fmt::format("ends: has {} points (2 needed)", ends.size()));
+  if (ends.size() != 2)
+    throw LineError(
+        fmt::format("ends: has {} {} (2 needed)", ends.size(), ends.size() == 1 ? "point" : "points"));
   if (ends[0] == ends[1]) throw LineError("ends: coincide");
   const Json& minimise = field(line, "minimise");
   if (minimise != "length" && minimise != "energy") throw LineError("minimise: is \"length\" or \"energy\"");

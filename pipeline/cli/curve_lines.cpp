@@ -43,7 +43,9 @@ std::vector<Eigen::Vector2d> points(const Json& value, const std::string& name) 
 
 elastica::Bezier cubic(const Json& value, const std::string& name) {
   const auto list = points(value, name);
-  if (list.size() != 4) throw LineError(fmt::format("{}: has {} points (4 needed)", name, list.size()));
+  if (list.size() != 4)
+    throw LineError(
+        fmt::format("{}: has {} {} (4 needed)", name, list.size(), list.size() == 1 ? "point" : "points"));
   return {list[0], list[1], list[2], list[3]};
 }
 

@@ -133,7 +133,8 @@ Json nearest(const Json& line, NearestArguments& arguments) {
   } else {
     const auto control = points(field(line, "bezier"), "bezier");
     if (control.size() != 3 && control.size() != 4)
-      throw LineError(fmt::format("bezier: has {} points (3 or 4 needed)", control.size()));
+      throw LineError(fmt::format("bezier: has {} {} (3 or 4 needed)", control.size(),
+                                  control.size() == 1 ? "point" : "points"));
     places =
         control.size() == 4
             ? nearest_to(

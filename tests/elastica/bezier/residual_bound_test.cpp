@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,29 @@ TEST(LambdaResidualBound, OfANearCuspHoldsWhereOneRuleFails) {
     const Bezier b = cubics.near_cusp();
     const LambdaResidual r = lambda_residual(b);
     EXPECT_NEAR(r.value, ResidualOracle(b).value(), std::min(1e-8, r.bound)) << shown(b);
+  }
+}
+
+// Quadratic Beziers as CAD raises them: their derivative has one root only, and no cusp inside.
+TEST(LambdaResidualBound, OfAParabolaIsThatOfAnOrdinaryCubic) {
+  std::mt19937 random(14);
+  // Multiples of three, so that the raised control points are exact, and so is the missing third power.
+  std::uniform_int_distribution<int> third(-40, 40);
+  const auto place = [&] { return Eigen::Vector2d(3 * third(random), 3 * third(random)); };
+  std::vector<Bezier> parabolas{Bezier{Eigen::Vector2d(0, 0), {1, 1}, {2, 1}, {3, 0}}};
+  while (parabolas.size() < 500) {
+    const Eigen::Vector2d a = place(), m = place(), b = place();
+    const Eigen::Vector2d to = m - a, on = b - m;
+    // No hairpin: its tip is a near cusp, which other tests are for.
+    if (to.norm() < 9 || on.norm() < 9 || to.dot(on) < 0) continue;
+    if (std::abs(to.x() * on.y() - to.y() * on.x()) < 0.1 * to.norm() * on.norm()) continue;
+    parabolas.push_back({a, (a + 2 * m) / 3, (2 * m + b) / 3, b});
+  }
+  for (const Bezier& b : parabolas) {
+    const LambdaResidual r = lambda_residual(b);
+    ASSERT_EQ(r.status, ResidualStatus::kOk) << shown(b);
+    EXPECT_LE(r.bound, 1e-6) << shown(b);
+    EXPECT_NEAR(r.value, ResidualOracle(b).value(), r.bound) << shown(b);
   }
 }
 
