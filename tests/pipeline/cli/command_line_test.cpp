@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{"extra_word", {"check", kVault, "more.obj", "--units", "mm"}, "more.obj"},
         Usage{"no_design",
               {"check", "--units", "mm"},
-              "design OBJ is missing: The design surface, an OBJ file"},
+              "design FILE is missing: The design surface: OBJ, STL, PLY, glTF or GLB"},
         Usage{"option_without_value", {"check", kVault, "--units"}, "--units"},
         Usage{
             "unknown_progress", {"check", kVault, "--progress", "loud"}, "loud not in {auto,bar,json,none}"},

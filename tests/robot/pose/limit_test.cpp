@@ -15,8 +15,8 @@ namespace hotblade::robot {
 namespace {
 
 TEST(Limits, EveryOneHasANameOfItsOwnAndAUnit) {
-  const std::set<std::string> units{"",       "mm",  "mm/s", "mm/s2", "rad",    "rad/s",
-                                    "rad/s2", "MPa", "s",    "%",     "degrees"};
+  const std::set<std::string> units{"",       "mm",     "mm/s", "mm/s2", "mm/s3", "rad",    "rad/s",
+                                    "rad/s2", "rad/s3", "MPa",  "s",     "%",     "degrees"};
   std::set<std::string> names;
   for (const LimitInfo& i : limits()) {
     EXPECT_STRNE(i.name, "");
