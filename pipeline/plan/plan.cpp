@@ -35,6 +35,8 @@ constexpr double kPosed = 0.6;
 
 // The narrowest and the widest band by the speeds of poses.
 void set_bands(const std::vector<BladePose>& poses, const Settings& settings, StripFacts& facts) {
+  facts.band_min_mm = facts.band_max_mm = settings.blade.kerf_mm;
+  if (!settings.blade.melt.by_speed()) return;
   const BladeSpeeds speeds(poses);
   const double feed = settings.motion.feed_mm_s;
   const auto [slowest, fastest] = speeds.empty() ? std::pair(feed, feed) : speeds.range();

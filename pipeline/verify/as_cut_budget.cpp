@@ -107,7 +107,8 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
   const DroppedRibs measure(program, design, options.backend);
   RibErrors errors;
   for (const Strip& strip : program.strips) {
-    const BladeSpeeds speeds(strip.poses);
+    // None where the band is one.
+    const BladeSpeeds speeds(program.blade.melt.by_speed() ? strip.poses : std::vector<BladePose>{});
     for (const Rib& rib : strip.ribs) {
       Points target, curve;
       for (const Eigen::Vector2d& q : rib.target) target.push_back(rib.frame.point(q.x(), q.y()));
