@@ -14,6 +14,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "surface/read/design_surface.hpp"
@@ -23,6 +24,7 @@
 #include "surface/read/polygons.hpp"
 #include "surface/read/stl.hpp"
 #include "surface/slice/slice.hpp"
+#include "tests/fuzz/broken_text.hpp"
 
 namespace {
 
@@ -58,27 +60,8 @@ constexpr const char* kTokens[] = {"nan",
                                    "property list ",
                                    "\x7f\xc0\xff\xff"};
 
-// One to six changes: a byte, a token, a cut, a doubled stretch.
 std::string broken(std::string text, std::mt19937_64& random) {
-  const auto below = [&random](std::size_t n) { return n > 0 ? random() % n : 0; };
-  const std::size_t changes = 1 + below(6);
-  for (std::size_t i = 0; i < changes; ++i) {
-    const std::size_t at = below(text.size());
-    switch (below(4)) {
-      case 0:
-        if (!text.empty()) text[at] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at, kTokens[below(std::size(kTokens))]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(40));
-        break;
-      default:
-        text.insert(at, text.substr(at, 1 + below(60)));
-    }
-  }
-  return text;
+  return testing::broken(std::move(text), kTokens, random);
 }
 
 // A small design: the first rows of a sample would not mesh, so a grid of its own.

@@ -11,6 +11,7 @@
 #include <iterator>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cell/embedded.hpp"
@@ -22,6 +23,7 @@
 #include "robot/arm/urdf.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/slice/slice.hpp"
+#include "tests/fuzz/broken_text.hpp"
 
 namespace {
 
@@ -39,27 +41,8 @@ std::string slurp(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-// One to six changes: a byte, a token, a cut, a doubled stretch.
 std::string broken(std::string text, std::mt19937_64& random) {
-  const auto below = [&random](std::size_t n) { return n > 0 ? random() % n : 0; };
-  const std::size_t changes = 1 + below(6);
-  for (std::size_t i = 0; i < changes; ++i) {
-    const std::size_t at = below(text.size());
-    switch (below(4)) {
-      case 0:
-        if (!text.empty()) text[at] = static_cast<char>(random());
-        break;
-      case 1:
-        text.insert(at, kTokens[below(std::size(kTokens))]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(40));
-        break;
-      default:
-        text.insert(at, text.substr(at, 1 + below(60)));
-    }
-  }
-  return text;
+  return testing::broken(std::move(text), kTokens, random);
 }
 
 void read_design(const std::string& text, const fs::path& file) {
