@@ -14,6 +14,7 @@
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/program/read_design.hpp"
+#include "pipeline/report/json/report_json.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
 #include "surface/slice/plane_family.hpp"

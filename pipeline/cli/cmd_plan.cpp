@@ -21,6 +21,7 @@
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/emit.hpp"
+#include "pipeline/report/json/report_json.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "surface/read/design_surface.hpp"

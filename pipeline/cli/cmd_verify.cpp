@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,6 +17,7 @@
 #include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/program/program.hpp"
+#include "pipeline/report/json/verify_json.hpp"
 #include "pipeline/verify/as_cut.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/verify.hpp"
@@ -172,46 +172,6 @@ nlohmann::ordered_json joints_json(const JointCheck& check) {
           {"breaches", check.breaches}};
 }
 
-std::string json_text(const Program& program, const VerifyReport& report, const VerifyOptions& options,
-                      const std::optional<JointCheck>& joints) {
-  const Deviation& d = report.deviation;
-  nlohmann::ordered_json json;
-  json["within_tolerance"] = report.within_tolerance;
-  json["held"] = report.holds();
-  json["status_of_plan"] = name(program.verification.status);
-  json["verdict_of_plan"] = to_json(verdict_of(program));
-  json["tolerance_mm"] = options.tolerance_mm;
-  json["deviation_mm"] = {{"max", d.max},
-                          {"p99", d.p99},
-                          {"rms", d.rms},
-                          {"mean", d.mean},
-                          {"at", {d.at.x(), d.at.y(), d.at.z()}},
-                          {"capped", report.capped}};
-  json["uncut_mm2"] = report.uncut_mm2;
-  json["uncut_share"] = report.uncut_share();
-  json["samples"] = {{"cut", report.cut_samples}, {"design", report.design_samples}};
-  json["clamp_mismatch_mm"] = report.clamp_mismatch_mm;
-  json["rib_mismatches"] = report.ribs.mismatches.size();
-  json["bezier_limit_mm"] = report.ribs.bezier_limit_mm;
-  json["far_beziers"] = nlohmann::ordered_json::array();
-  for (const FarBezier& b : report.ribs.far) {
-    nlohmann::ordered_json far{{"strip", b.strip}, {"rib", b.rib}};
-    if (std::isfinite(b.hausdorff_mm)) {
-      far["hausdorff_mm"] = b.hausdorff_mm;
-    } else {
-      far["hausdorff_mm"] = nullptr;
-    }
-    json["far_beziers"].push_back(far);
-  }
-  json["strips"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < program.strips.size(); ++i)
-    json["strips"].push_back(
-        {{"id", program.strips[i].id}, {"cut_to_design_max_mm", report.strip_max_mm[i]}});
-  if (joints) json["joints"] = joints_json(*joints);
-  json["not_checked"] = program.verification.not_checked;
-  return json.dump(2) + "\n";
-}
-
 Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -230,7 +190,8 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   console.report_progress("done", 1);
   tell_backend(report, options.backend, console);
   if (arguments.json) {
-    std::cout << json_text(program, report, options, joints);
+    std::cout << verify_json(program, report, options,
+                             joints ? joints_json(*joints) : nlohmann::ordered_json());
   } else {
     print_report(program, report, options);
     if (joints) print_joints(*joints);

@@ -2,10 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include <optional>
-
+#include "pipeline/program/read_design.hpp"
 #include "pipeline/settings/error.hpp"
-#include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -13,29 +11,6 @@ namespace {
 // One value per flag: without this, the parser would take the words that follow for more values.
 CLI::Option* one_each(CLI::Option* option) {
   return option->allow_extra_args(false);
-}
-
-// A file that cannot be opened, or contradicts itself, is told of by its reader.
-bool is_gltf(const std::string& file, const Settings& settings) {
-  std::optional<surface::FileFormat> format = surface::format_named(settings.design.format);
-  try {
-    if (!format) format = surface::format_of_file(file);
-  } catch (const surface::MeshError&) {
-    return false;
-  }
-  return format == surface::FileFormat::kGltf;
-}
-
-void take_gltf(const DesignOptions& options, Settings& settings) {
-  const std::string& units = settings.design.units;
-  if (!units.empty() && units != "m")
-    throw Error(ErrorKind::kBadSettings,
-                options.file + ": glTF is in metres (design.units is " + units + "): leave --units out");
-  if (options.up == "z")
-    throw Error(ErrorKind::kBadSettings, options.file + ": glTF has y up (--up z): leave --up out");
-  settings.design.format = "gltf";
-  settings.design.units = "m";
-  settings.design.up = "y";
 }
 
 }  // namespace
@@ -68,10 +43,7 @@ Settings resolve_design(const DesignOptions& options) {
   if (!options.up.empty()) sources.flags.push_back({"--up", "design.up", options.up});
   if (!options.format.empty()) sources.flags.push_back({"--format", "design.format", options.format});
   Settings settings = resolve(sources);
-  if (is_gltf(options.file, settings)) {
-    take_gltf(options, settings);
-    return settings;
-  }
+  take_format(options.file, !options.up.empty(), settings.design);
   if (settings.design.units.empty()) {
     throw Error(ErrorKind::kBadSettings,
                 options.file +

@@ -9,6 +9,14 @@
 
 namespace hotblade::pipeline {
 
+// Returns how settings say that a file is read.
+[[nodiscard]] surface::ReadOptions read_options(const DesignSettings& settings);
+
+// Sets what the file's own format says: glTF is in metres with y up. Throws Error (kBadSettings) where the
+// settings say otherwise; `up_given`: `up` was asked for and is no default. A file that cannot be opened, or
+// contradicts itself, is told of by its reader.
+void take_format(const std::filesystem::path& file, bool up_given, DesignSettings& settings);
+
 // Return the design of a file, as settings say or as the program's plan read it. Throw as
 // surface::read_surface() does.
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file,

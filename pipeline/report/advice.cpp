@@ -140,20 +140,6 @@ std::vector<TriedRemedy> try_changes(const Settings& settings, const std::vector
   return passed;
 }
 
-nlohmann::ordered_json to_json(const std::vector<TriedRemedy>& remedies) {
-  auto json = nlohmann::ordered_json::array();
-  for (const TriedRemedy& m : remedies) {
-    json.push_back({{"set", m.assignments},
-                    {"without", m.without},
-                    {"because", m.why},
-                    {"deviation_mm", m.deviation_mm},
-                    {"tolerance_mm", m.tolerance_mm},
-                    {"strips", m.strips},
-                    {"verdict", m.verdict}});
-  }
-  return json;
-}
-
 std::string as_options(const TriedRemedy& remedy) {
   if (!remedy.without.empty()) return "without " + remedy.without;
   std::string text;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -38,9 +37,6 @@ inline constexpr int kMostTrials = 6;
 [[nodiscard]] std::vector<TriedRemedy> try_changes(const Settings& settings,
                                                    const std::vector<SettingsChange>& changes,
                                                    const PlanAgain& plan_again);
-
-// Returns tried remedies as report.json has them.
-[[nodiscard]] nlohmann::ordered_json to_json(const std::vector<TriedRemedy>& remedies);
 
 // Returns the change as it is given on the command line, in the options that win over all others: `--up y`,
 // `--tolerance 1.3`, `--set "machine.plinth_mm=160"`, `without slice.direction`.

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "pipeline/report/report_plots.hpp"
 #include "robot/arm/arm.hpp"
 
@@ -11,10 +9,6 @@ namespace hotblade::pipeline {
 namespace {
 
 using robot::kDegree_rad;
-
-nlohmann::ordered_json held_json(const HeldClamp& held) {
-  return {{"arm", held.arm}, {"branch", held.branch}, {"flip", held.flip}, {"turns", held.turns}};
-}
 
 std::string cell(const std::string& text) {
   return "<td>" + escaped(text) + "</td>";
@@ -39,26 +33,6 @@ std::string row(const Strip& strip) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json arms_json(const StripArms& arms) {
-  nlohmann::ordered_json nearest = nlohmann::ordered_json::object();
-  for (const StripArms::NearestPair& pair : arms.nearest_mm)
-    nearest[pair.kind] = {{"mm", pair.mm}, {"t", pair.t}};
-  nlohmann::ordered_json json = {{"a", held_json(arms.a)},    {"b", held_json(arms.b)},
-                                 {"raise_mm", arms.raise_mm}, {"dx_mm", arms.dx_mm},
-                                 {"dy_mm", arms.dy_mm},       {"yaw_deg", arms.yaw_rad / kDegree_rad}};
-  if (arms.reach)
-    json["reach"] = {{"share", arms.reach->value}, {"arm", arms.reach->arm}, {"t", arms.reach->t}};
-  json["joint_margin"] = {{"deg", arms.joint_margin_rad.value / kDegree_rad},
-                          {"arm", arms.joint_margin_rad.arm},
-                          {"joint", arms.joint_margin_rad.joint},
-                          {"t", arms.joint_margin_rad.t}};
-  json["wrist"] = {
-      {"deg", arms.wrist_rad.value / kDegree_rad}, {"arm", arms.wrist_rad.arm}, {"t", arms.wrist_rad.t}};
-  json["nearest"] = nearest;
-  json["added_s"] = {{"jerk", arms.jerk_s}, {"joints", arms.joints_s}};
-  return json;
-}
 
 std::string arms_section(const PlanResult& result, const Words& w) {
   const Program& program = result.program;

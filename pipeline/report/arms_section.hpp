@@ -1,16 +1,12 @@
 // What a report says of the arms that hold a plan's clamps.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/report/words.hpp"
 
 namespace hotblade::pipeline {
-
-// Returns a strip's arms as report.json has them.
-[[nodiscard]] nlohmann::ordered_json arms_json(const StripArms& arms);
 
 // Returns the table of the arms of all strips as HTML; empty without a cell.
 [[nodiscard]] std::string arms_section(const PlanResult& result, const Words& w);

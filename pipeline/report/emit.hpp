@@ -38,8 +38,4 @@ using TakePictures = std::function<ReportPictures(const PlanResult&)>;
 Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
              const TakePictures& take_pictures);
 
-// The text of report.json: verdict, strips, ribs, ranking, refusals, warnings, budget, what was not checked.
-// `program_sha256` is that of the text of the program beside it, in hex; empty: there is none.
-[[nodiscard]] std::string report_json(const PlanResult& result, const std::string& program_sha256 = "");
-
 }  // namespace hotblade::pipeline

@@ -10,5 +10,7 @@ namespace hotblade::pipeline {
 
 // Returns the settings with assignments ("design.keep=back") on top. Throws as resolve() does.
 [[nodiscard]] Settings with_assignments(Settings settings, const std::vector<std::string>& assignments);
+// The same of flags; errors name them.
+[[nodiscard]] Settings with_flags(Settings settings, const std::vector<SettingsFlag>& flags);
 
 }  // namespace hotblade::pipeline

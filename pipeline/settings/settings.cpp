@@ -454,6 +454,13 @@ Settings with_assignments(Settings settings, const std::vector<std::string>& ass
   return settings;
 }
 
+Settings with_flags(Settings settings, const std::vector<SettingsFlag>& flags) {
+  Origins origins;
+  for (const SettingsFlag& flag : flags) apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
+  check(settings, origins);
+  return settings;
+}
+
 void validate(const Settings& settings) {
   check(settings, {});
 }

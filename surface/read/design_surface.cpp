@@ -112,7 +112,7 @@ double scale_to_mm(const std::string& units) {
   throw std::logic_error("unknown unit ('" + units + "'): give mm, cm, m, in or ft");
 }
 
-DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options) {
+DesignSurface surface_of(std::string text, const std::filesystem::path& file, const ReadOptions& options) {
   if (options.up != 'z' && options.up != 'y') {
     throw std::logic_error(std::string("unknown up axis ('") + options.up + "'): give z or y");
   }
@@ -121,7 +121,6 @@ DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions&
   }
   DesignSurface design;
   design.file_name = file.filename().string();
-  std::string text = read_whole(file);
   design.format = options.format ? *options.format : format_of(text, text.size(), file);
   take_units(design, file, options);
   Polygons polygons = parse(text, design.format, file, kLargestCoordinateMm / design.scale_to_mm);
@@ -147,6 +146,10 @@ DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions&
   design.mesh = repaired.mesh;
   design.face_place = std::move(repaired.place);
   return design;
+}
+
+DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options) {
+  return surface_of(read_whole(file), file, options);
 }
 
 DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options) {

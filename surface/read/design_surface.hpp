@@ -83,6 +83,11 @@ struct ReadOptions {
 // normals are made to agree within a component where that is possible.
 [[nodiscard]] DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options);
 
+// The same of a file's bytes that are at hand; messages name them `file`, and what a glTF file refers to is
+// looked for beside it.
+[[nodiscard]] DesignSurface surface_of(std::string bytes, const std::filesystem::path& file,
+                                       const ReadOptions& options);
+
 // The same of an OBJ, whatever its name ends with.
 [[nodiscard]] DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options);
 

@@ -56,13 +56,14 @@ pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/
 pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
 pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
 pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep
+pipeline/report/json: elastica/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan
 pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
-pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/preview pipeline/export
+pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report pipeline/study pipeline/batch
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
 '
 
 declare -A may

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/report/emit.hpp"
+#include "pipeline/report/json/report_json.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "robot/blade/blade_section.hpp"
 #include "tests/paths.hpp"

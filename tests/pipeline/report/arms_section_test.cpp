@@ -1,5 +1,6 @@
 // What reports say of arms.
 #include "pipeline/report/arms_section.hpp"
+#include "pipeline/report/json/report_json.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -12,6 +12,7 @@
 #include <valijson/validator.hpp>
 
 #include "pipeline/report/emit.hpp"
+#include "pipeline/report/json/report_json.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/plan_design.hpp"
 

@@ -1,0 +1,158 @@
+// hotblade.read and hotblade.Design.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/read_design.hpp"
+#include "pipeline/settings/assignments.hpp"
+#include "pipeline/settings/error.hpp"
+#include "pipeline/settings/settings_fields.hpp"
+#include "python/module.hpp"
+#include "python/setting_values.hpp"
+
+namespace hotblade::python {
+namespace {
+
+using pipeline::Error;
+using pipeline::ErrorKind;
+using pipeline::Settings;
+
+// The settings a design is read by: those given, and on top what the call says.
+Settings read_settings(const std::shared_ptr<Settings>& given, const py::dict& values) {
+  py::dict said;
+  for (const auto& [key, value] : values)
+    if (!value.is_none()) said[key] = value;
+  return pipeline::with_flags(given ? *given : Settings{}, flags_of(said, "hotblade.read"));
+}
+
+void expect_units(const Settings& settings, const std::string& file) {
+  if (!settings.design.units.empty()) return;
+  throw Error(ErrorKind::kBadSettings,
+              file +
+                  ": no unit given: the file carries none: say units=\"mm\", \"cm\", \"m\", \"in\" or "
+                  "\"ft\"");
+}
+
+Design read_file(const py::object& file, const py::object& units, const py::object& up,
+                 const py::object& group, const py::object& facing, const py::object& stitch_mm,
+                 const py::object& format, const std::shared_ptr<Settings>& given) {
+  using namespace py::literals;
+  const std::string path = path_of(file);
+  Settings settings =
+      read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up, "design.group"_a = group,
+                                    "design.facing"_a = facing, "design.stitch_mm"_a = stitch_mm,
+                                    "design.format"_a = format));
+  pipeline::take_format(path, !up.is_none(), settings.design);
+  expect_units(settings, path);
+  const py::gil_scoped_release release;
+  return {pipeline::read_design(path, settings.design), settings.design, ""};
+}
+
+// The OBJ of points and triangles: the one text that any two tools write of them.
+std::string obj_text(const Numbers& vertices, const py::array_t<int, py::array::c_style>& triangles) {
+  std::string text;
+  const auto points = vertices.unchecked<2>();
+  for (py::ssize_t i = 0; i < points.shape(0); ++i) {
+    text += "v";
+    for (py::ssize_t k = 0; k < 3; ++k) {
+      if (!std::isfinite(points(i, k)))
+        throw Error(ErrorKind::kBadSettings, fmt::format("vertices[{}]: not finite", i));
+      text += " " + pipeline::number_text(points(i, k));
+    }
+    text += "\n";
+  }
+  const auto faces = triangles.unchecked<2>();
+  for (py::ssize_t i = 0; i < faces.shape(0); ++i) {
+    text += "f";
+    for (py::ssize_t k = 0; k < 3; ++k) {
+      if (faces(i, k) < 0 || faces(i, k) >= points.shape(0))
+        throw Error(ErrorKind::kBadSettings,
+                    fmt::format("triangles[{}]: no such vertex ({}, limits 0 and {})", i, faces(i, k),
+                                points.shape(0) - 1));
+      text += fmt::format(" {}", faces(i, k) + 1);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+Design from_arrays(const py::object& vertices, const py::object& triangles, const py::object& units,
+                   const std::string& name, const py::object& up, const std::shared_ptr<Settings>& given) {
+  using namespace py::literals;
+  const std::string file = name.ends_with(".obj") ? name : name + ".obj";
+  const Settings settings = read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up));
+  expect_units(settings, file);
+  std::string text =
+      obj_text(numbers(vertices, "vertices", {kAny, 3}), whole_numbers(triangles, "triangles", {kAny, 3}));
+  const py::gil_scoped_release release;
+  return {surface::surface_of(text, file, pipeline::read_options(settings.design)), settings.design, text};
+}
+
+void save_design(const Design& design, const py::object& file, bool force) {
+  if (design.obj.empty())
+    throw Error(ErrorKind::kBadSettings,
+                design.surface.file_name + ": was read from a file: only a design of arrays is saved");
+  const std::string path = path_of(file);
+  const py::gil_scoped_release release;
+  pipeline::write_file_atomically(path, design.obj, force);
+}
+
+py::dict health(const surface::Health& h) {
+  using namespace py::literals;
+  const auto corner = [](const Eigen::Vector3d& p) { return py::make_tuple(p.x(), p.y(), p.z()); };
+  const auto lines = [](const std::vector<std::string>& list) {
+    py::list all;
+    for (const std::string& line : list) all.append(line);
+    return all;
+  };
+  return py::dict("vertices"_a = h.vertices, "triangles"_a = h.triangles, "components"_a = h.components,
+                  "border_loops"_a = h.border_loops, "non_manifold_edges"_a = h.non_manifold_edges,
+                  "non_manifold_vertices"_a = h.non_manifold_vertices,
+                  "degenerate_faces"_a = h.degenerate_faces, "duplicate_faces"_a = h.duplicate_faces,
+                  "unused_vertices"_a = h.unused_vertices, "file_vertices"_a = h.file_vertices,
+                  "file_faces"_a = h.file_faces,
+                  "bbox_mm"_a = py::make_tuple(corner(h.bbox_mm[0]), corner(h.bbox_mm[1])),
+                  "border_length_mm"_a = h.border_length_mm, "area_mm2"_a = h.area_mm2,
+                  "orientable"_a = h.orientable, "closed"_a = h.closed, "repairs"_a = lines(h.repairs),
+                  "warnings"_a = lines(h.warnings), "blockers"_a = lines(h.blockers));
+}
+
+}  // namespace
+
+void add_design(py::module_& module) {
+  static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
+                sizeof(std::array<int, 3>) == 3 * sizeof(int));
+  py::class_<Design, std::shared_ptr<Design>>(module, "Design", "A design surface, in mm with z up.")
+      .def_static("from_arrays", &from_arrays, py::arg("vertices"), py::arg("triangles"),
+                  py::arg("units") = py::none(), py::arg("name") = "design", py::kw_only(),
+                  py::arg("up") = py::none(), py::arg("settings") = nullptr,
+                  "The design of points (n, 3) and triangles (m, 3), known by the OBJ that save() writes.")
+      .def("save", &save_design, py::arg("file"), py::arg("force") = false,
+           "Writes the OBJ of a design of arrays, whose sha256 it has.")
+      .def_property_readonly("vertices",
+                             [](const py::object& self) {
+                               const auto points = self.cast<const Design&>().surface.mesh.vertices();
+                               return rows(points.size(), 3, points.empty() ? nullptr : points[0].data(),
+                                           self);
+                             })
+      .def_property_readonly("triangles",
+                             [](const py::object& self) {
+                               const auto faces = self.cast<const Design&>().surface.mesh.triangles();
+                               return rows(faces.size(), 3, faces.empty() ? nullptr : faces[0].data(), self);
+                             })
+      .def_property_readonly("health", [](const Design& design) { return health(design.surface.health); })
+      .def_property_readonly("sha256", [](const Design& design) { return design.surface.sha256; })
+      .def_property_readonly("name", [](const Design& design) { return design.surface.file_name; })
+      .def_property_readonly("units", [](const Design& design) { return design.surface.units; })
+      .def("__repr__", [](const Design& design) {
+        return fmt::format("<hotblade.Design {}: {} triangles>", design.surface.file_name,
+                           design.surface.health.triangles);
+      });
+  module.def("read", &read_file, py::arg("file"), py::arg("units") = py::none(), py::arg("up") = py::none(),
+             py::arg("group") = py::none(), py::arg("facing") = py::none(), py::arg("stitch_mm") = py::none(),
+             py::kw_only(), py::arg("format") = py::none(), py::arg("settings") = nullptr,
+             "Reads a design: OBJ, STL, PLY, glTF or GLB.");
+}
+
+}  // namespace hotblade::python

@@ -1,0 +1,90 @@
+// What the units of the Python module share: arrays in and out, errors, and work that can be interrupted.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <functional>
+#include <initializer_list>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/program/program.hpp"
+#include "pipeline/settings/settings.hpp"
+#include "surface/read/design_surface.hpp"
+
+namespace hotblade::python {
+
+namespace py = pybind11;
+
+// A design with the settings that it was read by.
+struct Design {
+  surface::DesignSurface surface;
+  pipeline::DesignSettings settings;
+  std::string obj;  // the OBJ that it was made of; empty: it was read from a file
+};
+
+// A program, and the clamp poses of its strips as arrays once they were asked for: a pose has a gap between
+// position and orientation, so these cannot be views.
+struct Program {
+  explicit Program(std::shared_ptr<const pipeline::Program> whole) : data(std::move(whole)) {}
+  std::shared_ptr<const pipeline::Program> data;
+  struct Clamps {
+    std::vector<double> a, b;
+  };
+  std::vector<std::optional<Clamps>> clamps{};
+};
+
+using Numbers = py::array_t<double, py::array::c_style>;
+inline constexpr py::ssize_t kAny = -1;  // of a shape
+
+// Returns an argument as numbers in rows, without a copy where it is such already. Throws
+// Error (kBadSettings) with the argument's name for another shape or for what are no numbers.
+[[nodiscard]] Numbers numbers(const py::handle& value, const char* name,
+                              std::initializer_list<py::ssize_t> shape);
+// Returns the same of whole numbers.
+[[nodiscard]] py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, const char* name,
+                                                                 std::initializer_list<py::ssize_t> shape);
+// Returns the text of a shape: (n, 4, 2).
+[[nodiscard]] std::string shape_text(const std::vector<py::ssize_t>& shape);
+
+// Returns a read-only view of what `owner` keeps alive.
+template <typename T>
+[[nodiscard]] py::array view(std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides, const T* data,
+                             const py::handle& owner) {
+  py::array array(py::dtype::of<T>(), std::move(shape), std::move(strides), data, owner);
+  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return array;
+}
+// Returns a view of rows of `columns` numbers that follow each other.
+template <typename T>
+[[nodiscard]] py::array rows(std::size_t count, py::ssize_t columns, const T* data, const py::handle& owner) {
+  const auto size = static_cast<py::ssize_t>(sizeof(T));
+  return view<T>({static_cast<py::ssize_t>(count), columns}, {columns * size, size}, data, owner);
+}
+
+// Returns the text of a path or of what os.fspath() takes as one.
+[[nodiscard]] std::string path_of(const py::object& file);
+
+// Returns JSON as lists, dictionaries and plain values.
+[[nodiscard]] py::object to_python(const nlohmann::ordered_json& json);
+[[nodiscard]] py::object parsed(const std::string& json_text);
+
+// Tells a stage and the share that is done; throws where the work is to end.
+using Tell = std::function<void(const std::string& stage, double share)>;
+
+// Runs work on a thread of its own with so many threads (0: all cores), the interpreter's lock given up.
+// Meanwhile this thread wakes every 50 ms, calls `progress` (or None) and looks for signals; an exception of
+// either ends the work, and is thrown when it has ended. What the work throws is thrown here.
+void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work);
+
+void add_errors(py::module_& module);
+void add_settings(py::module_& module);
+void add_design(py::module_& module);
+void add_program(py::module_& module);
+void add_plan(py::module_& module);
+
+}  // namespace hotblade::python

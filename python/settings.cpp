@@ -1,0 +1,142 @@
+// hotblade.Settings.
+#include "pipeline/settings/settings.hpp"
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pipeline/settings/assignments.hpp"
+#include "pipeline/settings/error.hpp"
+#include "pipeline/settings/settings_fields.hpp"
+#include "python/module.hpp"
+#include "python/setting_values.hpp"
+
+namespace hotblade::python {
+namespace {
+
+using pipeline::Settings;
+
+struct ToPython {
+  template <std::size_t N>
+  py::object operator()(const std::optional<std::array<double, N>>* value) const {
+    return *value ? numbers_of(**value) : py::none();
+  }
+  template <std::size_t N>
+  py::object operator()(const std::array<double, N>* value) const {
+    return numbers_of(*value);
+  }
+  py::object operator()(const std::vector<double>* value) const { return numbers_of(*value); }
+  py::object operator()(const std::vector<std::array<double, 2>>* value) const {
+    py::tuple pairs(value->size());
+    for (std::size_t i = 0; i < value->size(); ++i) pairs[i] = py::make_tuple((*value)[i][0], (*value)[i][1]);
+    return pairs;
+  }
+  py::object operator()(const double* value) const { return py::float_(*value); }
+  py::object operator()(const int* value) const { return py::int_(*value); }
+  py::object operator()(const std::string* value) const { return py::str(*value); }
+  template <typename Enum>
+  requires std::is_enum_v<Enum> py::object operator()(const Enum* value) const {
+    return py::str(std::string(name(*value)));
+  }
+
+ private:
+  template <typename List>
+  static py::object numbers_of(const List& list) {
+    py::tuple tuple(list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) tuple[i] = list[i];
+    return tuple;
+  }
+};
+
+py::object value_of(Settings settings, const std::string& key) {
+  for (const pipeline::SettingField& field : pipeline::setting_fields())
+    if (full_key(field) == key) return std::visit(ToPython{}, field.place(settings));
+  throw py::key_error(key);
+}
+
+py::list keys() {
+  py::list list;
+  for (const pipeline::SettingField& field : pipeline::setting_fields()) list.append(full_key(field));
+  return list;
+}
+
+std::vector<std::filesystem::path> files_of(const py::object& files) {
+  if (files.is_none()) return {};
+  const auto is_one = py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__");
+  std::vector<std::filesystem::path> list;
+  if (is_one) {
+    list.emplace_back(path_of(files));
+  } else {
+    for (const py::handle& file : files) list.emplace_back(path_of(py::reinterpret_borrow<py::object>(file)));
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string toml_value(const py::handle& value, const std::string& key) {
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
+  if (py::isinstance<py::str>(value)) return nlohmann::json(value.cast<std::string>()).dump();
+  const bool sequence = PySequence_Check(value.ptr()) != 0 && PySequence_Size(value.ptr()) >= 0;
+  PyErr_Clear();  // an array of no dimension has no length, and is a number
+  if (sequence) {
+    std::string text;
+    for (const py::handle& part : value) text += (text.empty() ? "" : ", ") + toml_value(part, key);
+    return "[" + text + "]";
+  }
+  if (PyIndex_Check(value.ptr()) != 0) {
+    if (const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())))
+      return py::str(whole).cast<std::string>();
+    PyErr_Clear();
+  }
+  if (py::hasattr(value, "__float__")) {
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (PyErr_Occurred() != nullptr) throw py::error_already_set();
+    return py::repr(py::float_(number)).cast<std::string>();
+  }
+  throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
+                        key + " (" + py::repr(value).cast<std::string>() +
+                            "): give a number, a text or a list of numbers, or leave it out");
+}
+
+std::vector<pipeline::SettingsFlag> flags_of(const py::object& values, const std::string& where) {
+  std::vector<pipeline::SettingsFlag> flags;
+  if (values.is_none()) return flags;
+  for (const py::handle& pair : values.attr("items")()) {
+    const auto key = py::str(pair[py::int_(0)]).cast<std::string>();
+    flags.push_back({where, key, toml_value(pair[py::int_(1)], key)});
+  }
+  return flags;
+}
+
+void add_settings(py::module_& module) {
+  py::class_<Settings, std::shared_ptr<Settings>>(module, "Settings",
+                                                  "Every number a plan depends on, by key; it never changes.")
+      .def(py::init([](const py::object& values) {
+             return pipeline::resolve({{}, {}, flags_of(values, "settings")});
+           }),
+           py::arg("values") = py::none())
+      .def_static(
+          "load",
+          [](const py::object& files, const py::object& values) {
+            return pipeline::resolve({files_of(files), {}, flags_of(values, "settings")});
+          },
+          py::arg("files"), py::arg("values") = py::none(),
+          "Settings of TOML files in their order, with values on top.")
+      .def(
+          "changed",
+          [](const Settings& settings, const py::object& values) {
+            return pipeline::with_flags(settings, flags_of(values, "settings"));
+          },
+          py::arg("values"), "The same settings with other values.")
+      .def("__getitem__", &value_of)
+      .def("__len__", [](const Settings&) { return pipeline::setting_fields().size(); })
+      .def("__iter__", [](const Settings&) { return py::iter(keys()); })
+      .def(
+          "to_toml", [](const Settings& settings) { return to_toml(settings); },
+          "A configuration file that reads back as these settings.")
+      .def("__repr__", [](const Settings& settings) {
+        return "<hotblade.Settings tolerance " + pipeline::number_text(settings.design.tolerance_mm) + " mm>";
+      });
+}
+
+}  // namespace hotblade::python

@@ -1,0 +1,117 @@
+import hashlib
+import json
+
+import numpy as np
+import pytest
+
+import hotblade as hb
+
+SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0.25]]
+FACES = [[0, 1, 2], [0, 2, 3]]
+
+
+def test_arrays_are_the_designs_own_and_read_only(samples):
+    design = hb.read(samples / "saddle.obj", "mm")
+    assert design.vertices.shape[1] == 3 and design.vertices.dtype == np.float64
+    assert design.triangles.shape[1] == 3 and design.triangles.dtype == np.int32
+    for first, second in ((design.vertices, design.vertices), (design.triangles, design.triangles)):
+        assert np.shares_memory(first, second)
+        assert not first.flags.writeable
+        with pytest.raises(ValueError):
+            first[0, 0] = 1
+    assert design.sha256 == hashlib.sha256((samples / "saddle.obj").read_bytes()).hexdigest()
+
+
+def test_arrays_outlive_their_design(samples):
+    vertices = hb.read(samples / "saddle.obj", "mm").vertices
+    before = vertices.copy()
+    hb.read(samples / "bump.obj", "mm")
+    assert np.array_equal(vertices, before)
+
+
+def test_health_is_that_of_the_command(samples, program):
+    said = json.loads(program("check", samples / "petal.obj", "--units", "mm", "--json"))
+    health = hb.read(samples / "petal.obj", "mm").health
+    for key in ("vertices", "triangles", "components", "border_loops", "area_mm2", "orientable", "repairs"):
+        assert health[key] == said[key], key
+
+
+def test_units_and_axes_are_taken(tmp_path):
+    design = hb.Design.from_arrays(SQUARE, FACES, "m", "square", up="y")
+    assert design.vertices[2].tolist() == [1000, -500, 1000]
+    assert hb.Design.from_arrays(SQUARE, FACES, settings=hb.Settings({"design.units": "cm"})).vertices[1, 0] == 10
+
+
+def test_a_design_of_arrays_is_known_by_the_bytes_it_saves(tmp_path):
+    vertices = np.random.default_rng(1).normal(size=(4, 3)) * 100
+    design = hb.Design.from_arrays(vertices, np.array(FACES), units="mm", name="panel")
+    file = tmp_path / "panel.obj"
+    design.save(file)
+    assert design.name == "panel.obj"
+    assert design.sha256 == hashlib.sha256(file.read_bytes()).hexdigest()
+    again = hb.read(file, "mm")
+    assert again.sha256 == design.sha256
+    assert np.array_equal(again.vertices, vertices)  # every bit, through the text
+    with pytest.raises(hb.FileError):
+        design.save(file)
+    design.save(file, force=True)
+    with pytest.raises(hb.UsageError):
+        again.save(tmp_path / "other.obj")
+
+
+@pytest.mark.parametrize("vertices, triangles, said", [
+    ([[0, 0]], FACES, r"vertices: shape \(1, 2\) \(\(n, 3\) needed\)"),
+    ([["a", "b", "c"]], FACES, "vertices: dtype <U1 .float64 needed"),
+    (np.zeros((4, 3), complex), FACES, "vertices: dtype complex128"),
+    ([[0, 0, np.nan]] * 4, FACES, r"vertices\[0\]: not finite"),
+    (SQUARE, [[0, 1]], r"triangles: shape \(1, 2\)"),
+    (SQUARE, [[0.0, 1, 2]], "triangles: dtype float64 .int32 needed"),
+    (SQUARE, [[0, 1, 4]], r"triangles\[0\]: no such vertex \(4, limits 0 and 3\)"),
+    (SQUARE, [[0, 1, -1]], r"triangles\[0\]: no such vertex \(-1"),
+    (SQUARE, [[0, 1, 2**40]], "triangles: 1099511627776 is no int32"),
+])
+def test_wrong_arrays_are_told_by_their_argument(vertices, triangles, said):
+    with pytest.raises(hb.UsageError, match=said):
+        hb.Design.from_arrays(vertices, triangles, "mm")
+
+
+def test_errors_have_the_exit_codes_of_the_commands(samples, tmp_path):
+    with pytest.raises(hb.FileError) as file:
+        hb.read(tmp_path / "none.obj", "mm")
+    assert file.value.exit_code == 7 and isinstance(file.value, OSError)
+    with pytest.raises(hb.UsageError) as usage:
+        hb.read(samples / "saddle.obj")
+    assert usage.value.exit_code == 2 and isinstance(usage.value, ValueError)
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 1 0 x\n")
+    with pytest.raises(hb.InputError) as wrong:
+        hb.read(bad, "mm")
+    assert (wrong.value.exit_code, wrong.value.file, wrong.value.line) == (3, str(bad), 2)
+    assert isinstance(wrong.value, hb.Error)
+
+
+def test_settings_are_a_mapping_that_names_what_is_wrong(samples):
+    settings = hb.Settings.load([samples / "bump.toml"], {"design.tolerance_mm": np.float32(0.5),
+                                                          "slice.direction": np.array([1.0, 0, 0]), "fit.max_splits": np.array(7),
+                                                          "blade.free_lengths_mm": [400, 600.5], "job.number": "a = 'b' \"c\""})
+    assert dict(settings)["design.tolerance_mm"] == 0.5 and len(settings) == len(dict(settings))
+    assert settings["slice.direction"] == (1, 0, 0) and settings["slice.fan_axis"] is None
+    assert settings["blade.free_lengths_mm"] == (400, 600.5) and settings["job.number"] == "a = 'b' \"c\""
+    assert settings.changed({"design.tolerance_mm": 2})["design.tolerance_mm"] == 2
+    assert settings == settings.changed({}) and settings != hb.Settings()
+    with pytest.raises(KeyError):
+        settings["design.nothing"]
+    for values, said in (({"design.tolerance_mm": -1}, "design.tolerance_mm .-1, must be 0.01 to 100"),
+                         ({"design.tolerence_mm": 1}, "did you mean design.tolerance_mm"),
+                         ({"design.units": object()}, "design.units"), ({"design.keep": "up"}, "design.keep")):
+        with pytest.raises(hb.UsageError, match=said):
+            hb.Settings(values)
+    with pytest.raises(hb.FileError):
+        hb.Settings.load("none.toml")
+
+
+def test_settings_read_back(tmp_path):
+    settings = hb.Settings({"design.units": "mm", "motion.feed_mm_s": 7 + 0.1 + 0.2})
+    file = tmp_path / "job.toml"
+    file.write_text(settings.to_toml())
+    assert hb.Settings.load(file) == settings

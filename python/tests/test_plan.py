@@ -1,0 +1,166 @@
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import hotblade as hb
+
+
+def test_a_plan_is_the_programs_to_the_byte(bump, bump_cut):
+    result = bump[2]
+    assert result.status == "passed"
+    assert result.program.to_json().encode() == (bump_cut / "program.json").read_bytes()
+    assert result.report == json.loads((bump_cut / "report.json").read_text())
+    result.check()
+
+
+def test_threads_change_no_byte(bump):
+    design, settings, result = bump
+    assert hb.plan(design, settings, threads=1).program.to_json() == result.program.to_json()
+
+
+def test_programs_are_saved_and_loaded(bump, bump_cut, tmp_path, program, samples):
+    text = bump[2].program.to_json()
+    for name in ("program.json", "program.json.gz"):
+        bump[2].program.save(tmp_path / name)
+        assert hb.Program.load(tmp_path / name).to_json() == text
+        program("verify", tmp_path / name, "--design", samples / "bump.obj")
+    with pytest.raises(hb.FileError):
+        bump[2].program.save(tmp_path / "program.json")
+    with pytest.raises(hb.InputError, match="not JSON"):
+        hb.Program.load(samples / "bump.obj")
+
+
+def test_verify_measures_what_the_command_does(bump, bump_cut, program, samples):
+    check = hb.verify(bump[2].program, bump[0])
+    said = json.loads(program("verify", bump_cut / "program.json", "--design", samples / "bump.obj", "--json"))
+    assert check.report == said
+    assert check.within_tolerance and check.held and check.deviation_mm == said["deviation_mm"]["max"]
+    check.check()
+    with pytest.raises(hb.InputError, match="not the design of this program"):
+        hb.verify(bump[2].program, hb.read(samples / "petal.obj", "mm"))
+
+
+def test_poses_are_arrays_of_the_program(bump):
+    program = bump[2].program
+    text = json.loads(program.to_json())
+    for strip, said in zip(program.strips, text["strips"]):
+        waypoints = said["poses"]
+        assert strip.id == said["id"] and len(strip) == len(waypoints)
+        assert strip.t.tolist() == [w["t"] for w in waypoints]
+        assert [hb.PHASES[i] for i in strip.phase] == [w["phase"] for w in waypoints]
+        assert strip.heat.tolist() == [w["heat"] for w in waypoints]
+        for ours, key in ((strip.a, "a"), (strip.b, "b")):
+            assert ours.shape == (len(waypoints), 7)
+            assert ours.tolist() == [w[key]["p"] + w[key]["q"] for w in waypoints]
+        assert strip.blade.tolist() == [list(w["blade"].values()) for w in waypoints]
+        for array in (strip.t, strip.phase, strip.blade, strip.a, strip.b):
+            assert not array.flags.writeable
+        for rib, of_text in zip(strip.ribs, said["ribs"]):
+            assert rib.id == of_text["id"]
+            assert rib.bezier.tolist() == of_text["bezier"] and rib.target.tolist() == of_text["target"]
+
+
+def test_arrays_share_the_programs_memory_and_outlive_it(bump):
+    program = hb.plan(bump[0], bump[1]).program
+    strip, again = program.strips[0], program.strips[0]
+    for name in ("t", "a", "b", "blade", "phase", "heat", "margin"):
+        assert np.shares_memory(getattr(strip, name), getattr(again, name)), name
+    t, a = strip.t, strip.a
+    before = t.copy(), a.copy()
+    del strip, again, program
+    assert np.array_equal(t, before[0]) and np.array_equal(a, before[1])
+
+
+def test_a_refused_plan_is_returned_and_says_why(samples, tmp_path):
+    settings = hb.Settings.load(samples / "bump.toml", {"design.units": "mm", "blade.free_lengths_mm": [50]})
+    design = hb.read(samples / "bump.obj", settings=settings)
+    result = hb.plan(design, settings)
+    assert result.status == "refused" and result.refusals
+    with pytest.raises(hb.NotCuttable) as refused:
+        result.check()
+    assert refused.value.exit_code == 4 and str(refused.value) == result.refusals[0]["message"]
+    with pytest.raises(hb.NotCuttable):
+        result.program.save(tmp_path / "program.json")
+    assert not (tmp_path / "program.json").exists()
+
+
+def test_settings_that_contradict_the_design_are_told(bump, samples):
+    with pytest.raises(hb.UsageError, match="design.units: the settings say something else"):
+        hb.plan(hb.read(samples / "bump.obj", "cm"), bump[1])
+
+
+def test_progress_is_told_and_its_exception_comes_through(bump):
+    told = []
+    hb.plan(bump[0], bump[1], progress=lambda stage, share: told.append((stage, share)))
+    shares = [share for _, share in told]
+    assert told[-1] == ("done", 1.0) and shares == sorted(shares) and len(told) > 3
+    class Enough(Exception):
+        pass
+    def enough(stage, share):
+        raise Enough
+    with pytest.raises(Enough):
+        hb.plan(bump[0], bump[1], progress=enough)
+
+
+def interrupted_after(seconds, call):
+    """How long the interrupt took from the signal on; None where the call was over before it."""
+    sent = []
+    def kill():
+        time.sleep(seconds)
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+    killer = threading.Thread(target=kill)
+    killer.start()
+    try:
+        call()
+        over = time.perf_counter()
+        while killer.is_alive():
+            time.sleep(0.01)
+        time.sleep(0.01)
+        assert over <= sent[0], "a signal that was lost"
+    except KeyboardInterrupt:
+        taken = time.perf_counter() - sent[0]
+        killer.join()
+        return taken
+    return None
+
+
+def test_an_interrupt_ends_a_plan_soon_and_spoils_nothing(bump):
+    design, settings, result = bump
+    started = time.perf_counter()
+    hb.plan(design, settings)
+    whole = time.perf_counter() - started
+    random = np.random.default_rng(7)
+    took = [interrupted_after(at, lambda: hb.plan(design, settings)) for at in random.uniform(0, 0.9 * whole, 12)]
+    took = sorted(t for t in took if t is not None)
+    assert len(took) >= 6
+    # 0.3 s of a quiet machine (docs/python.md): here others may run beside it.
+    assert took[len(took) // 2] < 0.3 and took[-1] < 1.5, took
+    assert hb.plan(design, settings).program.to_json() == result.program.to_json()
+
+
+def test_many_threads_may_plan_at_once(bump):
+    design, settings, result = bump
+    texts = [None] * 3
+    def work(i):
+        texts[i] = hb.plan(design, settings, threads=1).program.to_json()
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert texts == [result.program.to_json()] * 3
+
+
+def test_the_module_draws_nothing():
+    library = sys.modules["hotblade._hotblade"].__file__
+    linked = subprocess.run(["ldd", library], capture_output=True, text=True, check=True).stdout
+    assert "libtbb" in linked and not re.search("vtk|GL|X11", linked), linked

@@ -1,0 +1,101 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/settings/error.hpp"
+#include "python/module.hpp"
+
+namespace hotblade::python {
+
+using pipeline::Error;
+using pipeline::ErrorKind;
+
+std::string shape_text(const std::vector<py::ssize_t>& shape) {
+  std::string text;
+  char letter = 'n';
+  for (const py::ssize_t size : shape)
+    text += (text.empty() ? "" : ", ") + (size == kAny ? std::string(1, letter++) : std::to_string(size));
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
+
+namespace {
+
+py::array checked(const py::handle& value, const char* name, const char* kinds, const char* wanted,
+                  const std::vector<py::ssize_t>& shape) {
+  const py::array array = py::array::ensure(value);
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} ({} needed)", name, what, shape_text(shape)));
+  };
+  if (!array) fail("no array");
+  if (std::string_view(kinds).find(array.dtype().kind()) == std::string_view::npos && array.size() > 0)
+    throw Error(ErrorKind::kBadSettings, fmt::format("{}: dtype {} ({} needed)", name,
+                                                     py::str(array.dtype()).cast<std::string>(), wanted));
+  const std::vector<py::ssize_t> given(array.shape(), array.shape() + array.ndim());
+  bool same = given.size() == shape.size();
+  for (std::size_t i = 0; same && i < shape.size(); ++i) same = shape[i] == kAny || shape[i] == given[i];
+  if (!same) fail("shape " + shape_text(given));
+  return array;
+}
+
+}  // namespace
+
+Numbers numbers(const py::handle& value, const char* name, std::initializer_list<py::ssize_t> shape) {
+  const Numbers rows = Numbers::ensure(checked(value, name, "fiu", "float64", shape));
+  if (!rows) throw py::error_already_set();
+  return rows;
+}
+
+py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, const char* name,
+                                                   std::initializer_list<py::ssize_t> shape) {
+  using Whole = py::array_t<int, py::array::c_style>;
+  // Through int64: a number that is too large is told of instead of wrapped round.
+  using Wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
+  const py::array given = checked(value, name, "iu", "int32", shape);
+  if (given.dtype().is(py::dtype::of<int>())) return Whole::ensure(given);
+  const Wide wide = Wide::ensure(given);
+  if (!wide) throw py::error_already_set();
+  for (py::ssize_t i = 0; i < wide.size(); ++i) {
+    if (wide.data()[i] != static_cast<int>(wide.data()[i]))
+      throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} is no int32", name, wide.data()[i]));
+  }
+  Whole rows(std::vector<py::ssize_t>(wide.shape(), wide.shape() + wide.ndim()));
+  for (py::ssize_t i = 0; i < wide.size(); ++i) rows.mutable_data()[i] = static_cast<int>(wide.data()[i]);
+  return rows;
+}
+
+std::string path_of(const py::object& file) {
+  return py::module_::import("os").attr("fspath")(file).cast<std::string>();
+}
+
+py::object to_python(const nlohmann::ordered_json& json) {
+  switch (json.type()) {
+    case nlohmann::ordered_json::value_t::object: {
+      py::dict dict;
+      for (const auto& [key, value] : json.items()) dict[py::str(key)] = to_python(value);
+      return dict;
+    }
+    case nlohmann::ordered_json::value_t::array: {
+      py::list list;
+      for (const auto& value : json) list.append(to_python(value));
+      return list;
+    }
+    case nlohmann::ordered_json::value_t::string:
+      return py::str(json.get_ref<const std::string&>());
+    case nlohmann::ordered_json::value_t::boolean:
+      return py::bool_(json.get<bool>());
+    case nlohmann::ordered_json::value_t::number_integer:
+      return py::int_(json.get<std::int64_t>());
+    case nlohmann::ordered_json::value_t::number_unsigned:
+      return py::int_(json.get<std::uint64_t>());
+    case nlohmann::ordered_json::value_t::number_float:
+      return py::float_(json.get<double>());
+    default:
+      return py::none();
+  }
+}
+
+py::object parsed(const std::string& json_text) {
+  return to_python(nlohmann::ordered_json::parse(json_text));
+}
+
+}  // namespace hotblade::python
