@@ -12,4 +12,5 @@ PYBIND11_MODULE(_hotblade, module) {
   python::add_design(module);
   python::add_program(module);
   python::add_plan(module);
+  python::add_curve(module);
 }

@@ -81,6 +81,7 @@ using Tell = std::function<void(const std::string& stage, double share)>;
 // either ends the work, and is thrown when it has ended. What the work throws is thrown here.
 void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work);
 
+void add_curve(py::module_& module);
 void add_errors(py::module_& module);
 void add_settings(py::module_& module);
 void add_design(py::module_& module);

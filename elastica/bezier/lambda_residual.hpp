@@ -21,6 +21,12 @@ enum class ResidualStatus : std::uint8_t {
   kNotFinite,  // a coordinate is NaN, infinite, or beyond 1e140
 };
 
+// Returns the word for a status.
+[[nodiscard]] constexpr const char* name(ResidualStatus status) {
+  constexpr const char* kNames[] = {"ok", "straight", "cusp", "not_finite"};
+  return kNames[static_cast<int>(status)];
+}
+
 // Whether a residual of this status has a value (0 for a straight line).
 [[nodiscard]] constexpr bool has_value(ResidualStatus status) {
   return status == ResidualStatus::kOk || status == ResidualStatus::kStraight;

@@ -17,6 +17,12 @@ enum class FitStatus {
   kUnsupported,   // a cusp, a zero end edge, or turning beyond what any blade takes: no fit
 };
 
+// Returns the word for a status.
+[[nodiscard]] constexpr const char* name(FitStatus status) {
+  constexpr const char* kNames[] = {"ok", "not_converged", "unsupported"};
+  return kNames[static_cast<int>(status)];
+}
+
 struct BezierFitOptions {
   // Tries every start for every curve; otherwise the others are tried only where the first answer is farther
   // off than its lambda-residual lets one expect (docs/elastica.md).

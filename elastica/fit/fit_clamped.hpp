@@ -24,6 +24,12 @@ enum class ClampedStatus {
   kNoCurve,  // no branch that was found reaches the end with that turning; `elastica` is the closest miss
 };
 
+// Returns the word for a status.
+[[nodiscard]] constexpr const char* name(ClampedStatus status) {
+  constexpr const char* kNames[] = {"ok", "not_converged", "no_curve"};
+  return kNames[static_cast<int>(status)];
+}
+
 struct ClampedFit {
   Elastica elastica;      // starts at ends.start exactly
   double rms = 0;         // proportional-parameter distance to the points as they count

@@ -18,6 +18,15 @@ enum class ProjectStatus {
   kUnsupported,  // coincident end points or a zero end edge: returned unchanged
 };
 
+// Return the words for them.
+[[nodiscard]] constexpr const char* name(Branch branch) {
+  return branch == Branch::kInflectional ? "inflectional" : "plain";
+}
+[[nodiscard]] constexpr const char* name(ProjectStatus status) {
+  constexpr const char* kNames[] = {"ok", "not_reached", "unsupported"};
+  return kNames[static_cast<int>(status)];
+}
+
 struct Projection {
   Bezier bezier;
   double lambda_residual = 0;

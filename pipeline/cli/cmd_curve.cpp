@@ -4,13 +4,13 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "elastica/bezier/curve_distance.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
 #include "elastica/blade/equilibria.hpp"
+#include "elastica/fit/even_points.hpp"
 #include "elastica/fit/fit.hpp"
 #include "elastica/fit/fit_bezier.hpp"
 #include "elastica/fit/fit_clamped.hpp"
@@ -27,21 +27,8 @@ using curve_lines::to_json;
 using elastica::Bezier;
 using elastica::Elastica;
 
-constexpr int kFitPoints = 129;
-
 Bezier bezier(const Json& line) {
   return cubic(field(line, "bezier"), "bezier");
-}
-
-const char* status_text(elastica::ResidualStatus status) {
-  switch (status) {
-    case elastica::ResidualStatus::kStraight:
-      return "straight";
-    case elastica::ResidualStatus::kCusp:
-      return "cusp";
-    default:
-      return "ok";
-  }
 }
 
 Json residual(const Json& line) {
@@ -57,7 +44,7 @@ Json residual(const Json& line) {
   } else {
     for (const char* key : {"lambda_residual", "lambda1", "lambda2", "alpha", "bound"}) answer[key] = nullptr;
   }
-  answer["status"] = status_text(r.status);
+  answer["status"] = name(r.status);
   return answer;
 }
 
@@ -83,42 +70,20 @@ Json project(const Json& line, const ProjectArguments& arguments) {
   }
   return {{"bezier", to_json(p.bezier)},
           {"lambda_residual", p.lambda_residual},
-          {"branch", p.branch == elastica::Branch::kInflectional ? "inflectional" : "plain"},
+          {"branch", name(p.branch)},
           {"moved", {p.moved[0], p.moved[1]}},
           {"angle_constraints_hold", p.angle_constraints_hold},
-          {"status", p.status == elastica::ProjectStatus::kReached ? "ok" : "not_reached"}};
-}
-
-// Points of a polyline, evenly spaced by its length; those that already are stay as they are, since samples
-// of a curve say more than their chords.
-std::vector<Eigen::Vector2d> even_points(const std::vector<Eigen::Vector2d>& q) {
-  std::vector<double> s(q.size(), 0.0);
-  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
-  for (std::size_t i = 1; i < q.size(); ++i) {
-    const double chord = (q[i] - q[i - 1]).norm();
-    shortest = std::min(shortest, chord);
-    longest = std::max(longest, chord);
-    s[i] = s[i - 1] + chord;
-  }
-  if (!(s.back() > 0)) throw LineError("points: all the same");
-  constexpr double kEven = 1.01;
-  constexpr std::size_t kMostAsGiven = 1025;
-  if (longest <= kEven * shortest && q.size() <= kMostAsGiven) return q;
-  std::vector<Eigen::Vector2d> even;
-  std::size_t i = 1;
-  for (int k = 0; k < kFitPoints; ++k) {
-    const double want = s.back() * k / (kFitPoints - 1);
-    while (i + 1 < s.size() && s[i] < want) ++i;
-    const double width = s[i] - s[i - 1];
-    even.push_back(q[i - 1] + (width > 0 ? std::min(1.0, (want - s[i - 1]) / width) : 0) * (q[i] - q[i - 1]));
-  }
-  return even;
+          {"status", name(p.status)}};
 }
 
 std::vector<Eigen::Vector2d> fit_points(const Json& line) {
   const auto given = points(field(line, "points"), "points");
-  if (given.size() < 8) throw LineError(fmt::format("points: {} given (at least 8 needed)", given.size()));
-  return even_points(given);
+  if (given.size() < elastica::kFewestFitPoints)
+    throw LineError(
+        fmt::format("points: {} given (at least {} needed)", given.size(), elastica::kFewestFitPoints));
+  std::vector<Eigen::Vector2d> even = elastica::even_points(given);
+  if (even.empty()) throw LineError("points: all the same");
+  return even;
 }
 
 Json fit_free(const Json& line) {
@@ -135,7 +100,7 @@ Json fit_free(const Json& line) {
             {"hausdorff", d.hausdorff},
             {"hausdorff_error", d.hausdorff_error},
             {"starts_tried", f.starts_tried},
-            {"status", f.status == elastica::FitStatus::kOk ? "ok" : "not_converged"}};
+            {"status", name(f.status)}};
   }
   const elastica::ElasticaFit f = elastica::fit_elastica(fit_points(line), {}, {0, nullptr, 0});
   return {{"elastica", to_json(f.elastica)},
@@ -144,18 +109,6 @@ Json fit_free(const Json& line) {
           {"hausdorff", f.max},
           {"starts_tried", f.starts_tried},
           {"status", f.converged ? "ok" : "not_converged"}};
-}
-
-const char* status_text(elastica::ClampedStatus status) {
-  switch (status) {
-    case elastica::ClampedStatus::kOk:
-      return "ok";
-    case elastica::ClampedStatus::kNotConverged:
-      return "not_converged";
-    case elastica::ClampedStatus::kNoCurve:
-      break;
-  }
-  return "no_curve";
 }
 
 Json fit_clamped(const Json& line) {
@@ -180,7 +133,7 @@ Json fit_clamped(const Json& line) {
     answer["hausdorff"] = f.max;
   }
   answer["starts_tried"] = f.starts_tried;
-  answer["status"] = status_text(f.status);
+  answer["status"] = name(f.status);
   return answer;
 }
 

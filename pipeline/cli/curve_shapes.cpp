@@ -157,18 +157,6 @@ Exit nearest_lines(NearestArguments arguments, const Console& console) {
   return exit;
 }
 
-const char* status_text(elastica::ProjectStatus status) {
-  switch (status) {
-    case elastica::ProjectStatus::kReached:
-      return "ok";
-    case elastica::ProjectStatus::kUnsupported:
-      return "unsupported";
-    case elastica::ProjectStatus::kNotReached:
-      break;
-  }
-  return "not_reached";
-}
-
 Json spline(const Json& line, const std::string& continuity) {
   const Json& given = field(line, "chain");
   if (!given.is_array() || given.empty() || given.size() > kMostPoints / 4)
@@ -180,7 +168,7 @@ Json spline(const Json& line, const std::string& continuity) {
       project_spline(chain, continuity == "c1" ? elastica::Continuity::kC1 : elastica::Continuity::kG1);
   Json moved = Json::array();
   for (const elastica::Bezier& b : p.chain) moved.push_back(to_json(b));
-  return {{"chain", moved}, {"lambda_residuals", p.residuals}, {"status", status_text(p.status)}};
+  return {{"chain", moved}, {"lambda_residuals", p.residuals}, {"status", name(p.status)}};
 }
 
 struct SplitArguments {

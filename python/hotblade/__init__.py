@@ -1,12 +1,13 @@
 """Plan, verify and look at hot-blade cuts: docs/python.md."""
 from collections.abc import Mapping as _Mapping
 
+from . import curve
 from ._hotblade import (PHASES, Check, Design, Plan, Program, Rib, Settings, Strip, __version__, plan, read,
                         verify)
 from .errors import ControllerError, Error, FileError, InputError, NotCuttable, OverTolerance, UsageError
 
 __all__ = ["PHASES", "Check", "ControllerError", "Design", "Error", "FileError", "InputError", "NotCuttable",
-           "OverTolerance", "Plan", "Program", "Rib", "Settings", "Strip", "UsageError", "plan", "read", "verify",
+           "OverTolerance", "Plan", "Program", "Rib", "Settings", "Strip", "UsageError", "curve", "plan", "read", "verify",
            "__version__"]
 
 # What a mapping has beside its items.
