@@ -25,7 +25,38 @@ completed=$(bash -c '
 [[ $completed == "deviation strip curvature margin feed"$'\n'"verify"$'\n'"--method" ]] ||
   { echo "completion offers: $completed"; exit 1; }
 
+# Headers that are installed include no header that is not.
+include=$place/usr/include/hotblade
+missing=$(grep -rhoE '^ *# *include "[^"]+"' "$include" | sed -E 's/.*"(.*)"/\1/' | sort -u |
+  while read -r header; do [[ -f $include/$header ]] || echo "$header"; done)
+[[ -z $missing ]] || { echo "not installed, but included: $missing"; exit 1; }
+
 cmake -S "$source/tests/install/consumer" -B "$place/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_PREFIX_PATH="$place/usr" > "$place/consumer.log" || { cat "$place/consumer.log"; exit 1; }
 cmake --build "$place/consumer" > "$place/consumer.log" || { cat "$place/consumer.log"; exit 1; }
 "$place/consumer/consumer" || { echo "the consumer's curve is wrong"; exit 1; }
+
+# The project of docs/library.md: curves, a plan, a program streamed to a simulator.
+mkdir "$place/job"
+python3 "$source/tests/install/write_projects.py" "$source/docs/library.md" "$place/job"
+cmake -S "$place/job" -B "$place/job/build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_PREFIX_PATH="$place/usr" > "$place/job.log" || { cat "$place/job.log"; exit 1; }
+cmake --build "$place/job/build" > "$place/job.log" || { cat "$place/job.log"; exit 1; }
+cd "$place/job/build"
+[[ $(./curves | wc -l) == 3 ]] || { echo "curves: says something else"; exit 1; }
+samples=$place/usr/share/doc/hotblade/samples
+./plan "$samples/bump.toml" "$samples/bump.obj" program.json 2> plan.log || { cat plan.log; exit 1; }
+"$program" plan "$samples/bump.obj" --units mm --config "$samples/bump.toml" --pictures none -q -o planned > /dev/null
+cmp program.json planned/program.json || { echo "plan: another program than the command's"; exit 1; }
+"$program" sim --listen 127.0.0.1:0 --time-scale max --log execution.jsonl > sim.log 2>&1 &
+simulator=$!
+trap 'kill "$simulator" 2> /dev/null || true; rm -rf "$place"' EXIT
+for _ in $(seq 100); do
+  port=$(sed -nE 's/.*127\.0\.0\.1:([0-9]+).*/\1/p' sim.log | head -1)
+  [[ -z $port ]] || break
+  sleep 0.1
+done
+[[ -n $port ]] || { echo "the simulator does not listen"; cat sim.log; exit 1; }
+./stream program.json "$port" > stream.log || { cat stream.log; exit 1; }
+[[ $(grep -c 'waypoints executed' stream.log) == 4 ]] || { echo "stream: not every strip"; cat stream.log; exit 1; }
+if ldd plan | grep -E 'vtk|libGL\.|libEGL|libX11'; then echo "plan: links what draws"; exit 1; fi
