@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/controller_cell.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/run/dryrun.hpp"
 #include "pipeline/verify/as_cut.hpp"
@@ -18,7 +19,7 @@ namespace hotblade::pipeline {
 namespace {
 
 struct DryRunArguments {
-  std::string program, design, log;
+  std::string program, design, log, cell;
   bool overridden = false, json = false;
 };
 
@@ -77,7 +78,7 @@ std::string table(const DryRunReport& report) {
   return text;
 }
 
-std::string to_json(const DryRunReport& report, const std::string& as_cut) {
+std::string to_json(const DryRunReport& report, const std::string& as_cut, bool arms_unchecked) {
   nlohmann::ordered_json json;
   json["holds"] = report.holds();
   json["strips"] = nlohmann::ordered_json::array();
@@ -93,14 +94,18 @@ std::string to_json(const DryRunReport& report, const std::string& as_cut) {
   json["as_cut"] = as_cut.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json::parse(as_cut);
   json["not_checked"] = nlohmann::ordered_json::array();
   if (as_cut.empty()) json["not_checked"].push_back("as-cut deviation");
+  if (arms_unchecked) json["not_checked"].push_back("arms");
   return json.dump(2) + "\n";
 }
 
 // Measures what the log says was cut, and prints everything.
 Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log,
-           const std::optional<surface::DesignSurface>& design, bool json) {
+           const std::optional<surface::DesignSurface>& design, const DryRunArguments& arguments) {
+  const bool json = arguments.json, arms_unchecked = work.program.cell && arguments.cell.empty();
+  if (!json && arms_unchecked && report.holds())
+    std::cout << "arms: not checked, give --cell " + work.program.cell->name + "\n";
   if (!report.holds() || !design) {
-    std::cout << (json ? to_json(report, "") : table(report));
+    std::cout << (json ? to_json(report, "", arms_unchecked) : table(report));
     if (!json && report.holds())
       std::cout << "as cut: not checked, the design is not at hand: give --design " +
                        work.program.design.file + "\n";
@@ -108,7 +113,8 @@ Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log
   }
   const VerifyOptions options = as_cut_options(work.program);
   const AsCutReport cut = as_cut(work.program, read_executed(work, log.path()), *design, options);
-  std::cout << (json ? to_json(report, to_json(cut, options)) : table(report) + describe(cut, options));
+  std::cout << (json ? to_json(report, to_json(cut, options), arms_unchecked)
+                     : table(report) + describe(cut, options));
   return cut.cut.within_tolerance ? Exit::kOk : Exit::kDeviation;
 }
 
@@ -120,6 +126,7 @@ Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   options.log_file = log.path();
   options.limits = planned_limits(work.program);
   options.blade = planned_blade(work.program);
+  options.arms = controller_cell(arguments.cell, work.program.settings.motion, &work);
   options.progress = [&](const std::string& strip, double fraction) {
     console.report_progress(strip, fraction);
   };
@@ -132,7 +139,7 @@ Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   for (const StripDryRun& strip : report.strips) waypoints += strip.proof.executed;
   console.note(fmt::format("dry run: {} waypoints in {:.1f} s, {:.0f} a second with every check on",
                            waypoints, seconds, static_cast<double>(waypoints) / seconds));
-  const Exit exit = judge(work, report, log, design, arguments.json);
+  const Exit exit = judge(work, report, log, design, arguments);
   if (report.interrupted) return Exit::kInterrupted;
   if (report.holds()) return exit;
   const StripDryRun& last = report.strips.back();
@@ -153,6 +160,10 @@ void add_dryrun(CLI::App& app, const Console& console, Action& action) {
       ->add_option("--design", arguments->design,
                    "The design's OBJ, to measure what was cut (default: beside the program, or as planned)")
       ->type_name("OBJ");
+  command
+      ->add_option("--cell", arguments->cell,
+                   "Let the simulator check the arms of this cell: the one that the program was planned for")
+      ->type_name("CELL");
   command->add_flag("--json", arguments->json, "The result as one JSON object");
   command->add_option("--log", arguments->log, "Keep the execution log in this new file")->type_name("FILE");
   command->add_flag("--override", arguments->overridden, "Run a program that did not pass its verification");

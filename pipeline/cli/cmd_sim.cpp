@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/controller_cell.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "robot/controller/controller.hpp"
 #include "robot/controller/execution_log.hpp"
@@ -21,7 +22,7 @@ namespace hotblade::pipeline {
 namespace {
 
 struct SimArguments {
-  std::string listen = "127.0.0.1:1502", log, machine, time_scale = "1";
+  std::string listen = "127.0.0.1:1502", log, machine, cell, time_scale = "1";
   std::vector<std::string> allow, faults;
   bool no_equilibrium = false;
 };
@@ -53,6 +54,7 @@ robot::ControllerOptions controller_options(const SimArguments& arguments) {
   options.limits = motion_limits(settings.motion, settings.machine);
   options.blade.equilibrium = !arguments.no_equilibrium;
   options.blade.min_margin = settings.blade.min_margin;
+  options.arms = controller_cell(arguments.cell, settings.motion, nullptr);
   options.boot_id = std::random_device{}() | 1u;
   if (!arguments.log.empty()) options.capabilities |= robot::protocol::kCapJournal;
   return options;
@@ -174,6 +176,10 @@ void add_sim(CLI::App& app, const Console& console, Action& action) {
       ->type_name("FILE");
   command->add_option("--machine", arguments->machine, "Limits from the [machine] and [motion] of this file")
       ->type_name("TOML");
+  command
+      ->add_option("--cell", arguments->cell,
+                   "Check the arms of this cell too: a TOML file, two_irb4600 or two_kr50")
+      ->type_name("CELL");
   command
       ->add_option("--time-scale", arguments->time_scale,
                    "Speed of the motion clock, or max: as fast as data comes")

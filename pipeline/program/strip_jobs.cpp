@@ -24,7 +24,22 @@ void require_passed(const std::filesystem::path& file, const Program& program, b
                                            ", passed): plan it again, or take the risk with --override");
 }
 
+robot::JobArms arms_of(const ProgramCell& cell, const Strip& strip) {
+  robot::JobArms arms;
+  arms.declared.cell_id = cell_id(cell.sha256);
+  arms.declared.joints_rad = {strip.poses.front().joints->a, strip.poses.front().joints->b};
+  for (std::size_t i = 0; i < arms.names.size(); ++i) arms.names[i] = cell.arms[i].id;
+  return arms;
+}
+
 }  // namespace
+
+std::uint64_t cell_id(const std::string& sha256) {
+  std::uint64_t value = 0;
+  constexpr std::size_t kDigits = 16;
+  std::from_chars(sha256.data(), sha256.data() + std::min(sha256.size(), kDigits), value, 16);
+  return value;
+}
 
 StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden) {
   StripJobs result;
@@ -39,6 +54,7 @@ StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overri
     try {
       const robot::ClampedBlade blade{result.program.blade, strip.blade_length_mm};
       result.jobs.push_back(robot::make_job(hash, strip.id, waypoints(strip), blade));
+      if (result.program.cell && strip.arms) result.jobs.back().arms = arms_of(*result.program.cell, strip);
     } catch (const robot::JobError& error) {
       throw Error(ErrorKind::kBadInput, program_file.string() + ": " + error.what());
     }

@@ -25,6 +25,9 @@ struct StripJobs {
 // not passed.
 [[nodiscard]] StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overridden);
 
+// Returns the number by which controllers know a cell: the first 64 bits of its hash, given in hex.
+[[nodiscard]] std::uint64_t cell_id(const std::string& sha256);
+
 // Returns how long a strip takes, s.
 [[nodiscard]] double duration_s(const robot::Job& job);
 

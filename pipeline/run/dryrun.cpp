@@ -39,6 +39,7 @@ class LocalSimulator {
     robot::ControllerOptions options;
     options.limits = dry.limits;
     options.blade = dry.blade;
+    options.arms = dry.arms;
     options.time_scale = robot::kAsFastAsDataComes;
     return options;
   }

@@ -4,12 +4,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "pipeline/program/strip_jobs.hpp"
 #include "robot/blade/blade_check.hpp"
 #include "robot/client/client.hpp"
+#include "robot/controller/arm_scene.hpp"
 #include "robot/controller/execution_log.hpp"
 
 namespace hotblade::pipeline {
@@ -18,6 +20,7 @@ struct DryRunOptions {
   std::filesystem::path log_file;  // appended to by the simulator; a new file
   robot::MotionLimits limits;
   robot::BladeCheckOptions blade;
+  std::shared_ptr<const robot::ArmCell> arms;                               // null: arms are not checked
   std::function<void(const std::string& strip, double fraction)> progress;  // of the whole run
   std::function<bool()> interrupted;
 };

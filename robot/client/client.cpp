@@ -84,6 +84,14 @@ class Streamer {
   }
   [[nodiscard]] bool interrupted() const { return options_.interrupted && options_.interrupted(); }
 
+  // The limit that a status speaks of, of the arms with the part and the amount.
+  [[nodiscard]] std::string told_limit(const protocol::Status& status, const MotionLimits& limits) const {
+    const Limit limit = limit_of_code(status.fault_detail);
+    const std::string part =
+        protocol::describe(status.arms, limit, job_.arms ? job_.arms->names : std::array<std::string, 2>{});
+    return limit_text(limit, limits) + (part.empty() ? "" : " (" + part + ")");
+  }
+
   bool connect();
   bool reconnect();
   bool identify();
@@ -104,6 +112,7 @@ class Streamer {
   bool choose_run();
   bool open();
   bool refused_open();
+  bool declare_arms();
   bool check_prefix();
   bool go();
   bool step();
@@ -319,9 +328,28 @@ bool Streamer::open() {
   token_ = status_.token;
   open_ = true;
   agreed_boot_ = options_.agreed_boot != 0 ? options_.agreed_boot : ident_.boot_id;
-  if (!check_prefix()) return false;
+  if (!check_prefix() || !declare_arms()) return false;
   if (options_.opened) options_.opened(run_, token_);
   return true;
+}
+
+// Only where the controller knows the block. A program without arms is refused by START there.
+bool Streamer::declare_arms() {
+  if ((ident_.capabilities & protocol::kCapArms) == 0 || !job_.arms) return true;
+  protocol::Arms arms = job_.arms->declared;
+  arms.token = token_;
+  const auto block = protocol::encode_arms(arms);
+  for (int attempt = 0; attempt < kMaxFruitless; ++attempt) {
+    if (!transact(protocol::kArmsBase, block)) return false;
+    if (lost_ || status_.last_result == Result::kBadCrc) continue;
+    if (status_.last_result == Result::kOk) return true;
+    const std::string at =
+        status_.last_result == Result::kLimit ? ": " + told_limit(status_, ident_.limits) : std::string();
+    return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
+                                               ": the program's arms are refused in state " +
+                                               protocol::name(status_.state) + at);
+  }
+  return settle(StreamOutcome::kLinkLost, "ARMS is never answered: check the link");
 }
 
 bool Streamer::refused_open() {
@@ -397,6 +425,14 @@ bool Streamer::may_move() {
 bool Streamer::started() {
   if (restarted()) return true;  // and the operator is asked
   fruitless_ = status_.last_result == Result::kOk ? 0 : fruitless_ + 1;
+  if (status_.last_result == Result::kState && limit_of_code(status_.fault_detail) == Limit::kCell) {
+    return settle(StreamOutcome::kRefused,
+                  job_.arms
+                      ? "STATE: the program's arms are not those of this controller's cell: plan or place "
+                        "it with the cell that the controller has"
+                      : "STATE: this controller checks its arms, and the program has none: plan or place "
+                        "it with --cell");
+  }
   const bool may_change = status_.last_result == Result::kOk || status_.last_result == Result::kState;
   if (may_change && fruitless_ < kMaxFruitless) return true;
   return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
@@ -431,9 +467,8 @@ bool Streamer::judge_window(std::uint32_t accepted_before) {
   switch (status_.last_result) {
     case Result::kLimit:
       report_.at = status_.fault_sequence;
-      return settle(StreamOutcome::kRefused,
-                    "LIMIT: " + at + ": " + limit_text(limit_of_code(status_.fault_detail), ident_.limits) +
-                        ": the program does not fit this machine");
+      return settle(StreamOutcome::kRefused, "LIMIT: " + at + ": " + told_limit(status_, ident_.limits) +
+                                                 ": the program does not fit this machine");
     case Result::kBadToken:
       return settle(StreamOutcome::kRefused, "BADTOKEN: another client has taken over (token " +
                                                  std::to_string(status_.token) + ", ours " +
@@ -473,7 +508,7 @@ bool Streamer::stopped_by_fault() {
   std::string what = std::string("FAULT ") + protocol::name(status_.fault);
   report_.at = status_.fault_sequence;
   if (status_.fault == Fault::kExecutionLimit) {
-    what += ": " + limit_text(limit_of_code(status_.fault_detail), ident_.limits);
+    what += ": " + told_limit(status_, ident_.limits);
   }
   return settle(StreamOutcome::kFault,
                 what + " at waypoint " + std::to_string(status_.fault_sequence) + ": reset with --reset");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hotblade::robot {
 
@@ -30,6 +31,7 @@ bool plausible(const ClampedBlade& blade) {
 Controller::Controller(const ControllerOptions& options, ExecutionSink* sink)
     : options_(options), sink_(sink), path_(options.time_scale == kAsFastAsDataComes) {
   if (options_.blade.equilibrium) options_.capabilities |= protocol::kCapEquilibrium;
+  if (options_.arms) options_.capabilities |= protocol::kCapArms;
 }
 
 protocol::Ident Controller::ident() const {
@@ -71,6 +73,7 @@ protocol::Status Controller::status() const {
   s.time_us = now_us_;
   s.phase = phase_;
   s.left_in_cut = left_in_cut_;
+  s.arms = fault_arms_;
   s.following_um = static_cast<std::uint32_t>(std::lround(following_mm() * 1000));
   return s;
 }
@@ -150,7 +153,7 @@ Result Controller::open(const protocol::Command& c, Connection from) {
   if (!loaded_ && left_in_cut_) {
     // Waypoint 0 does not lead on from a blade that stands in the foam.
     const bool left_here = c.job_id == job_.id && c.run == job_.run;
-    result = left_here ? take_up_again() : limit(Limit::kHeldPose, 0);
+    result = left_here ? take_up_again() : limit({Limit::kHeldPose}, 0);
   } else if (!loaded_) {
     result = open_new(c);
   } else if (owns(c.token)) {
@@ -179,7 +182,7 @@ void Controller::give_token(const char* why) {
 
 Result Controller::open_new(const protocol::Command& c) {
   if (!plausible(c.blade) || c.waypoint_count == 0 || c.waypoint_count > options_.max_waypoints) {
-    return limit(Limit::kBlade, 0);
+    return limit({Limit::kBlade}, 0);
   }
   load(c.job_id, c.run, c.waypoint_count, c.blade);
   loaded_ = true;
@@ -193,11 +196,12 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
   raw.reserve(count);
   const LimitChecker checker(options_.limits, blade.length_mm);
   const BladeCheck shape(blade, options_.blade);
-  job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker, shape, shape};
+  job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker, shape, shape, {}, {}, {}};
   chain_.restart(job);
   fault_ = Fault::kNone;
   fault_detail_ = 0;
   fault_sequence_ = 0;
+  fault_arms_ = {};
   published_executed_ = 0;
   published_crc_ = 0;
   path_ = PathClock(options_.time_scale == kAsFastAsDataComes);
@@ -218,6 +222,7 @@ Result Controller::start() {
   // Full rate at once needs room to stop in.
   if (state_ != State::kOpen || job_.accepted() == 0 || data_ends_at(path_.full_braking_s()))
     return Result::kState;
+  if (arms_unknown()) return Result::kState;
   state_ = State::kRunning;
   path_.start_at_full_rate();
   stop_reason_ = StopReason::kNone;
@@ -237,7 +242,7 @@ Result Controller::resume() {
   if (withdrawing_ && state_ == State::kRunning) return Result::kState;
   if (state_ == State::kRunning && !path_.stopping()) return Result::kOk;
   // Without the next waypoint nobody knows where the path goes on.
-  if (state_ != State::kHeld || job_.accepted() == job_.executed) return Result::kState;
+  if (state_ != State::kHeld || job_.accepted() == job_.executed || arms_unknown()) return Result::kState;
   state_ = State::kRunning;
   fault_ = Fault::kNone;
   stop_reason_ = StopReason::kNone;
@@ -249,7 +254,7 @@ Result Controller::resume() {
 
 Result Controller::abort() {
   if (!loaded_ || state_ == State::kFault || state_ == State::kEstop) return Result::kState;
-  fail(Fault::kAborted, 0, job_.executed);
+  fail(Fault::kAborted, {}, job_.executed);
   return Result::kOk;
 }
 
@@ -262,6 +267,7 @@ Result Controller::reset() {
   fault_ = Fault::kNone;
   fault_detail_ = 0;
   fault_sequence_ = 0;
+  fault_arms_ = {};
   loaded_ = false;
   return Result::kOk;
 }
@@ -307,11 +313,11 @@ Result Controller::judge(const protocol::Window& w, Connection from) {
   const std::uint32_t accepted = job_.accepted();
   if (w.first_sequence > accepted) return Result::kGap;
   const std::uint32_t end = w.first_sequence + w.count;
-  if (end > job_.count || (w.count > 0 && w.last != (end == job_.count))) return limit(Limit::kCount, end);
+  if (end > job_.count || (w.count > 0 && w.last != (end == job_.count))) return limit({Limit::kCount}, end);
   const std::uint32_t already = std::min<std::uint32_t>(w.count, accepted - w.first_sequence);
   for (std::uint32_t i = 0; i < already; ++i) {
     if (w.raw[i] != job_.raw[w.first_sequence + i]) {
-      fail(Fault::kConflict, 0, w.first_sequence + i);
+      fail(Fault::kConflict, {}, w.first_sequence + i);
       return Result::kConflict;
     }
   }
@@ -324,19 +330,24 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   if (added > options_.fifo_size - (job_.accepted() - published_executed_)) return Result::kFull;
   LimitChecker checker = job_.acceptance;
   BladeCheck blade = job_.accepted_blade;
+  trial_arms_ = job_.accepted_arms;
   for (std::uint32_t i = already; i < w.count; ++i) {
     const auto decoded = protocol::decode_waypoint(w.raw[i]);
-    Limit code = decoded.error != Limit::kNone ? decoded.error : checker.next(decoded.waypoint);
-    if (code == Limit::kNone) code = blade.next(decoded.waypoint);
-    if (code != Limit::kNone) return limit(code, w.first_sequence + i);
+    Breach broken{decoded.error != Limit::kNone ? decoded.error : checker.next(decoded.waypoint)};
+    if (broken.limit == Limit::kNone) broken.limit = blade.next(decoded.waypoint);
+    if (broken.limit == Limit::kNone) broken = trial_arms_.next(decoded.waypoint, blade.shape());
+    if (broken.limit != Limit::kNone) return limit(broken, w.first_sequence + i);
     if (i == already && held_ && !agrees_with_held_pose(from_, decoded.waypoint))
-      return limit(Limit::kHeldPose, w.first_sequence + i);
+      return limit({Limit::kHeldPose}, w.first_sequence + i);
   }
   if (w.last) {
-    if (const Limit code = checker.finish(); code != Limit::kNone) return limit(code, job_.count - 1);
+    Breach broken{checker.finish()};
+    if (broken.limit == Limit::kNone) broken = trial_arms_.finish();
+    if (broken.limit != Limit::kNone) return limit(broken, job_.count - 1);
   }
   job_.acceptance = checker;
   job_.accepted_blade = blade;
+  std::swap(job_.accepted_arms, trial_arms_);
   for (std::uint32_t i = already; i < w.count; ++i) {
     job_.raw.push_back(w.raw[i]);
     job_.accepted_crc = protocol::crc32(w.raw[i], job_.accepted_crc);
@@ -348,9 +359,10 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
   return Result::kOk;
 }
 
-Result Controller::limit(Limit code, std::uint32_t sequence) {
-  fault_detail_ = info(code).code;
+Result Controller::limit(const Breach& breach, std::uint32_t sequence) {
+  fault_detail_ = info(breach.limit).code;
   fault_sequence_ = sequence;
+  fault_arms_ = breach.detail;
   return Result::kLimit;
 }
 
@@ -358,14 +370,14 @@ void Controller::report(const char* what) {
   uncommitted_ = true;
   if (sink_ == nullptr) return;
   sink_->event({what, job_.id, job_.run, token_, job_.executed, job_.count, motion_us(), fault_,
-                fault_detail_, fault_sequence_, job_.blade});
+                fault_detail_, fault_sequence_, job_.blade, job_.arms});
 }
 
 void Controller::commit() {
   if (!uncommitted_) return;
   uncommitted_ = false;
   if (sink_ != nullptr && !sink_->commit()) {
-    if (loaded_ && state_ != State::kEstop && fault_ != Fault::kLog) fail(Fault::kLog, 0, job_.executed);
+    if (loaded_ && state_ != State::kEstop && fault_ != Fault::kLog) fail(Fault::kLog, {}, job_.executed);
     return;  // what is not on record has not been executed, for anybody who asks
   }
   published_executed_ = job_.executed;

@@ -6,10 +6,12 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "robot/blade/blade_check.hpp"
+#include "robot/controller/arm_check.hpp"
 #include "robot/controller/controller_journal.hpp"
 #include "robot/controller/execution_sink.hpp"
 #include "robot/controller/simulated_faults.hpp"
@@ -38,6 +40,8 @@ struct ControllerOptions {
   SimulatedFaults faults;
   double time_scale = 1;    // of the motion clock only; watchdog and lease stay in wall time
   BladeCheckOptions blade;  // IDENT's capabilities say whether the equilibrium is checked
+  // The arms that hold the clamps, which jobs have to declare then; null: they are not known.
+  std::shared_ptr<const ArmCell> arms = nullptr;
 };
 
 // Takes commands and windows, and executes what it accepted as time moves on.
@@ -65,6 +69,7 @@ class Controller {
   // Carry out a block that a connection wrote, and return what became of it.
   protocol::Result command(const protocol::DecodedCommand& decoded, Connection from, std::uint64_t now_us);
   protocol::Result window(const protocol::Window& window, Connection from, std::uint64_t now_us);
+  protocol::Result arms(const protocol::DecodedArms& decoded, Connection from, std::uint64_t now_us);
   // Stops at once and latches; anybody may ask for it.
   void estop(std::uint64_t now_us);
   // Takes note of any frame of a connection: the owner's keep the lease and the watchdog fed.
@@ -96,6 +101,8 @@ class Controller {
     std::uint32_t executed = 0, executed_crc = 0;
     LimitChecker execution;
     BladeCheck accepted_blade, moved_blade;  // along the accepted stream; along the motion itself
+    std::optional<protocol::Arms> arms;      // as declared
+    ArmCheck accepted_arms, moved_arms;
     [[nodiscard]] std::uint32_t accepted() const { return static_cast<std::uint32_t>(raw.size()); }
   };
 
@@ -125,7 +132,12 @@ class Controller {
 
   protocol::Result judge(const protocol::Window& window, Connection from);
   protocol::Result append(const protocol::Window& window, std::uint32_t already);
-  protocol::Result limit(Limit code, std::uint32_t sequence);
+  protocol::Result limit(const Breach& breach, std::uint32_t sequence);
+
+  // The arms that a job declares (controller_arms.cpp).
+  protocol::Result judge_arms(const protocol::DecodedArms& decoded, Connection from);
+  Breach take_arms(const protocol::Arms& declared);
+  [[nodiscard]] bool arms_unknown();
 
   void run_motion(double motion_s);
   void run_dry();
@@ -137,12 +149,12 @@ class Controller {
   void execute_due();
   void execute_next();
   void sample_due_poses();
-  Limit write_pose();
+  Breach write_pose();
   [[nodiscard]] double to_next_waypoint_s() const;
   [[nodiscard]] static ClampPoses pose_on(const Waypoint& from, const Waypoint& to, double path_s);
   [[nodiscard]] double to_next_pose_s() const;
   void come_to_rest();
-  void fail(protocol::Fault fault, std::uint16_t detail, std::uint32_t sequence);
+  void fail(protocol::Fault fault, const Breach& breach, std::uint32_t sequence);
   void stop(StopReason reason);
   void cool_when_due();
 
@@ -176,9 +188,11 @@ class Controller {
   protocol::Fault fault_ = protocol::Fault::kNone;
   std::uint16_t fault_detail_ = 0;
   std::uint32_t fault_sequence_ = 0;
+  protocol::ArmsDetail fault_arms_;
 
   bool loaded_ = false;
   Loaded job_;
+  ArmCheck trial_arms_;  // of a window; kept, so that a copy finds its room
   Chain chain_{0};
   std::uint32_t published_executed_ = 0, published_crc_ = 0;
   bool uncommitted_ = false;

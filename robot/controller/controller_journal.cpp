@@ -59,6 +59,7 @@ class JournalReader {
     const auto ev = line.string("ev");
     const auto id = line.number<std::uint64_t>("job", line.string("job"), 16);
     if (ev == "exec") return take_executed(line, id);
+    if (ev == "arms") take_arms(line, text);
     journal_.token = std::max(journal_.token, line.number<std::uint32_t>("token", line.raw_value("token")));
     if (ev == "open") open(line, id);
     if (id != journal_.job) line.fail("job");
@@ -108,6 +109,16 @@ class JournalReader {
     journal_.path_s = protocol::time_us(raw) * 1e-6;
     note_time(line, "t_exec");
     last_pose_.clear();
+  }
+
+  void take_arms(const Line& line, std::string_view text) {
+    protocol::Arms arms;
+    arms.cell_id = line.number<std::uint64_t>("cell", line.string("cell"), 16);
+    for (std::size_t clamp = 0; clamp < arms.joints_rad.size(); ++clamp) {
+      arms.joints_rad[clamp] = numbers<protocol::kArmJoints>(line, text, clamp == 0 ? "ja_urad" : "jb_urad");
+      for (double& q : arms.joints_rad[clamp]) q /= 1e6;
+    }
+    journal_.arms = arms;
   }
 
   void take_event(const Line& line, std::string_view ev) {

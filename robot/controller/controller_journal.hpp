@@ -32,6 +32,7 @@ struct ControllerJournal {
   std::uint64_t job = 0;
   std::uint32_t run = 0, count = 0;
   ClampedBlade blade;
+  std::optional<protocol::Arms> arms;  // as declared
   std::vector<protocol::RawWaypoint> executed;
   Sha256 chain{};                  // over them
   std::uint64_t motion_us = 0;     // the motion clock

@@ -170,11 +170,14 @@ void Controller::execute_due() {
 void Controller::execute_next() {
   const protocol::RawWaypoint& raw = job_.raw[job_.executed];
   const auto decoded = protocol::decode_waypoint(raw);
-  Limit code = decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
-  if (code == Limit::kNone) code = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
-  if (code != Limit::kNone) {
+  Breach broken{decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint)};
+  if (broken.limit == Limit::kNone)
+    broken.limit = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
+  if (broken.limit == Limit::kNone)
+    broken = job_.moved_arms.arrive(decoded.waypoint, job_.moved_blade.shape());
+  if (broken.limit != Limit::kNone) {
     path_.stop_at_once();
-    fail(Fault::kExecutionLimit, info(code).code, job_.executed);
+    fail(Fault::kExecutionLimit, broken, job_.executed);
     return;
   }
   const Sha256& chain = chain_.add(raw);
@@ -200,24 +203,27 @@ void Controller::sample_due_poses() {
   // Half a microsecond: a pose that is due at this very step is not put off by rounding.
   constexpr double kDue_s = 5e-7;
   if (static_cast<double>(poses_written_) * kPoseStep_s > motion_s_ + kDue_s) return;
-  const Limit code = write_pose();
+  const Breach broken = write_pose();
   ++poses_written_;
-  if (code == Limit::kNone || state_ == State::kFault) return;
+  if (broken.limit == Limit::kNone || state_ == State::kFault) return;
   path_.stop_at_once();
-  fail(Fault::kExecutionLimit, info(code).code, job_.executed);
+  fail(Fault::kExecutionLimit, broken, job_.executed);
 }
 
-// The pose on the path, with the blade's shape; the limit that the blade breaks there.
-Limit Controller::write_pose() {
-  const bool asked_for = sink_ != nullptr || job_.moved_blade.checks();
-  if (job_.executed == 0 || !asked_for) return Limit::kNone;
+// The pose on the path, with the blade's shape and the arms' joints; the limit that breaks there.
+Breach Controller::write_pose() {
+  const bool asked_for = sink_ != nullptr || job_.moved_blade.checks() || job_.moved_arms.checks();
+  if (job_.executed == 0 || !asked_for) return {};
   const ClampPoses now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
-  const Limit code = job_.moved_blade.move_to(now.a, now.b);
+  Breach broken{job_.moved_blade.move_to(now.a, now.b)};
+  const Breach of_arms =
+      job_.moved_arms.move_to(now.a, now.b, job_.moved_blade.shape(), time_s(to_) - time_s(from_));
+  if (broken.limit == Limit::kNone) broken = of_arms;
   if (sink_ != nullptr) {
     sink_->pose({job_.id, step_, motion_us(), now.a, now.b, from_.heat && !heat_off_, state_, path_.path_s(),
-                 following_mm(), job_.moved_blade.shape()});
+                 following_mm(), job_.moved_blade.shape(), job_.moved_arms.joints()});
   }
-  return code;
+  return broken;
 }
 
 ClampPoses Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {
@@ -251,10 +257,11 @@ void Controller::come_to_rest() {
   report("held");
 }
 
-void Controller::fail(Fault fault, std::uint16_t detail, std::uint32_t sequence) {
+void Controller::fail(Fault fault, const Breach& breach, std::uint32_t sequence) {
   fault_ = fault;
-  fault_detail_ = detail;
+  fault_detail_ = info(breach.limit).code;
   fault_sequence_ = sequence;
+  fault_arms_ = breach.detail;
   state_ = State::kFault;
   report("fault");
   stop(StopReason::kFault);

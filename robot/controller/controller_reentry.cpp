@@ -67,7 +67,8 @@ protocol::Result Controller::take_up_again() {
 protocol::Result Controller::withdraw() {
   if (state_ == State::kRunning && withdrawing_) return protocol::Result::kOk;
   // After a restart the path is known to lead through the held pose only when the next waypoint has come.
-  if (state_ != State::kHeld || job_.executed == 0 || held_) return protocol::Result::kState;
+  if (state_ != State::kHeld || job_.executed == 0 || held_ || arms_unknown())
+    return protocol::Result::kState;
   state_ = State::kRunning;
   fault_ = Fault::kNone;
   stop_reason_ = StopReason::kNone;
@@ -179,11 +180,17 @@ void Controller::restore(const ControllerJournal& journal) {
 
 // Everything executed, through both checks again: what comes next is judged against it.
 void Controller::replay(const ControllerJournal& journal) {
+  if (journal.arms && options_.arms) {
+    job_.arms = journal.arms;
+    job_.accepted_arms = job_.moved_arms =
+        ArmCheck(options_.arms, *journal.arms, journal.job, journal.blade.width_mm);
+  }
   if (journal.executed.empty()) return;
   for (const auto& raw : journal.executed) {
     const auto decoded = protocol::decode_waypoint(raw);
     Limit code = decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint);
     if (code == Limit::kNone) code = job_.moved_blade.next(decoded.waypoint);
+    if (code == Limit::kNone) code = job_.moved_arms.next(decoded.waypoint, job_.moved_blade.shape()).limit;
     if ((loaded_ || journal.left) && code != Limit::kNone) {
       throw LogError("the journal's waypoint " + std::to_string(job_.executed) + " breaks a limit (" +
                      info(code).fault + "): start with the machine file it was run with");
@@ -194,6 +201,7 @@ void Controller::replay(const ControllerJournal& journal) {
   }
   job_.acceptance = job_.execution;
   job_.accepted_blade = job_.moved_blade;
+  job_.accepted_arms = job_.moved_arms;
   job_.accepted_crc = job_.executed_crc;
   chain_.resume(journal.chain);
   path_.snap(journal.path_s);
@@ -203,6 +211,7 @@ void Controller::replay(const ControllerJournal& journal) {
   for (std::uint32_t i = job_.executed; i-- > step;) {
     const Waypoint passed = protocol::decode_waypoint(job_.raw[i]).waypoint;
     (void)job_.moved_blade.move_to(passed.a, passed.b);
+    (void)job_.moved_arms.move_to(passed.a, passed.b, job_.moved_blade.shape(), 0);
   }
   load_step(step);
   if (step + 1 == job_.executed) {

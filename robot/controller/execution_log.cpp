@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <span>
 
@@ -84,6 +85,32 @@ void put_blade(std::string& out, const ClampedBlade& blade) {
     out += protocol::kBladeWordNames[i];
     out += "\":";
     put(out, words[i]);
+  }
+}
+
+// In whole microradians, as they came.
+void put_arms(std::string& out, const protocol::Arms& arms) {
+  out += ",\"cell\":\"";
+  put_hex(out, arms.cell_id);
+  out += '"';
+  for (std::size_t clamp = 0; clamp < arms.joints_rad.size(); ++clamp) {
+    out += clamp == 0 ? ",\"ja_urad\":[" : ",\"jb_urad\":[";
+    for (std::size_t i = 0; i < protocol::kArmJoints; ++i) {
+      if (i > 0) out += ',';
+      put(out, std::round(arms.joints_rad[clamp][i] * 1e6), 0);
+    }
+    out += ']';
+  }
+}
+
+void put_joints(std::string& out, const std::array<JointAngles, 2>& joints) {
+  for (std::size_t clamp = 0; clamp < joints.size(); ++clamp) {
+    out += clamp == 0 ? ",\"ja\":[" : ",\"jb\":[";
+    for (int i = 0; i < joints[clamp].size(); ++i) {
+      if (i > 0) out += ',';
+      put(out, joints[clamp][i], kDirectionDecimals);
+    }
+    out += ']';
   }
 }
 
@@ -231,6 +258,7 @@ void ExecutionLog::pose(const PoseSample& s) {
   put(buffer_, s.path_s, kTimeDecimals);
   buffer_ += ",\"following_mm\":";
   put(buffer_, s.following_mm, kPositionDecimals);
+  if (s.joints) put_joints(buffer_, *s.joints);
   buffer_ += "}\n";
 }
 
@@ -258,6 +286,7 @@ void ExecutionLog::event(const JobEvent& e) {
   buffer_ += ",\"at\":";
   put(buffer_, e.fault_sequence);
   if (std::strcmp(e.what, "open") == 0) put_blade(buffer_, e.blade);
+  if (std::strcmp(e.what, "arms") == 0 && e.arms) put_arms(buffer_, *e.arms);
   buffer_ += "}\n";
 }
 

@@ -1,9 +1,11 @@
 // Where a controller reports what it did. The execution log is one; tests have others.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
+#include "robot/arm/arm.hpp"
 #include "robot/blade/blade_check.hpp"
 #include "robot/wire/job.hpp"
 #include "robot/wire/protocol.hpp"
@@ -33,11 +35,12 @@ struct PoseSample {
   double path_s = 0;                             // of the strip's own time: the place on the path
   double following_mm = 0;                       // how far the worse clamp is behind what is asked of it
   std::optional<elastica::Elastica> blade = {};  // clamp A to clamp B, in clamp A's axes; absent: not known
+  std::optional<std::array<JointAngles, 2>> joints = {};  // that hold clamp A and clamp B; absent: not known
 };
 
-// A change of state: what = "open", "takeover", "start", "hold", "held", "cold" (heat off after the dwell),
-// "resume", "retract", "reheat", "reenter", "restart" (of the controller, from its journal), "done", "fault",
-// "estop", "reset", "close".
+// A change of state: what = "open", "takeover", "arms", "start", "hold", "held", "cold" (heat off after the
+// dwell), "resume", "retract", "reheat", "reenter", "restart" (of the controller, from its journal), "done",
+// "fault", "estop", "reset", "close".
 struct JobEvent {
   const char* what = "";
   std::uint64_t job = 0;
@@ -48,6 +51,7 @@ struct JobEvent {
   std::uint16_t fault_detail = 0;
   std::uint32_t fault_sequence = 0;
   ClampedBlade blade = {};
+  std::optional<protocol::Arms> arms = {};  // as declared
 };
 
 // Takes what a controller reports, in the order it happens.

@@ -155,6 +155,7 @@ std::uint8_t RegisterMap::write(Pdu& pdu, std::uint16_t address, std::span<const
   const auto words = std::span<const std::uint16_t>(registers).first(count);
   if (address == protocol::kCommandBase) return write_command(pdu, words);
   if (address == protocol::kWindowBase) return write_window(pdu, words);
+  if (address == protocol::kArmsBase && controller_.options().arms) return write_arms(pdu, words);
   if (address == protocol::kEstopBase) {
     if (count != 1) return kIllegalValue;
     if (words[0] != 0) controller_.estop(pdu.now_us);
@@ -171,6 +172,12 @@ std::uint8_t RegisterMap::write_command(Pdu& pdu, std::span<const std::uint16_t>
   if (registers.size() != protocol::kCommandSize) return kIllegalValue;
   controller_.command(protocol::decode_command(registers.first<protocol::kCommandSize>()), pdu.from,
                       pdu.now_us);
+  return kOk;
+}
+
+std::uint8_t RegisterMap::write_arms(Pdu& pdu, std::span<const std::uint16_t> registers) {
+  if (registers.size() != protocol::kArmsSize) return kIllegalValue;
+  controller_.arms(protocol::decode_arms(registers.first<protocol::kArmsSize>()), pdu.from, pdu.now_us);
   return kOk;
 }
 

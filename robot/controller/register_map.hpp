@@ -41,6 +41,7 @@ class RegisterMap {
   [[nodiscard]] std::uint8_t fill(Pdu& pdu, std::uint16_t address, std::uint16_t count);
   [[nodiscard]] std::uint8_t write(Pdu& pdu, std::uint16_t address, std::span<const std::uint8_t> data);
   [[nodiscard]] std::uint8_t write_command(Pdu& pdu, std::span<const std::uint16_t> registers);
+  [[nodiscard]] std::uint8_t write_arms(Pdu& pdu, std::span<const std::uint16_t> registers);
   [[nodiscard]] std::uint8_t write_window(Pdu& pdu, std::span<const std::uint16_t> registers);
 
   Controller& controller_;

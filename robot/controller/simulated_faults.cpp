@@ -68,7 +68,7 @@ void Controller::fail_as_told(std::uint32_t executed) {
   }
   if (faults.drive_at && executed >= *faults.drive_at) {
     faults.drive_at.reset();
-    fail(Fault::kDrive, 0, executed);
+    fail(Fault::kDrive, {}, executed);
   }
 }
 
@@ -93,7 +93,7 @@ void Controller::ask_in_vain(double& budget_s) {
   if (state_ == State::kRunning && following_mm() <= options_.following_mm && lag_s_ < kLongestStall_s)
     return;
   path_.stop_at_once();
-  if (state_ == State::kRunning) return fail(Fault::kFollowing, 0, job_.executed);
+  if (state_ == State::kRunning) return fail(Fault::kFollowing, {}, job_.executed);
   come_to_rest();
 }
 

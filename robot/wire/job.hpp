@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -50,12 +51,19 @@ struct JobError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The arms that a strip was planned for.
+struct JobArms {
+  protocol::Arms declared;           // without a token
+  std::array<std::string, 2> names;  // of the arms, in the cell's order
+};
+
 // A strip's waypoints as they are sent, and the blade they are for.
 struct Job {
   std::uint64_t id = 0;
   std::string strip;
   std::vector<protocol::RawWaypoint> raw;
   ClampedBlade blade;
+  std::optional<JobArms> arms;  // absent: planned without a cell
 
   [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(raw.size()); }
 };

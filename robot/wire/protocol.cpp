@@ -331,6 +331,9 @@ std::array<std::uint16_t, kStatusSize> encode_status(const Status& s) {
   w.u16(static_cast<std::uint16_t>(s.phase));
   w.u32(s.following_um);
   w.u16(s.left_in_cut ? 1 : 0);
+  w.u16(static_cast<std::uint32_t>(s.arms.arm) << 12 | static_cast<std::uint32_t>(s.arms.part) << 8 |
+        static_cast<std::uint32_t>(s.arms.other) << 4 | s.arms.other_part);
+  w.u32(static_cast<std::uint32_t>(s.arms.amount));
   return registers;
 }
 
@@ -357,6 +360,10 @@ Status decode_status(std::span<const std::uint16_t, kStatusSize> registers) {
   s.phase = static_cast<Phase>(r.u16());
   s.following_um = r.u32();
   s.left_in_cut = r.u16() != 0;
+  const std::uint16_t who = r.u16();
+  const auto nibble = [who](int shift) { return static_cast<std::uint8_t>(who >> shift & 15); };
+  s.arms = {nibble(12), nibble(8), static_cast<ArmsOther>(nibble(4)), nibble(0),
+            static_cast<std::int32_t>(r.u32())};
   return s;
 }
 
@@ -440,6 +447,35 @@ DecodedCommand decode_command(std::span<const std::uint16_t, kCommandSize> regis
   BladeWords blade;
   for (std::uint32_t& word : blade) word = r.u32();
   c.blade = decode_blade(blade);
+  const std::uint32_t crc = crc32_registers(r.consumed());
+  result.crc_ok = r.u32() == crc;
+  return result;
+}
+
+std::array<std::uint16_t, kArmsSize> encode_arms(const Arms& arms) {
+  std::array<std::uint16_t, kArmsSize> registers{};
+  Writer w(registers);
+  w.u32(arms.token);
+  w.u64(arms.cell_id);
+  for (const auto& joints : arms.joints_rad) {
+    for (const double q : joints) {
+      if (!(std::abs(std::round(q * kMicro)) <= std::numeric_limits<std::int32_t>::max()))
+        throw std::logic_error("encode_arms: a joint does not fit the registers");
+      w.scaled(q, kMicro);
+    }
+  }
+  w.u32(crc32_registers(w.written()));
+  return registers;
+}
+
+DecodedArms decode_arms(std::span<const std::uint16_t, kArmsSize> registers) {
+  Reader r(registers);
+  DecodedArms result;
+  result.arms.token = r.u32();
+  result.arms.cell_id = r.u64();
+  for (auto& joints : result.arms.joints_rad) {
+    for (double& q : joints) q = r.scaled_signed(kMicro);
+  }
   const std::uint32_t crc = crc32_registers(r.consumed());
   result.crc_ok = r.u32() == crc;
   return result;

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "robot/blade/blade.hpp"
 #include "robot/pose/limits.hpp"
@@ -23,6 +24,7 @@ inline constexpr std::uint16_t kCommandBase = 0x0100, kCommandSize = 25;
 inline constexpr std::uint16_t kEstopBase = 0x0140;
 inline constexpr std::uint16_t kScratchBase = 0x0180, kScratchSize = 16;
 inline constexpr std::uint16_t kWindowBase = 0x0200;
+inline constexpr std::uint16_t kArmsBase = 0x0300, kArmsSize = 32;
 
 inline constexpr std::uint16_t kMagic = 0x4842;  // "HB"
 inline constexpr std::uint16_t kVersion = 1;
@@ -41,6 +43,7 @@ inline constexpr std::uint16_t kCapJournal = 2;      // executed survives a rest
 inline constexpr std::uint16_t kCapEquilibrium = 4;  // the blade's equilibrium is checked
 inline constexpr std::uint16_t kCapSimulator = 8;    // nothing moves
 inline constexpr std::uint16_t kCapBlockCrc = 16;    // IDENT and STATUS end with a CRC-32
+inline constexpr std::uint16_t kCapArms = 32;        // ARMS, and the arms of both clamps are checked
 
 // What a command asks for.
 enum class Op : std::uint16_t {
@@ -142,6 +145,34 @@ struct Ident {
 [[nodiscard]] std::array<std::uint16_t, kIdentSize> encode_ident(const Ident& ident);
 [[nodiscard]] Ident decode_ident(std::span<const std::uint16_t, kIdentSize> registers);
 
+// What a limit of the arms speaks of, besides its code: `arm` 1 or 2, in the cell's order, `part` its joint,
+// or its link of which 7 is the tool. Near singular the part is 5, 3 or 1: wrist, elbow or shoulder. Without
+// an arm the part is clamp 1 or 2. `other` is what it comes too near to, `other_part` that one's link; of a
+// clamp's jerk `other` says 1 where it is that of its turn.
+enum class ArmsOther : std::uint8_t {
+  kNothing,
+  kOtherArm,
+  kItself,
+  kBlade,
+  kTable,
+  kObstacle,
+  kBlock,
+  kPlinth
+};
+struct ArmsDetail {
+  std::uint8_t arm = 0, part = 0;
+  ArmsOther other = ArmsOther::kNothing;
+  std::uint8_t other_part = 0;
+  // By how much the limit is broken, in millionths of rad, rad/s, rad/s^2 or rad/s^3, and thousandths of mm
+  // or mm/s^3; at most what the register holds.
+  std::int32_t amount = 0;
+  bool operator==(const ArmsDetail&) const = default;
+};
+// Returns the part of an arm, by what a refusal of the code says of it: "arm 1 joint 5", "arm 2 tool and the
+// table". Arms have the names given, where there are names.
+[[nodiscard]] std::string describe(const ArmsDetail& detail, Limit limit,
+                                   const std::array<std::string, 2>& arm_names);
+
 // The STATUS block: one consistent look at the controller.
 struct Status {
   State state = State::kIdle;
@@ -159,6 +190,7 @@ struct Status {
   Phase phase = Phase::kProgram;
   std::uint32_t following_um = 0;  // how far the clamps are behind what is asked of them, the worse of both
   bool left_in_cut = false;        // the blade stands where a job that was lost to RESET has it hot
+  ArmsDetail arms;                 // of fault_detail, where that is a limit of the arms
 };
 [[nodiscard]] std::array<std::uint16_t, kStatusSize> encode_status(const Status& status);
 [[nodiscard]] Status decode_status(std::span<const std::uint16_t, kStatusSize> registers);
@@ -197,6 +229,22 @@ struct DecodedCommand {
   bool crc_ok = false;
 };
 [[nodiscard]] DecodedCommand decode_command(std::span<const std::uint16_t, kCommandSize> registers);
+
+// The ARMS block: which cell a job was planned for, and the joints that hold clamp A and clamp B at waypoint
+// 0.
+inline constexpr std::size_t kArmJoints = 6;
+struct Arms {
+  std::uint32_t token = 0;
+  std::uint64_t cell_id = 0;  // the first 64 bits of the cell's SHA-256
+  std::array<std::array<double, kArmJoints>, 2> joints_rad{};
+};
+// Throws std::logic_error for a joint beyond +-2^31 urad.
+[[nodiscard]] std::array<std::uint16_t, kArmsSize> encode_arms(const Arms& arms);
+struct DecodedArms {
+  Arms arms;
+  bool crc_ok = false;
+};
+[[nodiscard]] DecodedArms decode_arms(std::span<const std::uint16_t, kArmsSize> registers);
 
 inline constexpr std::uint16_t kFlagLast = 1;  // the window ends with the strip's last waypoint
 

@@ -82,6 +82,33 @@ TEST_F(ControllerCommands, DryrunOfAMotionOverALimitNamesItAndExitsWithSix) {
   EXPECT_THAT(ended.err, HasSubstr("waypoint 200: speed (limit 100 mm/s)"));
 }
 
+// One cell serves the program, and only that one starts it.
+TEST_F(ControllerCommands, DryrunWithACellChecksTheArmsThatTheProgramWasPlannedFor) {
+  write(testing::motion_program(1, 400));
+  const std::string armed = (directory_ / "armed" / "program.json").string();
+  const Ended placed =
+      hotblade({"place", file_.string(), "--cell", "two_irb4600", "-o", (directory_ / "armed").string()});
+  ASSERT_EQ(placed.code, 0) << placed.err;
+  const Ended held = hotblade({"dryrun", armed, "--cell", "two_irb4600", "--log", log_.string()});
+  EXPECT_EQ(held.code, 0) << held.err;
+  std::ifstream log(log_);
+  const std::string text{std::istreambuf_iterator<char>(log), {}};
+  EXPECT_THAT(text, HasSubstr("{\"ev\":\"arms\""));
+  EXPECT_THAT(text, HasSubstr("\"ja\":["));
+  EXPECT_THAT(hotblade({"dryrun", armed}).out, HasSubstr("arms: not checked, give --cell"));
+  EXPECT_THAT(hotblade({"dryrun", armed, "--json"}).out, HasSubstr("\"arms\""));
+  const Ended other = hotblade({"dryrun", armed, "--cell", "two_kr50"});
+  EXPECT_EQ(other.code, 6);
+  EXPECT_THAT(other.err, HasSubstr("the program's arms are not those of this controller's cell"));
+  const Ended none = hotblade({"dryrun", file_.string(), "--cell", "two_kr50"});
+  EXPECT_EQ(none.code, 6);
+  EXPECT_THAT(none.err, HasSubstr("this controller checks its arms, and the program has none"));
+  EXPECT_EQ(hotblade({"dryrun", armed, "--cell", (directory_ / "none.toml").string()}).code, 7);
+  // A controller of its own, that `run` declares them to.
+  start_sim("max", {"--cell", "two_irb4600"});
+  EXPECT_EQ(hotblade({"run", armed, "--connect", place(), "--yes"}).code, 0);
+}
+
 TEST_F(ControllerCommands, AProgramThatDidNotPassNeedsAnOverride) {
   auto program = testing::motion_program(1, 400);
   program.verification.status = VerificationStatus::kRefused;

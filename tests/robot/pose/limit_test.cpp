@@ -59,6 +59,15 @@ TEST(Limits, CodesAreThoseOfTheProtocol) {
       {17, {Limit::kBladeSnap, "blade snaps through"}},
       {18, {Limit::kBladeYield, "blade would yield"}},
       {19, {Limit::kBladeMargin, "blade's stability margin is too small"}},
+      {20, {Limit::kCell, "arms are not declared, or not those of this cell at waypoint 0"}},
+      {21, {Limit::kArmReach, "arm does not reach"}},
+      {22, {Limit::kJointAngle, "joint limit"}},
+      {23, {Limit::kJointSpeed, "joint speed"}},
+      {24, {Limit::kJointAcceleration, "joint acceleration"}},
+      {25, {Limit::kNearSingular, "arm is next to singular"}},
+      {26, {Limit::kConfiguration, "arm's configuration would change"}},
+      {27, {Limit::kArmClearance, "arm comes too near"}},
+      {28, {Limit::kJointJerk, "jerk of a joint or clamp"}},
   };
   std::size_t coded = 0;
   for (const LimitInfo& i : limits()) {
@@ -72,7 +81,7 @@ TEST(Limits, CodesAreThoseOfTheProtocol) {
   }
   EXPECT_EQ(coded, protocol.size());
   EXPECT_EQ(limit_of_code(0), Limit::kNone);
-  EXPECT_EQ(limit_of_code(20), Limit::kUnknown);
+  EXPECT_EQ(limit_of_code(29), Limit::kUnknown);
   EXPECT_EQ(limit_of_code(0xFFFF), Limit::kUnknown);
 }
 
@@ -88,7 +97,7 @@ TEST(Limits, TheProtocolsPageListsEveryCode) {
       EXPECT_NE(list.find(" " + std::to_string(i.code) + " "), std::string::npos) << i.fault;
     }
   }
-  EXPECT_EQ(list.find(" 20 "), std::string::npos) << "a code without an entry";
+  EXPECT_EQ(list.find(" 29 "), std::string::npos) << "a code without an entry";
 }
 
 }  // namespace

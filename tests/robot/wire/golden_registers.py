@@ -58,6 +58,10 @@ print("command_start", words(with_crc(struct.pack(">IHQII6I", 1, 2, 0x0123456789
 status = struct.pack(">HHHHQIIIIHHIIIHQI", 2, 1, 9, 0x0002, 0x0123456789ABCDEF, 3, 9, 65544, 65536, 1016, 7, 77,
                      0xCBF43926, 0x11223344, 1999, 0x0000000100000002, 0x00010002)
 print("status", words(status.ljust(80, b"\0")))
+# A detail of the arms: arm 2, its tool, too near to the plinth, 7.6 mm.
+print("status_arms", words((status + struct.pack(">HIHHi", 0, 0, 0, 2 << 12 | 7 << 8 | 7 << 4, 7600)).ljust(80, b"\0")))
+print("arms", words(with_crc(struct.pack(">IQ12i", 9, 0x0123456789ABCDEF, 0, 1, -1, 1570796, -1570796, 3141593,
+                                         16498, -1513489, 2037051, -228105, -496974, -92060))))
 ident = struct.pack(">7HI4I6i6I", 0x4842, 1, 9, 26, 1024, 4, 1, 0xCAFED00D, 100000, 500000, 1000000, 2000000,
                     -2000000, -2000000, 0, 2000000, 2000000, 3000000, 5000, 500, 2000, 5000, 1000000, 800000)
 print("ident", words(ident.ljust(128, b"\0")))

@@ -308,6 +308,41 @@ TEST(Status, MatchesGoldenRegistersBothWays) {
   EXPECT_EQ(as_vector(encode_status(s)), block);
 }
 
+TEST(Status, SaysWhichPartOfAnArmBreaksALimit) {
+  const auto block = golden("status_arms");
+  const Status s = decode_status(std::span<const std::uint16_t, kStatusSize>(block));
+  EXPECT_EQ(s.arms, (ArmsDetail{2, 7, ArmsOther::kPlinth, 0, 7600}));
+  EXPECT_EQ(as_vector(encode_status(s)), block);
+  EXPECT_EQ(describe(s.arms, Limit::kArmClearance, {"R1", "R2"}),
+            "arm R2 tool and the plinth, 7.6 mm too near");
+  EXPECT_EQ(describe(s.arms, Limit::kArmClearance, {}), "arm 2 tool and the plinth, 7.6 mm too near");
+  EXPECT_EQ(describe({1, 5, {}, 0, 17453}, Limit::kJointAngle, {}), "arm 1 joint 5, 1 degrees over");
+  EXPECT_EQ(describe({1, 1, {}, 0, 2500}, Limit::kNearSingular, {}),
+            "arm 1 shoulder, 2.5 mm too near to axis 1");
+  EXPECT_EQ(describe({1, 4, ArmsOther::kOtherArm, 6, 1000}, Limit::kArmClearance, {"R1", "R2"}),
+            "arm R1 link 4 and arm R2 link 6, 1 mm too near");
+  EXPECT_EQ(describe(s.arms, Limit::kSpeed, {}), "");
+  EXPECT_FALSE(describe({15, 15, static_cast<ArmsOther>(15), 15, -1}, Limit::kArmClearance, {}).empty())
+      << "registers may hold anything";
+}
+
+TEST(ArmsBlock, MatchesGoldenRegistersBothWays) {
+  const auto block = golden("arms");
+  const DecodedArms decoded = decode_arms(std::span<const std::uint16_t, kArmsSize>(block));
+  EXPECT_TRUE(decoded.crc_ok);
+  EXPECT_EQ(decoded.arms.token, 9u);
+  EXPECT_EQ(decoded.arms.cell_id, 0x0123456789ABCDEFu);
+  EXPECT_DOUBLE_EQ(decoded.arms.joints_rad[0][4], -1.570796);
+  EXPECT_DOUBLE_EQ(decoded.arms.joints_rad[1][5], -0.092060);
+  EXPECT_EQ(as_vector(encode_arms(decoded.arms)), block);
+  auto spoilt = block;
+  spoilt[7] ^= 1;
+  EXPECT_FALSE(decode_arms(std::span<const std::uint16_t, kArmsSize>(spoilt)).crc_ok);
+  Arms wide = decoded.arms;
+  wide.joints_rad[0][0] = 3000;
+  EXPECT_THROW((void)encode_arms(wide), std::logic_error);
+}
+
 TEST(Ident, MatchesGoldenRegistersBothWays) {
   const auto block = golden("ident");
   const Ident ident = decode_ident(std::span<const std::uint16_t, kIdentSize>(block));

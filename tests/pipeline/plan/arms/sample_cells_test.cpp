@@ -2,12 +2,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <map>
+#include <memory>
+
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/program/program_text.hpp"
+#include "pipeline/program/strip_jobs.hpp"
+#include "pipeline/run/dryrun.hpp"
 #include "surface/read/design_surface.hpp"
 #include "tests/paths.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -20,6 +29,26 @@ INSTANTIATE_TEST_SUITE_P(All, PlanSample,
                          ::testing::Values("barrel_vault", "branch", "bump", "hypar", "petal", "ragged",
                                            "s_wall", "saddle", "vase", "wave_wall", "window"),
                          [](const auto& sample) { return std::string(sample.param); });
+
+// The controller's own check, by code that shares nothing with that which found the joints.
+void stream_to_a_controller_that_checks(const Program& program, const robot::Cell& cell) {
+  const testing::TemporaryDirectory directory;
+  std::ofstream(directory / "program.json") << to_json(program);
+  const StripJobs work = read_strip_jobs(directory / "program.json", false);
+  std::map<std::uint64_t, std::vector<robot::Standing>> blocks;
+  for (std::size_t i = 0; i < work.jobs.size(); ++i)
+    blocks[work.jobs[i].id] = surroundings(work.program.strips[i], cell);
+  const MotionSettings& motion = program.settings.motion;
+  DryRunOptions options;
+  options.log_file = directory / "execution.jsonl";
+  options.limits = planned_limits(program);
+  options.blade = planned_blade(program);
+  options.arms = std::make_shared<const robot::ArmCell>(
+      cell, cell_id(cell_sha256(cell)), robot::ArmCell::Limits{motion.jerk_mm_s3, motion.angular_jerk_rad_s3},
+      blocks);
+  const DryRunReport report = dry_run(work.jobs, options);
+  EXPECT_TRUE(report.holds()) << report.strips.back().stream.message;
+}
 
 TEST_P(PlanSample, BothCellsServe) {
   const std::string base = hotblade::testing::source_dir() + "/samples/" + GetParam();
@@ -39,6 +68,7 @@ TEST_P(PlanSample, BothCellsServe) {
     EXPECT_LE(check.speed_share, 1);
     EXPECT_LE(check.acceleration_share, 1);
     EXPECT_LE(check.jerk_share, 1);
+    stream_to_a_controller_that_checks(armed.program, cell);
     // The cuts are those of the plan: arms change where blocks stand and when waypoints are met, nothing
     // else.
     for (std::size_t i = 0; i < armed.program.strips.size(); ++i) {
