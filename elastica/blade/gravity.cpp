@@ -189,6 +189,38 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
   return result;
 }
 
+namespace {
+
+// The blade's answer to a load in the first column, held by the force in the second one that keeps its end in
+// the plane. `first` and `last` are (psi, phi) of the clamped ends.
+Droop held_in_plane(const Elastica& e, const BandSolution<2, 2>& solved, const Eigen::Vector2d& first,
+                    const Eigen::Vector2d& last) {
+  double loaded = 0.5 * kStep * (first[0] + last[0]), compliance = 0;
+  for (const auto& x : solved.x) {
+    loaded += kStep * x(0, 0);
+    compliance += kStep * x(0, 1);
+  }
+  Droop result;
+  result.stable = solved.negative + (compliance > 0 ? 1 : 0) == 1;
+  result.shift.push_back(0);
+  result.twist.push_back(first[1]);
+  result.largest_twist = std::abs(first[1]);
+  double before = first[0], shift = 0;
+  for (std::size_t i = 0; i <= kSagInner; ++i) {
+    const Eigen::Vector2d at =
+        i < kSagInner ? Eigen::Vector2d(solved.x[i].col(0) - loaded / compliance * solved.x[i].col(1)) : last;
+    shift -= 0.5 * kStep * (before + at[0]);
+    before = at[0];
+    result.shift.push_back(e.length * shift);
+    result.twist.push_back(at[1]);
+    result.largest = std::max(result.largest, std::abs(result.shift.back()));
+    result.largest_twist = std::max(result.largest_twist, std::abs(at[1]));
+  }
+  return result;
+}
+
+}  // namespace
+
 Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
   require_finite(e, load);
   const std::vector<Middle> middles = cell_middles(ElasticaCurve(e));
@@ -198,29 +230,20 @@ Droop droop(const Elastica& e, double load, const StiffnessRatios& ratios) {
     const double rest = 0.5 - (static_cast<double>(i) + 1) * kStep;
     right[i].row(0) << weight * rest, kStep;
   }
-  const auto solved = solve<2, 2>(lateral_form(middles, ratios, 0), right);
-  double loaded = 0, compliance = 0;
-  for (const auto& x : solved.x) {
-    loaded += kStep * x(0, 0);
-    compliance += kStep * x(0, 1);
-  }
-  Droop result;
-  result.stable = solved.negative + (compliance > 0 ? 1 : 0) == 1;
-  result.shift.push_back(0);
-  result.twist.push_back(0);
-  double before = 0, shift = 0;
-  for (std::size_t i = 0; i <= kSagInner; ++i) {
-    const Eigen::Vector2d at =
-        i < kSagInner ? Eigen::Vector2d(solved.x[i].col(0) - loaded / compliance * solved.x[i].col(1))
-                      : Eigen::Vector2d::Zero();
-    shift -= 0.5 * kStep * (before + at[0]);
-    before = at[0];
-    result.shift.push_back(e.length * shift);
-    result.twist.push_back(at[1]);
-    result.largest = std::max(result.largest, std::abs(result.shift.back()));
-    result.largest_twist = std::max(result.largest_twist, std::abs(at[1]));
-  }
-  return result;
+  return held_in_plane(e, solve<2, 2>(lateral_form(middles, ratios, 0), right), Eigen::Vector2d::Zero(),
+                       Eigen::Vector2d::Zero());
+}
+
+Droop turned_ends(const Elastica& e, const EndTurns& turns, const StiffnessRatios& ratios) {
+  require_finite(e, turns.phi_a + turns.psi_a + turns.phi_b + turns.psi_b);
+  const std::vector<Middle> middles = cell_middles(ElasticaCurve(e));
+  const Eigen::Vector2d first(turns.psi_a, turns.phi_a), last(turns.psi_b, turns.phi_b);
+  std::vector<Eigen::Matrix2d> right(kSagInner, Eigen::Matrix2d::Zero());
+  for (auto& r : right) r(0, 1) = kStep;
+  // What the turned ends ask of the nodes beside them.
+  right.front().col(0) -= lateral_cell(middles.front(), ratios).bottomLeftCorner<2, 2>() * first;
+  right.back().col(0) -= lateral_cell(middles.back(), ratios).topRightCorner<2, 2>() * last;
+  return held_in_plane(e, solve<2, 2>(lateral_form(middles, ratios, 0), right), first, last);
 }
 
 double lateral_margin(const Elastica& e, const StiffnessRatios& ratios) {

@@ -50,6 +50,17 @@ struct Droop {
 // positive.
 [[nodiscard]] Droop droop(const Elastica& elastica, double load, const StiffnessRatios& ratios);
 
+// Turns of the section at both ends against the blade's plane, rad: `phi` about the tangent, `psi` about the
+// in-plane normal (w' = -psi, w the shift along the plane's normal).
+struct EndTurns {
+  double phi_a = 0, psi_a = 0, phi_b = 0, psi_b = 0;
+};
+
+// Returns the shift and twist out of the plane of a weightless blade whose ends stay where they are and are
+// turned, to first order in the turns. Throws as droop does.
+[[nodiscard]] Droop turned_ends(const Elastica& elastica, const EndTurns& turns,
+                                const StiffnessRatios& ratios);
+
 // The smallest eigenvalue of the form above times length^2: how far the blade is from tipping out of its
 // plane.
 [[nodiscard]] double lateral_margin(const Elastica& elastica, const StiffnessRatios& ratios);

@@ -55,6 +55,7 @@ robot::ControllerOptions controller_options(const SimArguments& arguments) {
   options.blade.equilibrium = !arguments.no_equilibrium;
   options.blade.min_margin = settings.blade.min_margin;
   options.arms = controller_cell(arguments.cell, settings.motion, nullptr);
+  options.blade.offsets = settings.machine.clamps;
   options.boot_id = std::random_device{}() | 1u;
   if (!arguments.log.empty()) options.capabilities |= robot::protocol::kCapJournal;
   return options;

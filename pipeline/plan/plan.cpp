@@ -406,13 +406,14 @@ std::string clamp_coordinate_name(std::size_t coordinate) {
   return kNames.at(coordinate);
 }
 
-PlanResult plan(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks) {
+PlanResult plan(const surface::DesignSurface& design, const Settings& given, const PlanHooks& hooks) {
+  const Settings settings = with_true_lengths(given);
   PlanResult result;
   Program& program = result.program;
   program.created_by = "hotblade " + version();
   program.design = design_data(design, settings);
   program.blade = settings.blade;
-  program.settings = settings;
+  program.settings = given;
   Stopwatch watch(result.times);
   // Ranking takes some hundred fits, and every strip some more.
   constexpr double kRankingFits = 100, kFitsOfStrip = 8;

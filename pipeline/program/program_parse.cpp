@@ -225,9 +225,15 @@ std::optional<std::array<double, 2>> foam_of(const JsonNode& node, double length
   return std::array{foam[0], foam[1]};
 }
 
-void expect_chord(const JsonNode& node, const BladePose& pose, double length) {
+// What the poses of a strip are held against.
+struct BladesAtHand {
+  robot::BladeSet set;
+  double clamp_reach_mm = 0;  // that the clamps are told to be farther apart than they hold the blade
+};
+
+void expect_chord(const JsonNode& node, const BladePose& pose, double length, double clamp_reach_mm) {
   const double chord = (pose.a.p - pose.b.p).norm();
-  if (!within_reach(chord, length)) {
+  if (!within_reach(chord, length + clamp_reach_mm)) {
     node.fail(
         fmt::format("clamps a and b are farther apart than the blade is long ({} mm, {})", chord, length));
   }
@@ -255,7 +261,7 @@ void expect_pose_keys(const JsonNode& node, bool loads, bool joints) {
   node.expect_keys(keys);
 }
 
-BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
+BladePose blade_pose_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm) {
   const bool has_loads = node.json().is_object() && node.json().contains("loads");
   const bool has_joints = node.json().is_object() && node.json().contains("joints");
   expect_pose_keys(node, has_loads, has_joints);
@@ -273,7 +279,7 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip) {
   out.foam = foam_of(node.field("foam"), length);
   out.a = pose(node.field("a"));
   out.b = pose(node.field("b"));
-  expect_chord(node, out, length);
+  expect_chord(node, out, length, clamp_reach_mm);
   out.margin = number(node, "margin");
   const JsonNode margin_mm = node.field("margin_mm");
   if (!margin_mm.is_null()) out.margin_mm = margin_mm.number(kNotNegative);
@@ -308,13 +314,13 @@ double blade_length_of(const JsonNode& node, const robot::BladeSet& blade) {
 }
 
 // A strip starts and ends formed in air, so it has at least two poses.
-std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip) {
+std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm) {
   std::vector<BladePose> poses;
   const std::size_t size = node.items(2);
   poses.reserve(size);
   for (std::size_t i = 0; i < size; ++i) {
     const JsonNode item = node.item(i);
-    poses.push_back(blade_pose_of(item, strip));
+    poses.push_back(blade_pose_of(item, strip, clamp_reach_mm));
     if (i > 0 && microseconds(poses[i].t) <= microseconds(poses[i - 1].t)) {
       item.field("t").fail(fmt::format("is not a microsecond after the pose before ({} s, above {})",
                                        poses[i].t, poses[i - 1].t));
@@ -354,10 +360,14 @@ Strip strip_head_of(const JsonNode& node, const robot::BladeSet& blade, std::set
   return strip;
 }
 
-Strip strip_of(const JsonNode& node, const robot::BladeSet& blade, std::set<std::string>& ids) {
-  Strip strip = strip_head_of(node, blade, ids);
-  strip.poses = poses_of(node.field("poses"), strip);
+Strip strip_of(const JsonNode& node, const BladesAtHand& blades, std::set<std::string>& ids) {
+  Strip strip = strip_head_of(node, blades.set, ids);
+  strip.poses = poses_of(node.field("poses"), strip, blades.clamp_reach_mm);
   return strip;
+}
+
+double clamp_reach_mm(const JsonNode& settings) {
+  return robot::reach_of(settings_of(settings).machine.clamps);
 }
 
 Verification verification_of(const JsonNode& node) {
@@ -404,20 +414,21 @@ void expect_format(const JsonNode& root, const std::string& file_name) {
 }
 
 // Turns each strip into what it stands for as soon as its text is read, so that no tree of the whole job is
-// made: of hundreds of strips that takes many times the text's memory. The blade has to stand before the
-// strips, as to_json() writes it.
+// made: of hundreds of strips that takes many times the text's memory. Settings and blade have to stand
+// before the strips, as to_json() writes them.
 class StripTaker {
  public:
   explicit StripTaker(const std::string& file_name) : file_name_(file_name) {}
 
   void see(const std::string& key, const JsonNode::Json& value) {
+    if (key == "settings") reach_mm_ = clamp_reach_mm(JsonNode(value, file_name_));
     if (key == "blade") blade_ = blade_of(JsonNode(value, file_name_));
   }
 
   bool take(const JsonNode::Json& value) {
     const JsonNode strip(value, file_name_);
     if (!blade_) strip.fail("stands before the blade");
-    strips_.push_back(strip_of(strip, *blade_, ids_));
+    strips_.push_back(strip_of(strip, {*blade_, reach_mm_}, ids_));
     return true;
   }
 
@@ -426,6 +437,7 @@ class StripTaker {
  private:
   const std::string& file_name_;
   std::optional<robot::BladeSet> blade_;
+  double reach_mm_ = 0;
   std::vector<Strip> strips_;
   std::set<std::string> ids_;
 };
@@ -446,12 +458,14 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::s
   program.blade = blade_of(root.field("blade"));
   // The blade's own section has no use for it.
   program.blade.poisson_ratio = program.settings.blade.poisson_ratio;
+  program.blade.stiffness_error = program.settings.blade.stiffness_error;
   program.strips = std::move(strips);
   const JsonNode left = root.field("strips");
   const std::size_t left_count = left.items(program.strips.empty() ? least_strips : 0);
   std::set<std::string> ids;
   for (std::size_t i = 0; i < left_count; ++i) {
-    program.strips.push_back(strip_of(left.item(i), program.blade, ids));
+    program.strips.push_back(
+        strip_of(left.item(i), {program.blade, robot::reach_of(program.settings.machine.clamps)}, ids));
   }
   program.verification = verification_of(root.field("verification"));
   program.overrides = strings(root.field("overrides"));
@@ -479,13 +493,13 @@ bool take(std::string_view& left, std::string_view word) {
 }
 
 // One strip as to_json() writes it: its poses, nearly all of the text, without a tree.
-std::optional<Strip> scanned_strip(std::string_view& left, const robot::BladeSet& blade,
+std::optional<Strip> scanned_strip(std::string_view& left, const BladesAtHand& blades,
                                    std::set<std::string>& ids, const std::string& file_name) {
   const auto head = take_to(left, "],\n\"poses\":[");
   if (!head) return std::nullopt;
   const nlohmann::ordered_json json = parse_json(std::string(*head) + "]}", file_name);
-  Strip strip = strip_head_of(JsonNode(json, file_name), blade, ids);
-  auto poses = scan_poses(left, strip.blade_length_mm, strip.ribs.size());
+  Strip strip = strip_head_of(JsonNode(json, file_name), blades.set, ids);
+  auto poses = scan_poses(left, strip.blade_length_mm, blades.clamp_reach_mm, strip.ribs.size());
   if (!poses || !take(left, "}")) return std::nullopt;
   strip.poses = std::move(*poses);
   return strip;
@@ -521,11 +535,11 @@ std::optional<Program> scanned_program(const std::string& text, const std::strin
   left.remove_suffix(after.size());
   const nlohmann::ordered_json frame = parse_json(fmt::format("{}{}", *before, after), file_name);
   const JsonNode root(frame, file_name);
-  const robot::BladeSet blade = blade_of(root.field("blade"));
+  const BladesAtHand blades{blade_of(root.field("blade")), clamp_reach_mm(root.field("settings"))};
   std::set<std::string> ids;
   std::vector<Strip> found;
   do {
-    auto strip = scanned_strip(left, blade, ids, file_name);
+    auto strip = scanned_strip(left, blades, ids, file_name);
     if (!strip) return std::nullopt;
     found.push_back(std::move(*strip));
   } while (take(left, ",\n"));

@@ -143,7 +143,7 @@ ArmJoints scan_joints(Scanner& in, std::string_view key) {
   return joints;
 }
 
-BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
+BladePose scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::size_t ribs) {
   BladePose pose;
   pose.t = in.field("{\"t\":", kTime);
   pose.phase = scan_phase(in);
@@ -160,7 +160,7 @@ BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
   pose.a = scan_clamp(in);
   in.skip(",\"b\":");
   pose.b = scan_clamp(in);
-  in.expect(within_reach((pose.a.p - pose.b.p).norm(), blade_length_mm));
+  in.expect(within_reach((pose.a.p - pose.b.p).norm(), blade_length_mm + clamp_reach_mm));
   pose.margin = in.field(",\"margin\":");
   in.skip(",\"margin_mm\":");
   if (!in.next_is("null")) pose.margin_mm = in.number(kNotNegative);
@@ -181,12 +181,12 @@ BladePose scan_pose(Scanner& in, double blade_length_mm, std::size_t ribs) {
 }  // namespace
 
 std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
-                                                 std::size_t ribs) {
+                                                 double clamp_reach_mm, std::size_t ribs) {
   Scanner in(text);
   std::vector<BladePose> poses;
   in.skip("\n");
   do {
-    poses.push_back(scan_pose(in, blade_length_mm, ribs));
+    poses.push_back(scan_pose(in, blade_length_mm, clamp_reach_mm, ribs));
     in.expect(poses.size() < 2 || microseconds(poses.back().t) > microseconds(poses[poses.size() - 2].t));
   } while (in.next_is(",\n"));
   in.skip("]");

@@ -75,6 +75,7 @@ robot::MotionLimits motion_limits(const MotionSettings& motion, const MachineSet
   const auto& size = machine.envelope_mm;
   limits.envelope_min_mm = {-size[0] / 2, -size[1] / 2, 0};
   limits.envelope_max_mm = {size[0] / 2, size[1] / 2, size[2]};
+  limits.clamps = machine.clamps;
   return limits;
 }
 
@@ -86,6 +87,7 @@ robot::BladeCheckOptions planned_blade(const Program& program) {
   robot::BladeCheckOptions options;
   options.safety = program.blade.safety;
   options.min_margin = program.settings.blade.min_margin;
+  options.offsets = program.settings.machine.clamps;
   return options;
 }
 

@@ -465,4 +465,10 @@ void validate(const Settings& settings) {
   check(settings, {});
 }
 
+Settings with_true_lengths(Settings settings) {
+  for (double& length : settings.blade.free_lengths_mm) length += settings.blade.length_error_mm;
+  settings.blade.length_error_mm = 0;
+  return settings;
+}
+
 }  // namespace hotblade::pipeline

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "robot/blade/blade.hpp"
+#include "robot/pose/clamp_offset.hpp"
 
 namespace hotblade::pipeline {
 
@@ -59,10 +60,11 @@ struct FitSettings {
 struct BladeSettings : robot::BladeSet {
   // Spring steel of 8 x 0.5 mm (samples/blades/spring_steel_1_4310.toml).
   BladeSettings()
-      : BladeSet{{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0, {}}, {400, 600, 800, 1000, 1200, 1500}} {}
+      : BladeSet{{{8, 0.5, 190000, 1010}, 0.3, 1.5, 7900, 1.0, {}, 0}, {400, 600, 800, 1000, 1200, 1500}} {}
   double min_margin = 1.0;  // smallest accepted eigenvalue of the second variation times length^2
   // The smallest accepted clamp error that snaps the blade; 0 takes it from the machine's errors.
   double min_margin_mm = 0;
+  double length_error_mm = 0;  // every blade is longer between its clamps by this than its free length
 };
 
 struct StockSettings {
@@ -89,6 +91,9 @@ struct MachineSettings {
   // The errors of each clamp, for the error budget. Repeatability of mid-size arms is 0.03 to 0.1 mm (ISO
   // 9283 data sheets); calibrated, their absolute error is a few tenths: put your cell's here.
   double clamp_error_mm = 0.1, clamp_error_rad = 0.0002;
+  // What is known of these errors (`hotblade calibrate`): how far each clamp holds the blade from where it is
+  // told to be.
+  robot::ClampOffsets clamps;
 };
 
 // What stands on the report and the sheets of a job; it changes no cut.
@@ -142,6 +147,10 @@ struct SettingInfo {
 // Checks ranges and that the parts fit together (kerf at least the thickness, lengths ascending, feed at most
 // travel); throws as resolve does.
 void validate(const Settings& settings);
+
+// Returns the settings with the blades as long as they are: blade.length_error_mm added to every free length,
+// and 0.
+[[nodiscard]] Settings with_true_lengths(Settings settings);
 
 // All settings, as program.json keeps them.
 [[nodiscard]] nlohmann::ordered_json to_json(const Settings& settings);

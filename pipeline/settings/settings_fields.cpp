@@ -95,6 +95,14 @@ constexpr SettingField kFields[] = {
      "Smallest accepted clamp error that makes the blade snap; 0 takes twice the machine's clamp errors",
      [](S& s) -> Place { return &s.blade.min_margin_mm; }},
 
+    {"blade", "length_error_mm", "mm", -20, 20, "",
+     "Every blade is longer between its clamps by this than its free length says; calibrate finds it",
+     [](S& s) -> Place { return &s.blade.length_error_mm; }, true},
+    {"blade", "stiffness_error", "", -0.9, 9, "",
+     "The blade is stiffer by this share than width, thickness and modulus say; its sag and forces depend on "
+     "it",
+     [](S& s) -> Place { return &s.blade.stiffness_error; }, true},
+
     {"foam", "band_mm_at_mm_s", "", 0.01, 1000, "",
      "Melted band by the blade's speed square to itself: pairs of mm/s and mm, speeds rising and bands not, "
      "as "
@@ -157,6 +165,19 @@ constexpr SettingField kFields[] = {
      [](S& s) -> Place { return &s.machine.clamp_error_mm; }},
     {"machine", "clamp_error_rad", "rad", 0, 0.1, "", "Error of a clamp's angle, for the error budget",
      [](S& s) -> Place { return &s.machine.clamp_error_rad; }},
+
+    {"machine", "clamp_a_shift_mm", "mm", -20, 20, "",
+     "Clamp A holds the blade this far from where it is told to be: along the blade's tangent, the in-plane "
+     "normal and "
+     "the plane's normal; calibrate finds it",
+     [](S& s) -> Place { return &s.machine.clamps.a.shift_mm; }, true},
+    {"machine", "clamp_a_turn_rad", "rad", -0.2, 0.2, "",
+     "And turned by this about the same three axes, a rotation vector",
+     [](S& s) -> Place { return &s.machine.clamps.a.turn_rad; }, true},
+    {"machine", "clamp_b_shift_mm", "mm", -20, 20, "", "As machine.clamp_a_shift_mm, of clamp B",
+     [](S& s) -> Place { return &s.machine.clamps.b.shift_mm; }, true},
+    {"machine", "clamp_b_turn_rad", "rad", -0.2, 0.2, "", "As machine.clamp_a_turn_rad, of clamp B",
+     [](S& s) -> Place { return &s.machine.clamps.b.turn_rad; }, true},
 
     {"job", "number", "", 0, 0, kAnyText,
      "Number or name of the job, on the report and every sheet for the floor",

@@ -29,6 +29,8 @@ struct ToJson {
 
 bool is_off(const SettingPlace& place) {
   if (const auto* number = std::get_if<double*>(&place)) return **number == 0;
+  if (const auto* numbers = std::get_if<std::array<double, 3>*>(&place))
+    return **numbers == std::array<double, 3>{};
   return std::get<std::vector<std::array<double, 2>>*>(place)->empty();
 }
 

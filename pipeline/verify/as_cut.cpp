@@ -60,8 +60,8 @@ std::optional<std::array<double, 2>> foam_between(const BladePose& from, const B
   return share < 0.5 ? from.foam : to.foam;
 }
 
-ExecutedStrip executed_strip(const Strip& planned, const std::vector<LoggedPose>& logged,
-                             const std::filesystem::path& log) {
+ExecutedStrip executed_strip(const Strip& planned, const robot::ClampOffset& clamp_a,
+                             const std::vector<LoggedPose>& logged, const std::filesystem::path& log) {
   ExecutedStrip strip;
   for (const LoggedPose& l : logged) {
     if (!strip.poses.empty() && l.t < strip.poses.back().t)
@@ -80,7 +80,9 @@ ExecutedStrip executed_strip(const Strip& planned, const std::vector<LoggedPose>
     pose.heat = l.heat;
     pose.a = to_design(planned.design_to_cell, l.a);
     pose.b = to_design(planned.design_to_cell, l.b);
-    pose.frame = {pose.a.p, pose.a.q * Eigen::Vector3d::UnitX(), pose.a.q * Eigen::Vector3d::UnitY()};
+    // The log's shapes start where clamp A holds the blade.
+    const Pose from_a = robot::held(pose.a, clamp_a);
+    pose.frame = {from_a.p, from_a.q * Eigen::Vector3d::UnitX(), from_a.q * Eigen::Vector3d::UnitY()};
     pose.blade = *l.blade;
     const std::size_t next = std::min<std::size_t>(l.sequence + 1, planned.poses.size() - 1);
     const BladePose &from = planned.poses[l.sequence], &to = planned.poses[next];
@@ -194,7 +196,8 @@ std::vector<ExecutedStrip> read_executed(const StripJobs& work, const std::files
       const auto found = poses.find(work.jobs[i].id);
       if (found == poses.end() || found->second.empty())
         refuse(log_file, "strip " + work.jobs[i].strip + " has no poses: the log was kept without them");
-      executed.push_back(executed_strip(work.program.strips[i], found->second, log_file));
+      executed.push_back(executed_strip(work.program.strips[i], work.program.settings.machine.clamps.a,
+                                        found->second, log_file));
     }
     return executed;
   } catch (const robot::LogError& error) {
@@ -208,13 +211,18 @@ double AsCutReport::budget_sum_mm() const {
   return sum;
 }
 
+Program as_executed(const Program& program, const std::vector<ExecutedStrip>& executed) {
+  Program cut = program;
+  for (std::size_t i = 0; i < executed.size(); ++i) cut.strips[i].poses = forming_poses(executed[i]);
+  return cut;
+}
+
 AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& executed,
                    const surface::DesignSurface& design, const VerifyOptions& options) {
   AsCutReport report;
-  Program cut = program;
+  const Program cut = as_executed(program, executed);
   BladeTouches touches;
   for (std::size_t i = 0; i < executed.size(); ++i) {
-    cut.strips[i].poses = forming_poses(executed[i]);
     add_touches(program.strips[i], executed[i], static_cast<int>(i), options.sample_mm, touches);
     report.executed_s += executed[i].executed_s;
     for (const BladePose& pose : executed[i].poses) report.hot_poses += pose.heat ? 1 : 0;

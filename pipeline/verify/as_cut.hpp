@@ -30,6 +30,10 @@ struct ExecutedStrip {
 [[nodiscard]] std::vector<ExecutedStrip> read_executed(const StripJobs& work,
                                                        const std::filesystem::path& log_file);
 
+// Returns the program with the poses that were executed in place of the planned ones: those that form the
+// design, in the order of the path, without what was gone over again after a retraction.
+[[nodiscard]] Program as_executed(const Program& program, const std::vector<ExecutedStrip>& executed);
+
 struct AsCutReport {
   // Executed surface against the design, both ways; no branches and no clamps, which the log's shapes
   // replace. Every hot pose counts in which any part of the blade is inside the stock: what forms the design

@@ -164,8 +164,10 @@ std::optional<Points> planned_points(const Strip& strip, std::size_t k, double t
 // The blade between the program's own clamps, moved as the controller moves those of the registers. The shape
 // of a blade pulled straight depends on less than the registers hold: the program's own is taken, linear in
 // time.
-Points unrounded_points(const BladePose& from, const BladePose& to, double share, const BladePose& executed) {
-  const Pose a = robot::interpolate(from.a, to.a, share), b = robot::interpolate(from.b, to.b, share);
+Points unrounded_points(const BladePose& from, const BladePose& to, double share, const BladePose& executed,
+                        const robot::ClampOffsets& offsets) {
+  const auto [a, b] = robot::held(
+      {robot::interpolate(from.a, to.a, share), robot::interpolate(from.b, to.b, share)}, offsets);
   const Eigen::Vector3d d = a.q.conjugate() * (b.p - a.p);
   const Eigen::Vector3d tangent = a.q.conjugate() * (b.q * Eigen::Vector3d::UnitX());
   const double near = elastica::clamps_of(executed.blade).b.theta;
@@ -186,7 +188,8 @@ struct MotionErrors {
   double quantisation_mm = 0, interpolation_mm = 0, mismatch_mm = 0;
 };
 
-void add_motion_errors(const Strip& strip, const ExecutedStrip& executed, MotionErrors& errors) {
+void add_motion_errors(const Strip& strip, const ExecutedStrip& executed, const robot::ClampOffsets& offsets,
+                       MotionErrors& errors) {
   constexpr std::size_t kLooks = 400;  // a strip; the errors repeat from waypoint to waypoint
   std::vector<std::size_t> forming;
   for (std::size_t i = 0; i < executed.poses.size(); ++i) {
@@ -203,7 +206,7 @@ void add_motion_errors(const Strip& strip, const ExecutedStrip& executed, Motion
     const auto planned = planned_points(strip, k, from.t + share * (to.t - from.t), *pose.foam);
     if (!planned) continue;
     const Points is = points_on(pose.blade, pose.frame, *pose.foam);
-    const Points unrounded = unrounded_points(from, to, share, pose);
+    const Points unrounded = unrounded_points(from, to, share, pose, offsets);
     errors.quantisation_mm = std::max(errors.quantisation_mm, farthest(is, unrounded));
     errors.interpolation_mm = std::max(errors.interpolation_mm, farthest(unrounded, *planned));
     errors.mismatch_mm = std::max(errors.mismatch_mm, farthest(is, *planned));
@@ -230,7 +233,7 @@ AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStri
   const RibErrors ribs = rib_errors(program, design, options);
   MotionErrors motion;
   for (std::size_t i = 0; i < executed.size(); ++i) {
-    add_motion_errors(program.strips[i], executed[i], motion);
+    add_motion_errors(program.strips[i], executed[i], program.settings.machine.clamps, motion);
   }
   const double joint = std::min(planned("joint_fit"), ribs.fit_mm);
   budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh)},

@@ -105,7 +105,8 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
                            {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
   std::vector<FollowedPose> followed;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
-    const robot::BladeFinding finding = blade.move_to(strip.poses[i].a, strip.poses[i].b);
+    const robot::BladeFinding finding = blade.move_to(robot::held(strip.poses[i].a, options.offsets.a),
+                                                      robot::held(strip.poses[i].b, options.offsets.b));
     followed.push_back({blade.shape(), blade.margin(), blade.taut()});
     if (finding.held()) continue;
     report.limit = finding.limit;

@@ -16,6 +16,7 @@ namespace hotblade::pipeline {
 struct BranchOptions {
   double max_curvature_per_mm = 0;  // of the blade within yield
   double min_margin = 0;            // smallest accepted stability margin
+  robot::ClampOffsets offsets{};    // the clamps hold the blade so far from where they are told to be
 };
 
 // What was found of a strip: kNone when the blade stays on one stable branch from the flat arc to the end,

@@ -12,8 +12,11 @@ namespace hotblade::pipeline {
 
 namespace {
 
-double slack_mm(const BladePose& pose) {
-  return pose.blade.length - (pose.b.p - pose.a.p).norm();
+using robot::ClampPoses;
+
+double slack_mm(const BladePose& pose, const MachineSettings& machine) {
+  const ClampPoses holding = robot::held({pose.a, pose.b}, machine.clamps);
+  return pose.blade.length - (holding.b.p - holding.a.p).norm();
 }
 
 }  // namespace
@@ -25,13 +28,13 @@ double worst_clamp_error_mm(const MachineSettings& machine, double blade_length_
 
 bool nearly_straight(const BladePose& pose, const MachineSettings& machine) {
   constexpr double kErrors = 10;  // of the clamps'
-  return slack_mm(pose) <
+  return slack_mm(pose, machine) <
          std::max(elastica::kNearlyTautSlack * pose.blade.length, kErrors * machine.clamp_error_mm);
 }
 
 double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
   const elastica::SensitivityOptions errors{machine.clamp_error_mm, machine.clamp_error_rad};
-  const double length = pose.blade.length, slack = slack_mm(pose);
+  const double length = pose.blade.length, slack = slack_mm(pose, machine);
   const bool keeps_side = straight_mm > worst_clamp_error_mm(machine, length);
   const double moved = nearly_straight(pose, machine)
                            ? elastica::straight_response_mm(length, slack, keeps_side, errors)

@@ -30,6 +30,7 @@ namespace {
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
 double clamp_mismatch_mm(const Program& program) {
   constexpr double kMmPerRad = 1000;
+  const robot::ClampOffsets& offsets = program.settings.machine.clamps;
   std::vector<double> worst(program.strips.size(), 0);
   tbb::parallel_for(std::size_t{0}, worst.size(), [&](std::size_t i) {
     const std::vector<BladePose>& poses = program.strips[i].poses;
@@ -42,7 +43,9 @@ double clamp_mismatch_mm(const Program& program) {
     const std::vector<ClampPoses> planned = clamps(blades, frames);
     for (std::size_t k = 0; k < poses.size(); ++k) {
       for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
-        const Pose &is = clamp == &ClampPoses::a ? poses[k].a : poses[k].b, &should = planned[k].*clamp;
+        const bool is_a = clamp == &ClampPoses::a;
+        const Pose is = robot::held(is_a ? poses[k].a : poses[k].b, is_a ? offsets.a : offsets.b),
+                   &should = planned[k].*clamp;
         const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
         if (!(off <= worst[i])) worst[i] = off;
       }
@@ -57,7 +60,7 @@ std::vector<BranchReport> follow_branches(const Program& program, double min_mar
   const double sharpest = robot::max_curvature_per_mm(program.blade);
   std::vector<BranchReport> branches(program.strips.size());
   tbb::parallel_for(std::size_t{0}, branches.size(), [&](std::size_t i) {
-    branches[i] = follow_branch(program.strips[i], {sharpest, min_margin});
+    branches[i] = follow_branch(program.strips[i], {sharpest, min_margin, program.settings.machine.clamps});
   });
   return branches;
 }

@@ -30,6 +30,7 @@ struct Blade : BladeSection {
   double density_kg_m3 = 0;
   double kerf_mm = 0;  // melted band of a blade that moves square to its width, the thickness included
   Melt melt{};         // by its speed; where that says nothing, kerf_mm at every speed
+  double stiffness_error = 0;  // it is stiffer by this share than section and modulus say
   // Returns the melted band in mm of a blade that moves so fast square to itself and to its width.
   [[nodiscard]] double band_mm(double speed_mm_s) const {
     return melt.by_speed() ? melt.band_mm(speed_mm_s) : kerf_mm;

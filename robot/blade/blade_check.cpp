@@ -18,7 +18,9 @@ BladeLimits limits_of(const ClampedBlade& blade, const BladeCheckOptions& option
 }  // namespace
 
 BladeCheck::BladeCheck(const ClampedBlade& blade, const BladeCheckOptions& options)
-    : on_(options.equilibrium), branch_(blade.length_mm, limits_of(blade, options)) {}
+    : on_(options.equilibrium),
+      branch_(blade.length_mm, limits_of(blade, options)),
+      offsets_(options.offsets) {}
 
 Limit BladeCheck::next(const Waypoint& w) {
   if (!on_) return Limit::kNone;
@@ -34,7 +36,8 @@ Limit BladeCheck::next(const Waypoint& w) {
 }
 
 Limit BladeCheck::move_to(const Pose& a, const Pose& b) {
-  return on_ ? branch_.move_to(a, b).limit : Limit::kNone;
+  if (!on_) return Limit::kNone;
+  return branch_.move_to(held(a, offsets_.a), held(b, offsets_.b)).limit;
 }
 
 std::optional<elastica::Elastica> BladeCheck::shape() const {

@@ -7,6 +7,7 @@
 #include "elastica/curve/elastica.hpp"
 #include "robot/blade/blade.hpp"
 #include "robot/blade/blade_branch.hpp"
+#include "robot/pose/clamp_offset.hpp"
 #include "robot/pose/limits.hpp"
 #include "robot/pose/waypoint.hpp"
 
@@ -17,6 +18,7 @@ struct BladeCheckOptions {
   bool equilibrium = true;  // false: nothing is checked, no shape is known
   double safety = 1;        // bending stress stays below OPEN's yield strength divided by this
   double min_margin = 1;    // smallest stability margin
+  ClampOffsets offsets{};   // the clamps hold the blade so far from where they are told to be
 };
 
 // What an executed waypoint's shape has left: its stability margin, dimensionless, and the largest curvature
@@ -41,8 +43,8 @@ class BladeCheck {
   // Moves to any pose on the way, forwards or backwards, and returns the limit that breaks.
   [[nodiscard]] Limit move_to(const Pose& a, const Pose& b);
 
-  // Returns the blade at the last pose, clamp A to clamp B, in the axes of clamp A; absent when it is not
-  // known.
+  // Returns the blade at the last pose, clamp A to clamp B, in the axes of clamp A as it holds the blade;
+  // absent when it is not known.
   [[nodiscard]] std::optional<elastica::Elastica> shape() const;
   // Returns what its shape has left; absent when it is not known.
   [[nodiscard]] std::optional<BladeMargins> margins();
@@ -50,6 +52,7 @@ class BladeCheck {
  private:
   bool on_ = false, started_ = false;
   BladeBranch branch_;
+  ClampOffsets offsets_;
   Pose last_a_, last_b_;
 };
 

@@ -33,6 +33,10 @@ double bending_stiffness_n_mm2(const BladeSection& s) {
   return s.youngs_modulus_mpa * s.width_mm * std::pow(s.thickness_mm, 3) / 12;
 }
 
+double bending_stiffness_n_mm2(const Blade& blade) {
+  return (1 + blade.stiffness_error) * bending_stiffness_n_mm2(static_cast<const BladeSection&>(blade));
+}
+
 elastica::StiffnessRatios stiffness_ratios(const Blade& s) {
   const double r = s.thickness_mm / s.width_mm;
   const double shape = 1 - 0.63 * r * (1 - std::pow(r, 4) / 12);
@@ -69,6 +73,15 @@ BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, doubl
   loads.stress_mpa = section.youngs_modulus_mpa * section.thickness_mm / 2 * sharpest_per_mm;
   loads.smallest_radius_mm =
       sharpest_per_mm > 0 ? 1 / sharpest_per_mm : std::numeric_limits<double>::infinity();
+  return loads;
+}
+
+BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, double sharpest_per_mm,
+                       const Blade& with) {
+  BladeLoads loads = blade_loads(blade, end_per_mm, sharpest_per_mm, static_cast<const BladeSection&>(with));
+  loads.force_n *= 1 + with.stiffness_error;
+  loads.moment_a_n_mm *= 1 + with.stiffness_error;
+  loads.moment_b_n_mm *= 1 + with.stiffness_error;
   return loads;
 }
 

@@ -14,6 +14,8 @@ inline constexpr double kGravity_m_s2 = 9.80665;
 
 // Returns B = E width thickness^3 / 12, the stiffness against bending in the plane, N mm^2.
 [[nodiscard]] double bending_stiffness_n_mm2(const BladeSection& section);
+// Returns the same with what the blade is stiffer by.
+[[nodiscard]] double bending_stiffness_n_mm2(const Blade& blade);
 
 // Returns the stiffness against upright bending and torsion over B. Upright bending: (width / thickness)^2.
 // Torsion: G J with G = E / (2 (1 + nu)) and Saint-Venant's
@@ -42,6 +44,10 @@ struct BladeLoads {
 // Returns the same where the curvature at clamp B and the largest |curvature| are known.
 [[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm,
                                      double sharpest_per_mm, const BladeSection& section);
+// Returns the same with what the blade is stiffer by: its force and moments grow with that. Its stress does
+// not: how much of it is the modulus and how much the thickness is not known.
+[[nodiscard]] BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm,
+                                     double sharpest_per_mm, const Blade& with);
 
 // How far weight moves the clamped blade, to first order (elastica/blade/gravity.hpp).
 struct BladeSag {

@@ -66,7 +66,8 @@ Limit LimitChecker::check_place(const Waypoint& w) const {
   if (!inside(w.a.p) || !inside(w.b.p)) return Limit::kEnvelope;
   // Two clamps rounded to whole micrometres on three axes move apart by at most sqrt(3) um.
   constexpr double kRounding_mm = 2e-3;
-  if ((w.b.p - w.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm)
+  const ClampPoses holding = held({w.a, w.b}, limits_.clamps);
+  if ((holding.b.p - holding.a.p).norm() > blade_length_mm_ * (1 - limits_.chord_slack) + kRounding_mm)
     return Limit::kChord;
   return Limit::kNone;
 }
@@ -74,18 +75,19 @@ Limit LimitChecker::check_place(const Waypoint& w) const {
 Limit LimitChecker::check_first(const Waypoint& w) const {
   if (w.t_us != 0) return Limit::kTime;
   constexpr double kAngleSlack_rad = kFlatArcAngleSlack_rad;
-  const Eigen::Vector3d chord = w.b.p - w.a.p;
+  const auto [a, b] = held({w.a, w.b}, limits_.clamps);
+  const Eigen::Vector3d chord = b.p - a.p;
   const double length = chord.norm();
   if (length <= 0) return Limit::kStartPose;
   const Eigen::Vector3d c = chord / length;
-  const Eigen::Vector3d normal = w.a.q * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d normal = a.q * Eigen::Vector3d::UnitZ();
   const auto turn = [&](const Pose& pose) {
     const Eigen::Vector3d tangent = pose.q * Eigen::Vector3d::UnitX();
     return std::atan2(normal.dot(c.cross(tangent)), c.dot(tangent));
   };
-  const double ua = turn(w.a), ub = turn(w.b);
+  const double ua = turn(a), ub = turn(b);
   const double out_of_plane =
-      std::max(std::abs(c.dot(normal)), (normal - w.b.q * Eigen::Vector3d::UnitZ()).norm());
+      std::max(std::abs(c.dot(normal)), (normal - b.q * Eigen::Vector3d::UnitZ()).norm());
   const double u = (ua - ub) / 2, arc_chord = blade_length_mm_ * std::sin(u) / u;
   const bool flat = std::abs(ua + ub) <= 2 * kAngleSlack_rad && out_of_plane <= kAngleSlack_rad &&
                     std::abs(u) >= kFlatArcLeastHalfTurn_rad - kAngleSlack_rad &&

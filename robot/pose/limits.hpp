@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "robot/pose/clamp_offset.hpp"
 #include "robot/pose/limit.hpp"
 #include "robot/pose/rates.hpp"
 #include "robot/pose/waypoint.hpp"
@@ -24,6 +25,9 @@ struct MotionLimits {
   // The chord stays within blade length * (1 - slack), give or take the registers' rounding. None is asked
   // for by default: ruled surfaces are cut with a straight blade, whose chord is its length.
   double chord_slack = 0;
+  // The clamps hold the blade so far from where they are told to be: chord and start pose are those of the
+  // blade.
+  ClampOffsets clamps{};
 };
 
 // Follows a stream of waypoints, across window borders. It is copyable: check a window on a copy, and keep

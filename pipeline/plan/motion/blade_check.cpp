@@ -53,15 +53,15 @@ struct PoseBlock {
   }
 };
 
-PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip,
-                     const robot::Blade& blade) {
+PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& strip, const robot::Blade& blade,
+                     const robot::ClampOffsets& offsets) {
   PoseCheck c;
   const BladePose& pose = some.poses[i];
   const robot::SagPlace& part = some.sag_places[i];
   c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
   c.loads =
       robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature, blade);
-  c.clearance = clamp_clearance_mm({pose.a, pose.b}, strip.block);
+  c.clearance = clamp_clearance_mm(robot::held({pose.a, pose.b}, offsets), strip.block);
   c.cuts = pose.foam.has_value();
   const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
                                             pose.blade.length, strip.block.seen_from(pose.frame));
@@ -71,14 +71,14 @@ PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& stri
 }
 
 std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const StripPlan& strip,
-                                   const robot::Blade& blade) {
+                                   const robot::Blade& blade, const robot::ClampOffsets& offsets) {
   std::vector<PoseCheck> checks(poses.size());
   in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
     const std::span<const BladePose> all(poses);
     const PoseBlock some(all.subspan(from, to - from), strip);
     const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, blade, some.sag_places);
     for (std::size_t i = from; i < to; ++i) {
-      checks[i] = check_pose(some, i - from, strip, blade);
+      checks[i] = check_pose(some, i - from, strip, blade, offsets);
       checks[i].sag = sags[i - from];
     }
   });
@@ -233,7 +233,7 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
 
 void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
   const robot::Blade& blade = settings.blade;
-  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, blade);
+  const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, blade, settings.machine.clamps);
   collect(checks, motion);
   const std::vector<PoseMargin> margins = weigh_margins(motion);
   weigh_clamp_errors(strip, settings.machine, margins, motion);

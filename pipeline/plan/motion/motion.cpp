@@ -62,6 +62,14 @@ void find_margins(std::vector<BladePose>& poses) {
   });
 }
 
+// What the clamps are told, to hold the blade where it is planned.
+void tell_clamps(std::vector<BladePose>& poses, const robot::ClampOffsets& offsets) {
+  for (BladePose& pose : poses) {
+    pose.a = robot::told(pose.a, offsets.a);
+    pose.b = robot::told(pose.b, offsets.b);
+  }
+}
+
 // Standing still with the heat on.
 void append_preheat(std::vector<BladePose>& poses, const MotionSettings& motion) {
   if (!(motion.preheat_s > 0)) return;
@@ -209,13 +217,14 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
     if (stretch.phase == StripPhase::kForm) append_preheat(motion.poses, settings.motion);
   }
   find_margins(motion.poses);
+  if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
+  tell_clamps(motion.poses, settings.machine.clamps);
   round_times(motion.poses);
   motion.facts.jerk_s = limit_jerk(motion.poses, settings.motion);
   mark_ribs(motion.poses, strip);
   time_facts(motion.poses, motion.facts);
   const SlowFeed slow = slowest_feed(motion.poses, !strip.formed.empty());
   motion.facts.slowest_feed_mm_s = slow.slowest_mm_s;
-  if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
   check_limits(strip, settings, motion);
   if (!(slow.slowest_mm_s >= settings.motion.min_feed_mm_s)) {
     Refuser refuse(strip, motion);

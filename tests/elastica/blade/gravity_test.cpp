@@ -128,6 +128,63 @@ TEST(Droop, SaysWhenTheBladeTipsOutOfItsPlane) {
   EXPECT_TRUE(droop({0, 0, 0, 1, 0, 0, 1}, 0, kStrip).stable);
 }
 
+TEST(TurnedEnds, OfAStraightBladeAreABeamsAndAShafts) {
+  constexpr double kLength = 700, kTurn = 0.01;
+  const Elastica straight{0, 0, 0, 0, 0, 0, kLength};
+  const Droop bent = turned_ends(straight, {0, kTurn, 0, 0}, kStrip),
+              twisted = turned_ends(straight, {0, 0, kTurn, 0}, kStrip);
+  ASSERT_TRUE(bent.stable);
+  for (std::size_t i = 0; i <= kGravityCells; i += 16) {
+    const double u = static_cast<double>(i) / kGravityCells;
+    EXPECT_NEAR(bent.shift[i], -kTurn * kLength * u * (1 - u) * (1 - u), 1e-4 * kTurn * kLength) << u;
+    EXPECT_NEAR(twisted.twist[i], kTurn * u, 1e-9);
+    EXPECT_NEAR(twisted.shift[i], 0, 1e-9);
+  }
+}
+
+TEST(TurnedEnds, AllOfABladeTurnsAboutItsChordWithBothClamps) {
+  constexpr double kTurn = 0.003;
+  for (const Elastica& e : shapes()) {
+    const ElasticaCurve curve(e);
+    const CurvePoint first = curve.at(0), last = curve.at(e.length);
+    const Eigen::Vector2d chord = (last.position() - first.position()).normalized();
+    const auto turn = [&](const CurvePoint& p) {
+      const Eigen::Vector2d t = p.tangent(), left(-t.y(), t.x());
+      return std::pair(kTurn * chord.dot(t), kTurn * chord.dot(left));  // phi, psi
+    };
+    const auto [phi_a, psi_a] = turn(first);
+    const auto [phi_b, psi_b] = turn(last);
+    const Droop turned = turned_ends(e, {phi_a, psi_a, phi_b, psi_b}, kStrip);
+    for (std::size_t i = 0; i <= kGravityCells; i += 32) {
+      const CurvePoint p = curve.at(e.length * static_cast<double>(i) / kGravityCells);
+      const Eigen::Vector2d from = p.position() - first.position();
+      EXPECT_NEAR(turned.shift[i], kTurn * (chord.x() * from.y() - chord.y() * from.x()),
+                  1e-3 * kTurn * e.length);
+      EXPECT_NEAR(turned.twist[i], turn(p).first, 1e-3 * kTurn);
+    }
+  }
+}
+
+TEST(TurnedEnds, MatchADiscreteRodWhoseClampsTurnApart) {
+  constexpr int n = 80;
+  constexpr double kTurn = 2e-3;
+  for (const Elastica& e : shapes()) {
+    for (int which = 0; which < 4; ++which) {
+      Eigen::Vector4d by = Eigen::Vector4d::Zero();  // phi and psi of the first end, then of the last
+      by[which] = kTurn;
+      HeavyRod rod(e, n, {1.54, 256, 1});
+      const auto free = rod.relax(Eigen::Vector3d::Zero());
+      rod.turn_ends({by[0], by[1], 0}, {by[2], by[3], 0});
+      const auto moved = rod.relax(Eigen::Vector3d::Zero());
+      const Droop turned = turned_ends(e, {by[0], by[1], by[2], by[3]}, kStrip);
+      for (std::size_t i = 0; i <= n; i += 5) {
+        EXPECT_NEAR(turned.shift[i * kGravityCells / n], (moved[i] - free[i]).z(), 0.03 * turned.largest)
+            << e.kappa << " " << which << " " << i;
+      }
+    }
+  }
+}
+
 TEST(LateralMargin, ChangesSignWhereTheDroopStopsBeingStable) {
   for (const double torsion : {0.05, 0.1, 0.2, 0.4, 0.8, 1.6}) {
     for (const double turn : {1.0, 3.0, 5.0, 6.28, 9.0}) {

@@ -31,6 +31,12 @@ class HeavyRod {
     end_ = Eigen::Vector3d(curve.at(e.length).x - e.x, curve.at(e.length).y - e.y, 0);
   }
 
+  // Turns the held frames of the first and the last node by rotation vectors in their own axes.
+  void turn_ends(const Eigen::Vector3d& first, const Eigen::Vector3d& last) {
+    frames_.front() = turned(frames_.front(), first);
+    frames_.back() = turned(frames_.back(), last);
+  }
+
   // Relaxes under a weight per length and returns the nodes' positions relative to the first.
   std::vector<Eigen::Vector3d> relax(const Eigen::Vector3d& weight) {
     constexpr int kIterations = 40;

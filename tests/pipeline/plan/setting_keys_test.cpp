@@ -154,6 +154,8 @@ const std::vector<Change>& changes() {
       {"blade.kerf_mm", "2", {kAlongX}},
       {"blade.min_margin", "1000", {kAlongX}},
       {"blade.min_margin_mm", "20", {kAlongX}},
+      {"blade.length_error_mm", "1", {kAlongX}},
+      {"blade.stiffness_error", "0.1", {kAlongX}},
       {"foam.band_mm_at_mm_s", "[[1, 2.6], [3, 1.6], [7, 1.2]]", {kAlongX}},
       {"foam.melt_mm2_s", "15", {kAlongX, "foam.melt_mm2_s=12", "foam.loss_mm_s=5"}},
       {"foam.loss_mm_s", "4", {kAlongX, "foam.melt_mm2_s=12", "foam.loss_mm_s=5"}},
@@ -177,6 +179,10 @@ const std::vector<Change>& changes() {
       {"machine.plinth_mm", "500", {kAlongX}},
       {"machine.clamp_error_mm", "0.5", {kAlongX}},
       {"machine.clamp_error_rad", "0.01", {kAlongX}},
+      {"machine.clamp_a_shift_mm", "[0.5, 0, 0]", {kAlongX}},
+      {"machine.clamp_a_turn_rad", "[0, 0, 0.002]", {kAlongX}},
+      {"machine.clamp_b_shift_mm", "[0, 0.5, 0]", {kAlongX}},
+      {"machine.clamp_b_turn_rad", "[0, 0.002, 0]", {kAlongX}},
   };
   return all;
 }

@@ -310,7 +310,7 @@ TEST(ScanPoses, TakesWhatIsWritten) {
   constexpr std::string_view kPoses = "\n\"poses\":[";
   std::string_view left(text);
   left.remove_prefix(text.find(kPoses) + kPoses.size());
-  const auto poses = scan_poses(left, strip.blade_length_mm, strip.ribs.size());
+  const auto poses = scan_poses(left, strip.blade_length_mm, 0, strip.ribs.size());
   ASSERT_TRUE(poses);
   EXPECT_EQ(left, "}");
   Strip read = strip;

@@ -255,6 +255,8 @@ TEST(Settings, JsonHoldsEverySectionAndKey) {
   Settings settings;
   settings.motion.jerk_mm_s3 = settings.motion.angular_jerk_rad_s3 = 1;  // left out where they are 0
   settings.blade.melt = {{{1, 2}}, 12, 5};
+  settings.blade.length_error_mm = settings.blade.stiffness_error = 0.1;
+  settings.machine.clamps = {{{1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 0}, {0.1, 0, 0}}};
   const auto json = to_json(settings);
   for (const SettingInfo& info : describe_settings()) {
     const auto dot = info.key.find('.');

@@ -52,6 +52,49 @@ TEST(AsCut, TheBudgetIsNoLessThanTheWhole) {
   for (const auto& [name, mm] : report.budget_mm) EXPECT_TRUE(mm >= 0 && mm < 1) << name << " " << mm;
 }
 
+// The clamps of a cell are off by what its settings say, and its blades are longer.
+Settings off_settings() {
+  Settings settings = along_x();
+  settings.machine.clamps = {{{0.8, -0.5, 0.6}, {0.004, -0.003, 0.005}},
+                             {{-0.4, 0.7, 0.3}, {0.002, 0.006, -0.004}}};
+  settings.blade.length_error_mm = 1.3;
+  return settings;
+}
+
+TEST(AsCut, ClampsThatAreKnownToBeOffAreToldOtherwiseAndCutTheSame) {
+  const Program program = plan(cylinder_design(), off_settings(), {}).program;
+  ASSERT_EQ(program.verification.status, VerificationStatus::kPassed);
+  EXPECT_EQ(program.settings.blade.length_error_mm, 1.3);
+  EXPECT_EQ(program.settings.blade.free_lengths_mm, along_x().blade.free_lengths_mm);
+  const Strip &off = program.strips[0], &plain = cylinder_program().strips[0];
+  EXPECT_NEAR(off.blade_length_mm, plain.blade_length_mm + 1.3, 1e-9);
+  // The clamps hold the blade where it ends.
+  const BladePose& pose = off.poses[off.poses.size() / 2];
+  const robot::ClampPoses holding = robot::held({pose.a, pose.b}, program.settings.machine.clamps);
+  EXPECT_LT((holding.a.p - pose.frame.point(pose.blade.x, pose.blade.y)).norm(), 1e-6);
+  EXPECT_GT((pose.a.p - holding.a.p).norm(), 1);
+
+  // The file comes back, the controller that knows its clamps runs it, and its log's blades cut the design.
+  const Executed run(program);
+  const AsCutReport report = measured(run, read_executed(run.work, run.log));
+  EXPECT_TRUE(report.cut.within_tolerance);
+  EXPECT_NEAR(report.cut.deviation.max, program.verification.deviation_mm.max, 0.02);
+  EXPECT_LT(report.shape_mismatch_mm, 0.02);
+}
+
+TEST(AsCut, AControllerThatDoesNotKnowItsClampsRefusesThem) {
+  const Program program = plan(cylinder_design(), off_settings(), {}).program;
+  const testing::TemporaryDirectory directory;
+  std::ofstream(directory / "program.json") << to_json(program);
+  const StripJobs work = read_strip_jobs(directory / "program.json", true);
+  DryRunOptions options;
+  options.log_file = directory / "execution.jsonl";
+  options.limits = planned_limits(work.program);
+  options.blade = planned_blade(work.program);
+  options.limits.clamps = options.blade.offsets = {};
+  EXPECT_FALSE(dry_run(work.jobs, options).holds());
+}
+
 // Its program says what it melts at each speed.
 const Program& melting_program() {
   static const Program program = [] {
