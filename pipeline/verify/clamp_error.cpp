@@ -32,14 +32,25 @@ bool nearly_straight(const BladePose& pose, const MachineSettings& machine) {
          std::max(elastica::kNearlyTautSlack * pose.blade.length, kErrors * machine.clamp_error_mm);
 }
 
-double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
+double ClampResponse::at(double share) {
+  MachineSettings machine = machine_;
+  machine.clamp_error_mm *= share;
+  machine.clamp_error_rad *= share;
+  const double length = pose_->blade.length;
   const elastica::SensitivityOptions errors{machine.clamp_error_mm, machine.clamp_error_rad};
-  const double length = pose.blade.length, slack = slack_mm(pose, machine);
-  const bool keeps_side = straight_mm > worst_clamp_error_mm(machine, length);
-  const double moved = nearly_straight(pose, machine)
-                           ? elastica::straight_response_mm(length, slack, keeps_side, errors)
-                           : elastica::sensitivity(pose.blade, errors).total_mm;
-  return std::isfinite(moved) ? moved : elastica::straight_response_mm(length, slack, false, errors);
+  const auto straight = [&](bool keeps_side) {
+    return elastica::straight_response_mm(length, slack_mm(*pose_, machine), keeps_side, errors);
+  };
+  if (nearly_straight(*pose_, machine)) return straight(straight_mm_ > worst_clamp_error_mm(machine, length));
+  if (!first_order_mm_)
+    first_order_mm_ =
+        elastica::sensitivity(pose_->blade, {machine_.clamp_error_mm, machine_.clamp_error_rad}).total_mm;
+  const double moved = share * *first_order_mm_;
+  return std::isfinite(moved) ? moved : straight(false);
+}
+
+double clamp_error_mm(const BladePose& pose, double straight_mm, const MachineSettings& machine) {
+  return ClampResponse(pose, straight_mm, machine).at(1);
 }
 
 }  // namespace hotblade::pipeline

@@ -1,9 +1,12 @@
 #include "pipeline/verify/verdict.hpp"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -23,36 +26,30 @@ double two_digits_down(double x) {
   return std::floor(x / std::pow(10.0, -digits)) * std::pow(10.0, -digits);
 }
 
-// What the clamps' errors, scaled, move the blades of a program by at its ribs.
+// What a share of the clamps' errors moves the blades of a program by at its ribs. A pose's margin bounds its
+// distance to the straight blade from below.
 class ClampShare {
  public:
-  explicit ClampShare(const Program& program) : machine_(program.settings.machine) {
+  explicit ClampShare(const Program& program) {
     for (const Strip& strip : program.strips) {
       for (const BladePose& pose : strip.poses) {
-        if (pose.rib) poses_.push_back(&pose);
+        if (pose.rib) ribs_.emplace_back(pose, pose.margin_mm.value_or(0), program.settings.machine);
       }
     }
   }
-
-  [[nodiscard]] MachineSettings with(const ClampErrors& errors) const {
-    MachineSettings machine = machine_;
-    machine.clamp_error_mm = errors.position_mm;
-    machine.clamp_error_rad = errors.angle_rad;
-    return machine;
-  }
-
-  // A pose's margin bounds its distance to the straight blade from below.
-  [[nodiscard]] double moved_mm(const ClampErrors& errors) const {
-    const MachineSettings machine = with(errors);
-    double most = 0;
-    for (const BladePose* pose : poses_)
-      most = std::max(most, clamp_error_mm(*pose, pose->margin_mm.value_or(0), machine));
-    return most;
+  // The largest of all ribs' numbers does not depend on who asks for them in which order.
+  [[nodiscard]] bool within(double share, double room_mm) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range(ribs_.begin(), ribs_.end()), true,
+        [&](const auto& some, bool so_far) {
+          return so_far && std::all_of(some.begin(), some.end(),
+                                       [&](ClampResponse& rib) { return rib.at(share) <= room_mm; });
+        },
+        std::logical_and<>());
   }
 
  private:
-  MachineSettings machine_;
-  std::vector<const BladePose*> poses_;
+  std::vector<ClampResponse> ribs_;
 };
 
 ClampErrors scaled(const ClampErrors& errors, double factor) {
@@ -63,13 +60,12 @@ ClampErrors scaled(const ClampErrors& errors, double factor) {
 // none do. What blades are moved by grows with the errors, linearly or with their root.
 std::optional<ClampErrors> errors_within(const Program& program, const ClampErrors& planned, double room_mm) {
   if (!(room_mm > 0)) return std::nullopt;
-  const ClampShare share(program);
+  ClampShare share(program);
   double least = 0, most = 1;
   constexpr int kHalvings = 30;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (least + most);
-    const bool fits = share.moved_mm({middle * planned.position_mm, middle * planned.angle_rad}) <= room_mm;
-    (fits ? least : most) = middle;
+    (share.within(middle, room_mm) ? least : most) = middle;
   }
   // Smaller than any clamp is placed to is no answer.
   constexpr double kLeastFactor = 1e-4;

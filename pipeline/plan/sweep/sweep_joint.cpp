@@ -3,6 +3,7 @@
 #include "pipeline/plan/sweep/sweep_problem.hpp"
 #include "pipeline/plan/sweep/sweep_terms.hpp"
 
+#include <Eigen/QR>
 #include <ceres/ceres.h>
 #include <tbb/parallel_for.h>
 
@@ -67,21 +68,25 @@ struct Unknowns {
   }
 };
 
-// One section of a part: its residuals, and their derivatives by the unknowns at its place.
+// One section of a part. However many residuals it has, they depend on the five numbers of one state: turned by an
+// orthogonal matrix (QR) all but six of them are zero, and with the six the sum of squares and its derivatives are
+// the same.
 struct SectionTerms {
+  static constexpr int kResiduals = kState + 1;
+
   Unknowns* unknowns = nullptr;
   const SweepSection* section = nullptr;
   BasisValues at;
-  std::vector<double> feet, residuals;
-  std::vector<ByState> by;
+  std::vector<double> feet;
+  Eigen::Matrix<double, kResiduals, 1> residuals;
+  Eigen::Matrix<double, kResiduals, kState> by;  // the residuals' derivatives by the unknowns' state
 
   void evaluate() {
     const SweepState state = unknowns->state(at);
     const SweepCurve curve(state.bend, unknowns->half_blade());
     const SweepFitOptions& options = unknowns->part->options;
     const double x = unknowns->part->start.x_mm;
-    residuals.clear();
-    by.clear();
+    rows_.clear();
     const double samples = std::sqrt(unknowns->samples);
     for (std::size_t i = 0; i < feet.size(); ++i) {
       const SampleTerm term = sample_term(section->samples[i], state, curve, x, feet[i]);
@@ -96,13 +101,32 @@ struct SectionTerms {
       limit(turn_term(*end, state, options));
       limit(clamp_term(*end, state, x, options));
     }
+    gather();
   }
 
  private:
+  using Row = Eigen::Matrix<double, kResiduals, 1>;
+
+  // Limits that hold add nothing.
   void add(double residual, double factor, const ByState& by_state) {
-    residuals.push_back(residual);
-    by.push_back(factor * by_state.cwiseProduct(unknowns->units));
+    if (residual == 0 && by_state.isZero(0)) return;
+    Row row;
+    row << factor * by_state.cwiseProduct(unknowns->units), residual;
+    rows_.push_back(row);
   }
+  void gather() {
+    while (rows_.size() < kResiduals) rows_.emplace_back(Row::Zero());
+    using Rows = Eigen::Matrix<double, kResiduals, Eigen::Dynamic>;
+    Eigen::Matrix<double, Eigen::Dynamic, kResiduals> all =
+        Eigen::Map<const Rows>(rows_.front().data(), kResiduals, std::ssize(rows_)).transpose();
+    const Eigen::HouseholderQR<Eigen::Ref<decltype(all)>> turned(all);
+    const Eigen::Matrix<double, kResiduals, kResiduals> six =
+        all.topRows<kResiduals>().triangularView<Eigen::Upper>();
+    by = six.leftCols<kState>();
+    residuals = six.col(kState);
+  }
+
+  std::vector<Row> rows_;
 };
 
 // One probe of a seam.
@@ -113,15 +137,6 @@ struct ProbeTerms {
     BasisValues at;
     double foot_mm = 0;
     ByState by = ByState::Zero();
-
-    // The curve is walked no farther than the probe: a design has many.
-    [[nodiscard]] SampleTerm term(const SweepState& state) const {
-      const double half = unknowns->half_blade(), x = unknowns->part->start.x_mm;
-      const SweepCurve near(state.bend, half, foot_mm);
-      const SampleTerm found = sample_term(point->sample, state, near, x, foot_mm);
-      if (!near.is_open_at(found.foot_mm)) return found;
-      return sample_term(point->sample, state, SweepCurve(state.bend, half), x, foot_mm);
-    }
   };
   std::array<Side, 2> sides;
   double weight = 1, residual = 0;
@@ -131,7 +146,9 @@ struct ProbeTerms {
     double sign = weight;
     for (Side& side : sides) {
       const SweepState state = side.unknowns->state(side.at);
-      const SampleTerm term = side.term(state);
+      const SampleTerm term =
+          sample_term_alone(side.point->sample, state, side.unknowns->half_blade(),
+                            side.unknowns->part->start.x_mm, side.foot_mm);
       side.foot_mm = term.foot_mm;
       residual += sign * term.away_mm;
       side.by = sign * term.by.cwiseProduct(side.unknowns->units);
@@ -153,22 +170,20 @@ class Terms : public ceres::EvaluationCallback {
   }
 };
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, kState, Eigen::RowMajor>;
-
 class SectionCost : public ceres::CostFunction {
  public:
   explicit SectionCost(const SectionTerms& terms) : terms_(terms) {
-    set_num_residuals(static_cast<int>(terms.residuals.size()));
+    set_num_residuals(SectionTerms::kResiduals);
     mutable_parameter_block_sizes()->assign(kSpan, kState);
   }
   bool Evaluate(double const* const* /*unknowns*/, double* residuals, double** jacobians) const override {
     std::copy(terms_.residuals.begin(), terms_.residuals.end(), residuals);
     if (!jacobians) return true;
+    using RowMajor = Eigen::Matrix<double, SectionTerms::kResiduals, kState, Eigen::RowMajor>;
     for (std::size_t k = 0; k < kSpan; ++k) {
       if (!jacobians[k]) continue;
-      Eigen::Map<RowMajor> jacobian(jacobians[k], num_residuals(), kState);
-      for (int r = 0; r < num_residuals(); ++r)
-        jacobian.row(r) = terms_.at.value[k] * terms_.by[static_cast<std::size_t>(r)].transpose();
+      Eigen::Map<RowMajor> jacobian(jacobians[k]);
+      jacobian = terms_.at.value[k] * terms_.by;
     }
     return true;
   }

@@ -341,13 +341,16 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
       plan.refusal = made.refusal;
     }
   });
-  for (const PartSeam& seam : seams) {
-    std::optional<StripPlan>& strip = plans[seam.second].strip;
+  std::vector<SeamFacts> facts(seams.size());
+  tbb::parallel_for(std::size_t{0}, seams.size(), [&](std::size_t i) {
+    facts[i] = seam_facts(seams[i], plans[seams[i].first].fit.family, plans[seams[i].second].fit.family,
+                          settings_.blade.free_lengths_mm.back());
+  });
+  for (std::size_t i = 0; i < seams.size(); ++i) {
+    std::optional<StripPlan>& strip = plans[seams[i].second].strip;
     if (!strip) continue;
-    const SeamFacts facts = seam_facts(seam, plans[seam.first].fit.family, plans[seam.second].fit.family,
-                                       settings_.blade.free_lengths_mm.back());
-    strip->seam_before.gap_mm = std::max(strip->seam_before.gap_mm, facts.gap_mm);
-    strip->seam_before.kink_deg = std::max(strip->seam_before.kink_deg, facts.kink_deg);
+    strip->seam_before.gap_mm = std::max(strip->seam_before.gap_mm, facts[i].gap_mm);
+    strip->seam_before.kink_deg = std::max(strip->seam_before.kink_deg, facts[i].kink_deg);
   }
   return plans;
 }

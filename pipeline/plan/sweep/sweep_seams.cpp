@@ -115,9 +115,9 @@ std::optional<SeamPlace> place_at(const SurfacePoint& p, const SweepSeam& seam, 
 }
 
 double away_mm(const FormedPoint& p, const SweepFamily& family, double reach_mm) {
-  const SweepState state = family.at(p.offset_mm);
-  const SweepCurve curve(state.bend, reach_mm);
-  return sample_term(p.sample, state, curve, family.x_mm, p.sample.q.x() - family.x_mm).away_mm;
+  return sample_term_alone(p.sample, family.at(p.offset_mm), reach_mm, family.x_mm,
+                           p.sample.q.x() - family.x_mm)
+      .away_mm;
 }
 
 }  // namespace
