@@ -13,6 +13,7 @@ namespace hotblade::elastica {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 Matrix3d frame(double theta) {
@@ -39,6 +40,7 @@ Sensitivity sensitivity(const Elastica& e, const SensitivityOptions& options) {
   const PlanarPose a{e.x, e.y, e.theta};
   const auto solver = end.fields.partialPivLu();
   Sensitivity result;
+  std::vector<double> across(fields.size(), 0);
   for (std::size_t i = 0; i < 6; ++i) {
     const bool at_a = i < 3;
     Vector3d error = Vector3d::Zero();
@@ -50,11 +52,21 @@ Sensitivity sensitivity(const Elastica& e, const SensitivityOptions& options) {
     const Vector3d amiss = at_a ? Vector3d(-carried(move, a, end.point)) : error;
     const Vector3d change = solver.solve(amiss);
     double largest = error.head<2>().norm() * (at_a ? 1 : 0);
-    for (const JacobiFields& f : fields) {
-      largest = std::max(largest, (carried(move, a, f.point) + f.fields * change).head<2>().norm());
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const JacobiFields& f = fields[k];
+      const Vector2d moved = (carried(move, a, f.point) + f.fields * change).head<2>();
+      largest = std::max(largest, moved.norm());
+      across[k] += std::abs(std::cos(f.point.theta) * moved.y() - std::sin(f.point.theta) * moved.x());
     }
     result.displacement_mm[i] = std::isfinite(largest) ? largest : std::numeric_limits<double>::infinity();
-    result.total_mm += result.displacement_mm[i];
+  }
+  // A part between two places is as far off as the farther of the two around it.
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    const double before = k > 0 ? fields[k - 1].s : 0,
+                 behind = k + 1 < fields.size() ? fields[k + 1].s : fields[k].s;
+    if (behind < options.from_mm || before > options.to_mm) continue;
+    result.total_mm = std::max(
+        result.total_mm, std::isfinite(across[k]) ? across[k] : std::numeric_limits<double>::infinity());
   }
   return result;
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 
 #include "elastica/blade/continuation.hpp"
 
@@ -16,13 +17,16 @@ enum class ClampCoordinate { kAlongA, kAcrossA, kTurnA, kAlongB, kAcrossB, kTurn
 struct SensitivityOptions {
   double position_error_mm = 0.1;
   double angle_error_rad = 1e-3;
+  // Arc lengths of the part whose total is asked for; the whole blade.
+  double from_mm = 0, to_mm = std::numeric_limits<double>::infinity();
 };
 
 struct Sensitivity {
   // The largest displacement of a point of the blade, mm, for the error of each coordinate, to first order
   // and at equal arc length. It is infinite where the shape is lost (its fields are singular).
   std::array<double, 6> displacement_mm{};
-  // All six errors at once at their worst signs bring at most this.
+  // What all six errors at once, at the signs that are worst for a point of the part, move that point across
+  // the blade, the largest of all: what moves it along the blade does not change what it cuts.
   double total_mm = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "pipeline/verify/clamp_error.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -42,9 +43,12 @@ double ClampResponse::at(double share) {
     return elastica::straight_response_mm(length, slack_mm(*pose_, machine), keeps_side, errors);
   };
   if (nearly_straight(*pose_, machine)) return straight(straight_mm_ > worst_clamp_error_mm(machine, length));
-  if (!first_order_mm_)
+  if (!first_order_mm_) {
+    const auto [from, to] = pose_->foam.value_or(std::array{0.0, length});
     first_order_mm_ =
-        elastica::sensitivity(pose_->blade, {machine_.clamp_error_mm, machine_.clamp_error_rad}).total_mm;
+        elastica::sensitivity(pose_->blade, {machine_.clamp_error_mm, machine_.clamp_error_rad, from, to})
+            .total_mm;
+  }
   const double moved = share * *first_order_mm_;
   return std::isfinite(moved) ? moved : straight(false);
 }

@@ -17,16 +17,17 @@ namespace hotblade::pipeline {
 // anything there.
 [[nodiscard]] bool nearly_straight(const BladePose& pose, const MachineSettings& machine);
 
-// What the clamps' errors, or a share of them, move one blade by. It may bow to its other side when the errors
-// reach `straight_mm`.
+// What the clamps' errors, or a share of them, move one blade by. It may bow to its other side when the
+// errors reach `straight_mm`.
 class ClampResponse {
  public:
   // Keeps a reference to the pose.
   ClampResponse(const BladePose& pose, double straight_mm, const MachineSettings& machine)
       : pose_(&pose), straight_mm_(straight_mm), machine_(machine) {}
 
-  // Returns what this share of the machine's errors moves the blade by, mm: to first order, and as a straight
-  // strip where that says nothing. Not from two threads at once.
+  // Returns what this share of the machine's errors moves the blade's part in foam (or all of it) by across
+  // itself, mm: to first order, and as a straight strip where that says nothing. Not from two threads at
+  // once.
   [[nodiscard]] double at(double share);
 
  private:

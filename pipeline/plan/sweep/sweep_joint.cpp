@@ -3,9 +3,9 @@
 #include "pipeline/plan/sweep/sweep_problem.hpp"
 #include "pipeline/plan/sweep/sweep_terms.hpp"
 
-#include <Eigen/QR>
 #include <ceres/ceres.h>
 #include <tbb/parallel_for.h>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -68,9 +68,9 @@ struct Unknowns {
   }
 };
 
-// One section of a part. However many residuals it has, they depend on the five numbers of one state: turned by an
-// orthogonal matrix (QR) all but six of them are zero, and with the six the sum of squares and its derivatives are
-// the same.
+// One section of a part. However many residuals it has, they depend on the five numbers of one state: turned
+// by an orthogonal matrix (QR) all but six of them are zero, and with the six the sum of squares and its
+// derivatives are the same.
 struct SectionTerms {
   static constexpr int kResiduals = kState + 1;
 
@@ -146,9 +146,8 @@ struct ProbeTerms {
     double sign = weight;
     for (Side& side : sides) {
       const SweepState state = side.unknowns->state(side.at);
-      const SampleTerm term =
-          sample_term_alone(side.point->sample, state, side.unknowns->half_blade(),
-                            side.unknowns->part->start.x_mm, side.foot_mm);
+      const SampleTerm term = sample_term_alone(side.point->sample, state, side.unknowns->half_blade(),
+                                                side.unknowns->part->start.x_mm, side.foot_mm);
       side.foot_mm = term.foot_mm;
       residual += sign * term.away_mm;
       side.by = sign * term.by.cwiseProduct(side.unknowns->units);

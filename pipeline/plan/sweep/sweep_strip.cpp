@@ -62,11 +62,21 @@ std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family
   return feet;
 }
 
-// Evenly spaced by arc length along the polyline through the feet.
-std::vector<Vector2d> even_points(const std::vector<Foot>& feet) {
+// Between samples along a section, in mm.
+constexpr double kSampleMm = 10;
+
+// Evenly spaced by arc length along the polyline through the feet, and along the rib where the design has a
+// hole: there any chord would do, and count as a deviation. The rib's middle is where feet have s = 0.
+std::vector<Vector2d> even_points(const std::vector<Foot>& feet, const elastica::Elastica& rib) {
+  // Samples are farther apart where a section is steep, up to kMaxSlopeRad.
+  constexpr double kHoleMm = 2.5 * kSampleMm;
   std::vector<Vector2d> line;
-  for (const Foot& foot : feet) {
-    if (line.empty() || foot.q != line.back()) line.push_back(foot.q);
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    const double hole = i > 0 ? feet[i].s_mm - feet[i - 1].s_mm : 0;
+    const int steps = hole > kHoleMm ? static_cast<int>(std::ceil(hole / kSampleMm)) : 0;
+    for (int k = 1; k < steps; ++k)
+      line.push_back(point_at(rib, 0.5 * rib.length + feet[i - 1].s_mm + hole * k / steps).position());
+    if (line.empty() || feet[i].q != line.back()) line.push_back(feet[i].q);
   }
   if (line.size() < 2) return {};
   return evenly_spaced(line, kRibSamples);
@@ -137,7 +147,6 @@ class StripMaker {
   // Feet at the ribs and, close to each other, all along the strip.
   void gather() {
     constexpr int kSections = 64;
-    constexpr double kSampleMm = 10;
     SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_, bands_);
     for (int i = 0; i < rib_count(); ++i) options.extra_mm.push_back(rib_offset(i));
     const SweepData data = sweep_sections(surface_, axes_, options);
@@ -178,7 +187,7 @@ class StripMaker {
     rib.max_slope_rad = slopes_[k];
     rib.own = {0.5, 0.5};
     if (std::abs(offsets_[k] - offset_mm) <= kSamePlaneMm) {
-      rib.target = even_points(feet_[k]);
+      rib.target = even_points(feet_[k], rib.elastica);
       if (!rib.target.empty()) rib.own = part_of(feet_[k].front().s_mm, feet_[k].back().s_mm);
       for (const Foot& foot : feet_[k]) rib.deviation_mm = std::max(rib.deviation_mm, foot.away_mm);
     }

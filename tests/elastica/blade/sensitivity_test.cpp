@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 
 #include "elastica/blade/stability.hpp"
+#include "elastica/fit/fit.hpp"
 
 namespace hotblade::elastica {
 namespace {
@@ -21,7 +23,6 @@ PlanarPose nudged(const PlanarPose& p, std::size_t coordinate, double by) {
 TEST(Sensitivity, AgreesWithBladesSolvedBetweenErringClamps) {
   ASSERT_GT(stability_margin(kBlade), 5);
   const Sensitivity s = sensitivity(kBlade);
-  double total = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     ClampPair clamps = clamps_of(kBlade);
     const double by = i % 3 == 2 ? 1e-3 : 0.1;
@@ -34,9 +35,38 @@ TEST(Sensitivity, AgreesWithBladesSolvedBetweenErringClamps) {
       largest = std::max(largest, (p[j].position() - q[j].position()).norm());
     // First order, and the largest of some twenty places: within two percent.
     EXPECT_NEAR(s.displacement_mm[i], largest, 0.02 * largest) << i;
-    total += s.displacement_mm[i];
   }
-  EXPECT_DOUBLE_EQ(s.total_mm, total);
+}
+
+// The farthest that a point of the second blade between two shares of its length is from the first.
+double apart_mm(const Elastica& blade, const Elastica& other, double from, double to) {
+  std::vector<Eigen::Vector2d> points;
+  for (const CurvePoint& p : sample(segment(other, from * other.length, to * other.length), 201))
+    points.push_back(p.position());
+  return max_distance(points, blade);
+}
+
+TEST(Sensitivity, TotalIsTheWorstOfAllSignsOfTheErrors) {
+  const double from = 0.25, to = 0.7;
+  const SensitivityOptions part{0.1, 2e-4, from * kBlade.length, to * kBlade.length}, whole{0.1, 2e-4};
+  double of_part = 0, of_whole = 0;
+  for (unsigned signs = 0; signs < 64; ++signs) {
+    ClampPair clamps = clamps_of(kBlade);
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double by = (signs >> i & 1 ? 1 : -1) * (i % 3 == 2 ? 2e-4 : 0.1);
+      (i < 3 ? clamps.a : clamps.b) = nudged(i < 3 ? clamps.a : clamps.b, i % 3, by);
+    }
+    const auto shape = solve_clamped(kBlade, clamps);
+    ASSERT_TRUE(shape);
+    of_part = std::max(of_part, apart_mm(kBlade, shape->elastica, from, to));
+    // A blade that is moved along itself sticks out at an end.
+    of_whole = std::max(of_whole, apart_mm(kBlade, shape->elastica, 0.002, 0.998));
+  }
+  // First order, at some sixty places, of a part that ends between two of them.
+  EXPECT_NEAR(sensitivity(kBlade, part).total_mm, of_part, 0.02 * of_part);
+  EXPECT_NEAR(sensitivity(kBlade, whole).total_mm, of_whole, 0.02 * of_whole);
+  const Sensitivity s = sensitivity(kBlade, whole);
+  EXPECT_LT(s.total_mm, 0.8 * std::accumulate(s.displacement_mm.begin(), s.displacement_mm.end(), 0.0));
 }
 
 TEST(Sensitivity, GrowsWithTheErrorAndDoesNotDependOnThePlace) {
