@@ -79,6 +79,16 @@ Outline s_shape() {
   });
 }
 
+// A square with a window of 0.8 x 0.8 in its middle.
+Outline frame() {
+  Outline mesh = grid([](double u, double v) { return Vector2d(2 * v - 1, 2 * u - 1); });
+  std::erase_if(mesh.triangles, [&](const std::array<std::size_t, 3>& t) {
+    const Vector2d middle = (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3;
+    return middle.cwiseAbs().maxCoeff() < 0.4;
+  });
+  return mesh;
+}
+
 // Part of a cylinder of 900 mm about y, the outline scaled to 300 mm: its exact sections are circles.
 constexpr double kRadius = 900, kScale = 300;
 Vector3d on_cylinder(const Vector2d& q) {
@@ -156,12 +166,13 @@ TEST_P(Border, IsWhereTheProgramsRibsEnd) {
 }
 
 std::string outline_name(const ::testing::TestParamInfo<Outline (*)()>& outline) {
-  constexpr std::array kNames{"Disc", "Triangle", "Parallelogram", "Trapezium", "SShape"};
+  constexpr std::array kNames{"Disc", "Triangle", "Parallelogram", "Trapezium", "SShape", "Frame"};
   return kNames.at(outline.index);
 }
 
 INSTANTIATE_TEST_SUITE_P(Outlines, Border,
-                         ::testing::Values(disc, triangle, parallelogram, trapezium, s_shape), outline_name);
+                         ::testing::Values(disc, triangle, parallelogram, trapezium, s_shape, frame),
+                         outline_name);
 
 TEST(BorderSplits, OfAWideTriangleIsCutInTwoStripsOfWhichTheNarrowOneIsShorter) {
   Settings settings;
