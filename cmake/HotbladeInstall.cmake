@@ -14,7 +14,7 @@ install(DIRECTORY pipeline/batch/share/ DESTINATION ${CMAKE_INSTALL_DATADIR}/hot
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT program)
 install(DIRECTORY samples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/samples COMPONENT program
-  FILES_MATCHING PATTERN "*.obj" PATTERN "*.toml" PATTERN "README.md")
+  FILES_MATCHING PATTERN "*.obj" PATTERN "*.toml" PATTERN "*.ipynb" PATTERN "README.md")
 
 install(DIRECTORY data/arms DESTINATION ${CMAKE_INSTALL_DATADIR}/hotblade COMPONENT program)
 
@@ -69,6 +69,9 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Plan hot-blade cutting of architectural f
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program development)
+if(HOTBLADE_BUILD_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME hotblade)
 set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
@@ -83,4 +86,10 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libeigen3-dev, libboost-dev")
 # The curves need no more; the rest of the library does.
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_RECOMMENDS
   "libopenmesh-dev, libcgal-dev, libceres-dev, libmodbus-dev, libtomlplusplus-dev, nlohmann-json3-dev, libfmt-dev, libtinyxml2-dev, libfcl-dev, libtbb-dev, ocl-icd-opencl-dev, libssl-dev, zlib1g-dev, pkg-config")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hotblade)
+set(CPACK_DEBIAN_PYTHON_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+# The module is built for one minor version of Python.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
 include(CPack)

@@ -187,6 +187,14 @@ void add_program(py::module_& module) {
   add_strip(module);
   py::class_<Program, std::shared_ptr<Program>>(module, "Program", "A cut program; it never changes.")
       .def_static("load", &load_program, py::arg("file"), "Reads program.json or program.json.gz.")
+      .def_static(
+          "from_json",
+          [](const std::string& text) {
+            const py::gil_scoped_release release;
+            return std::make_shared<Program>(
+                std::make_shared<const pipeline::Program>(pipeline::parse_program(text, "program.json")));
+          },
+          py::arg("text"), "Reads the text of a program.")
       .def("save", &save_program, py::arg("file"), py::arg("force") = false,
            "Writes the program, packed where the name ends in .gz.")
       .def(

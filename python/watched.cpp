@@ -1,33 +1,24 @@
-#include <tbb/task_arena.h>
-
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/settings/error.hpp"
 #include "python/module.hpp"
 
 namespace hotblade::python {
 namespace {
 
-// Thrown through the work where its caller wants its end.
-struct Stopped {};
-
 // What the work and the thread that waits for it tell each other.
 class Watch {
  public:
   void tell(const std::string& stage, double share) {
     const std::scoped_lock lock(mutex_);
-    if (stopped_) throw Stopped{};
     stage_ = stage;
     share_ = share;
     told_ = true;
-  }
-  void stop() {
-    const std::scoped_lock lock(mutex_);
-    stopped_ = true;
   }
   void end(std::exception_ptr error) {
     {
@@ -57,7 +48,7 @@ class Watch {
   std::condition_variable changed_;
   std::string stage_;
   double share_ = 0;
-  bool told_ = false, stopped_ = false, ended_ = false;
+  bool told_ = false, ended_ = false;
   std::exception_ptr error_;
 };
 
@@ -71,11 +62,16 @@ void run_watched(int threads, const py::object& progress, const std::function<vo
     throw pipeline::Error(pipeline::ErrorKind::kBadSettings, "progress: not callable");
   constexpr std::chrono::milliseconds kWake(50);
   Watch watch;
+  gpu::Stop stop;
   std::thread worker([&] {
     std::exception_ptr error;
     try {
-      tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-      arena.execute([&] { work([&](const std::string& stage, double share) { watch.tell(stage, share); }); });
+      gpu::run_stoppable(threads, stop, [&] {
+        work([&](const std::string& stage, double share) {
+          gpu::stop_point();
+          watch.tell(stage, share);
+        });
+      });
     } catch (...) {
       error = std::current_exception();
     }
@@ -92,7 +88,7 @@ void run_watched(int threads, const py::object& progress, const std::function<vo
       if (news && !progress.is_none()) progress(news->first, news->second);
     }
   } catch (...) {
-    watch.stop();
+    stop.ask();
     const py::gil_scoped_release release;
     worker.join();
     throw;

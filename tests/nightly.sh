@@ -59,7 +59,9 @@ verdicts() {
 
 samples() { ./run samples; }
 
-readonly all=(tests long units sanitize threads tidy fuzz panels verdicts meshes samples)
+pip() { ./run test-pip; }
+
+readonly all=(tests long units sanitize threads tidy fuzz panels verdicts meshes samples pip)
 steps=("$@")
 ((${#steps[@]})) || steps=("${all[@]}")
 for step in "${steps[@]}"; do

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/stop.hpp"
 #include "gpu/curve/curve_distance_opencl.hpp"
 #include "gpu/curve/curve_lanes.hpp"
 #include "gpu/curve/curve_search.hpp"
@@ -117,6 +118,7 @@ std::size_t CurveDistance::Impl::on_host(const Query& q) const {
       careful += on_host_block(q.part(block * kBlock, std::min(kBlock, q.size() - block * kBlock)));
     }
   });
+  stop_point();
   return careful;
 }
 
@@ -130,6 +132,7 @@ std::size_t CurveDistance::Impl::on_device(const CurveSearchOnDevice& device, co
       for (std::size_t i = range.begin(); i != range.end(); ++i)
         local[i] = curve.local({part.x[i], part.y[i]});
     });
+    stop_point();
     device.nearest(std::span(local).first(part.size()), std::span(answers).first(part.size()));
     tbb::parallel_for(all, [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -142,6 +145,7 @@ std::size_t CurveDistance::Impl::on_device(const CurveSearchOnDevice& device, co
         }
       }
     });
+    stop_point();
   }
   return careful;
 }

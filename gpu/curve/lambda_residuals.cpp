@@ -10,6 +10,7 @@
 
 #include "gpu/backend/backend_choice.hpp"
 #include "gpu/backend/opencl_portions.hpp"
+#include "gpu/backend/stop.hpp"
 #include "gpu/curve/curve_lanes.hpp"
 
 namespace hotblade::gpu {
@@ -67,6 +68,7 @@ void residuals_on_host(const ResidualQuery& q) {
                     {part.e.data(), reinterpret_cast<std::uint8_t*>(part.status.data()),
                      part.bound.empty() ? nullptr : part.bound.data()});
   });
+  stop_point();
 }
 
 void residuals_on_device(const ResidualsOnDevice& device, const ResidualQuery& q) {

@@ -12,6 +12,7 @@
 
 #include "elastica/kernels/simd.hpp"
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/stop.hpp"
 #include "gpu/curve/pair_distance_opencl.hpp"
 #include "gpu/curve/pair_frame.hpp"
 #include "gpu/curve/pair_lanes.hpp"
@@ -48,9 +49,11 @@ class Block {
   Block(const PairQuery& q, const Kernels& kernels)
       : kernels_(kernels), frames_(q.size()), numbers_(q.size()) {
     tbb::parallel_for(std::size_t{0}, q.size(), [&](std::size_t i) {
+      stop_point();
       frames_[i] = pair_frame(q.beziers[i], q.elastica[i], q.tolerance);
       numbers_[i] = frames_[i].numbers;
     });
+    stop_point();
     for (auto* column : {&l2_, &h1_, &length_, &lower_, &upper_}) column->resize(frames_.size());
   }
 
@@ -111,7 +114,11 @@ class Block {
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       if (answerable(i) && !(upper_[i] - lower_[i] <= narrow(frames_[i]))) careful.push_back(i);
     }
-    tbb::parallel_for(std::size_t{0}, careful.size(), [&](std::size_t k) { search(careful[k]); });
+    tbb::parallel_for(std::size_t{0}, careful.size(), [&](std::size_t k) {
+      stop_point();
+      search(careful[k]);
+    });
+    stop_point();
     return careful.size();
   }
 
@@ -152,9 +159,11 @@ std::size_t pairs_on_host(const PairQuery& q) {
   const std::size_t blocks = (q.size() + kPairBlock - 1) / kPairBlock;
   std::atomic<std::size_t> careful = 0;
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
+    stop_point();
     const PairQuery part = q.part(block * kPairBlock, std::min(kPairBlock, q.size() - block * kPairBlock));
     careful += Block(part, pair_lanes()).answer(part.out);
   });
+  stop_point();
   return careful;
 }
 

@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/stop.hpp"
 #include "gpu/mesh/mesh_distance_opencl.hpp"
 #include "gpu/mesh/mesh_frame.hpp"
 #include "gpu/mesh/mesh_search.hpp"
@@ -158,12 +159,14 @@ void MeshDistance::Impl::answer_on_host(Points points, const Order& order,
     std::array<Vector3d, kGroup> group;
     const std::size_t end = std::min(points.size(), range.end() * kBlock);
     for (std::size_t first = range.begin() * kBlock; first < end; first += kGroup) {
+      stop_point();
       const std::size_t count = std::min(kGroup, end - first);
       for (std::size_t i = 0; i < count; ++i) group[i] = frame.local(points[index(first + i)]);
       enter(std::span(group).first(count), memory);
       for (std::size_t i = 0; i < count; ++i) answers[index(first + i)] = answer(group[i], memory);
     }
   });
+  stop_point();
 }
 
 // A point too far for single precision becomes no number: the device finds nothing, and the host answers.
@@ -193,6 +196,7 @@ void MeshDistance::Impl::settle_portion(Points points, const Order& order, std::
       answers[at] = incomplete ? answer(q, memory) : settle(q, std::span(candidates).first(count));
     }
   });
+  stop_point();
 }
 
 // The device works on one portion while the host settles the one before.
@@ -209,6 +213,7 @@ void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Poin
         asked[i] = device_point(points[order.empty() ? first + i : order[first + i]]);
       }
     });
+    stop_point();
     device.candidates(asked, into);
   };
   ask(0, found[0]);
@@ -217,6 +222,7 @@ void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Poin
                          [&] {
                            if (first + kPortion < points.size()) ask(first + kPortion, found[1 - turn]);
                          });
+    stop_point();
   }
 }
 
@@ -310,6 +316,7 @@ std::vector<Side> MeshDistance::sides(std::span<const Vector3d> points,
       sides[i] = height > 0 ? Side::kBefore : (height < 0 ? Side::kBehind : Side::kNeither);
     }
   });
+  stop_point();
   return sides;
 }
 

@@ -12,6 +12,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::gpu {
 namespace {
 
@@ -30,6 +32,7 @@ std::vector<int> welded(const std::vector<Vector3d>& vertices) {
     return std::tuple(v.x(), v.y(), v.z(), i);
   };
   tbb::parallel_sort(order.begin(), order.end(), [&](int a, int b) { return key(a) < key(b); });
+  stop_point();
   std::vector<int> first(vertices.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     const auto at = static_cast<std::size_t>(order[i]);
@@ -83,6 +86,7 @@ MeshSide::MeshSide(const MeshFrame& frame)
       }
     }
   });
+  stop_point();
   // Summed in the order of the triangles, whatever the number of threads.
   for (std::size_t t = 0; t < face_.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -92,6 +96,7 @@ MeshSide::MeshSide(const MeshFrame& frame)
   for (std::size_t i = 0; i < vertex_.size(); ++i) vertex_[i] = vertex_[static_cast<std::size_t>(first[i])];
   tbb::parallel_sort(edges.begin(), edges.end(),
                      [](const HalfEdge& a, const HalfEdge& b) { return a.key() < b.key(); });
+  stop_point();
   for (std::size_t i = 0; i < edges.size();) {
     std::size_t end = i;
     Vector3d sum = Vector3d::Zero();

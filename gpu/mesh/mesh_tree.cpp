@@ -9,6 +9,8 @@
 #include <cstring>
 #include <limits>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::gpu {
 namespace {
 
@@ -117,12 +119,14 @@ Part measure_serially(Items items) {
 template <typename Result, typename Over, typename Join>
 Result over_pieces(Items items, const Over& over, const Join& join) {
   if (items.size() <= kSerial) return over(items);
-  return tbb::parallel_deterministic_reduce(
+  Result all = tbb::parallel_deterministic_reduce(
       tbb::blocked_range<std::size_t>(0, items.size(), kSerial), Result{},
       [&](const auto& range, const Result& before) {
         return join(before, over(items.subspan(range.begin(), range.size())));
       },
       join);
+  stop_point();
+  return all;
 }
 
 Part measure(Items items) {
@@ -341,6 +345,7 @@ class Builder {
       reserve(parts[i].size(), grown[i]);
       build(parts[i], depth + 1, grown[i]);
     });
+    stop_point();
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (parts[i].size() <= kWidth) {
         append(parts[i], node, i, depth, tree);
@@ -425,6 +430,7 @@ MeshTree build_mesh_tree(std::span<const Vector3d> vertices, std::span<const std
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, items.size(), kSerial), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) items[i] = builder.item(i);
   });
+  stop_point();
   MeshTree tree;
   Builder::reserve(triangles.size(), tree);
   builder.build(measure(items), 0, tree);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::gpu {
 namespace {
 
@@ -55,7 +57,9 @@ std::vector<std::uint32_t> coherent_order(std::span<const Vector3d> points) {
       keys[i] = key << 32 | i;
     }
   });
+  stop_point();
   tbb::parallel_sort(keys.begin(), keys.end());
+  stop_point();
   std::vector<std::uint32_t> order(points.size());
   std::transform(keys.begin(), keys.end(), order.begin(),
                  [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });

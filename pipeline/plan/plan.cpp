@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/planned_ribs.hpp"
@@ -125,6 +126,7 @@ void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings,
     const double posed_share = static_cast<double>(++told) / static_cast<double>(count);
     hooks.progress("pose", posed_share * kPosed);
   });
+  gpu::stop_point();
   for (PlannedStrip& d : planned) {
     result.program.strips.push_back(std::move(d.strip));
     result.strips.push_back(std::move(d.facts));
@@ -332,6 +334,7 @@ std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, 
     BladeSpeeds speeds(move_blade(swept.strips[i], settings).poses);
     if (!speeds.empty()) bands[i] = std::make_shared<SweptBands>(settings.blade, std::move(speeds));
   });
+  gpu::stop_point();
   return bands;
 }
 
@@ -358,6 +361,7 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     tbb::parallel_for(std::size_t{0}, result.strips.size(), [&](std::size_t i) {
       result.strips[i].blades = try_other_blades(swept.strips[i], settings);
     });
+    gpu::stop_point();
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
     taken = true;
     return {true, {}};

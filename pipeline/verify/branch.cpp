@@ -9,6 +9,7 @@
 
 #include "elastica/blade/blade_batch.hpp"
 #include "elastica/curve/placement.hpp"
+#include "gpu/backend/stop.hpp"
 #include "robot/blade/blade_branch.hpp"
 
 namespace hotblade::pipeline {
@@ -105,6 +106,7 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
                            {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
   std::vector<FollowedPose> followed;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
+    gpu::stop_point();
     const robot::BladeFinding finding = blade.move_to(robot::held(strip.poses[i].a, options.offsets.a),
                                                       robot::held(strip.poses[i].b, options.offsets.b));
     followed.push_back({blade.shape(), blade.margin(), blade.taut()});

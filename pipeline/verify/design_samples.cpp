@@ -7,6 +7,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -64,6 +66,7 @@ DesignSampler::DesignSampler(const MeshView& mesh, double sample_mm)
     for (std::size_t t = run * kRun; t < end; ++t)
       first_[run + 1] += FaceRows(facet(mesh_, static_cast<int>(t)), sample_mm_).count();
   });
+  gpu::stop_point();
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
 }
 
@@ -75,6 +78,7 @@ void DesignSampler::each(std::size_t at_once, const std::function<void(const Des
     samples.points.resize(first_[to] - first_[from]);
     samples.areas.resize(samples.points.size());
     tbb::parallel_for(from, to, [&](std::size_t run) {
+      gpu::stop_point();
       std::size_t at = first_[run] - first_[from];
       const std::size_t end = std::min(mesh_.triangles.size(), (run + 1) * kRun);
       for (std::size_t t = run * kRun; t < end; ++t) {
@@ -83,6 +87,7 @@ void DesignSampler::each(std::size_t at_once, const std::function<void(const Des
         at += rows.count();
       }
     });
+    gpu::stop_point();
     if (!samples.points.empty()) use(samples);
   }
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -62,6 +64,7 @@ void NearCells::hold(std::span<const Eigen::Vector3d> points, std::span<char> he
   if (points.size() != held.size()) throw std::logic_error("NearCells: spans of different sizes");
   constexpr std::size_t kGrain = 4096;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kGrain), [&](const auto& range) {
+    gpu::stop_point();
     Cell last{};
     bool in_last = known(last);
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
@@ -73,6 +76,7 @@ void NearCells::hold(std::span<const Eigen::Vector3d> points, std::span<char> he
       held[i] = in_last ? 1 : 0;
     }
   });
+  gpu::stop_point();
 }
 
 }  // namespace hotblade::pipeline

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "gpu/backend/stop.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/hanging.hpp"
 
@@ -89,8 +90,10 @@ template <typename Work>
 void for_rows(const StripGrid& grid, const Work& work) {
   constexpr std::size_t kBlock = 64;
   tbb::parallel_for(std::size_t{0}, (grid.rows.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    gpu::stop_point();
     work(block * kBlock, std::min(grid.rows.size(), (block + 1) * kBlock));
   });
+  gpu::stop_point();
 }
 
 // How the blades of some rows hang. Solved at every few rows: between them the shape hardly changes, and the
@@ -236,6 +239,7 @@ SweptSurface swept_surface(const Program& program, double sample_mm) {
   std::vector<StripGrid> grids(program.strips.size());
   tbb::parallel_for(std::size_t{0}, grids.size(),
                     [&](std::size_t i) { grids[i] = strip_grid(program.strips[i], sample_mm); });
+  gpu::stop_point();
   std::size_t vertices = 0, triangles = 0;
   for (StripGrid& grid : grids) {
     grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
@@ -253,6 +257,7 @@ SweptSurface swept_surface(const Program& program, double sample_mm) {
   out.triangles.resize(triangles);
   tbb::parallel_for(std::size_t{0}, grids.size(),
                     [&](std::size_t i) { add_strip(program, i, grids[i], out); });
+  gpu::stop_point();
   return out;
 }
 

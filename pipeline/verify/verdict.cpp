@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
@@ -39,13 +40,15 @@ class ClampShare {
   }
   // The largest of all ribs' numbers does not depend on who asks for them in which order.
   [[nodiscard]] bool within(double share, double room_mm) {
-    return tbb::parallel_reduce(
+    const bool all = tbb::parallel_reduce(
         tbb::blocked_range(ribs_.begin(), ribs_.end()), true,
         [&](const auto& some, bool so_far) {
           return so_far && std::all_of(some.begin(), some.end(),
                                        [&](ClampResponse& rib) { return rib.at(share) <= room_mm; });
         },
         std::logical_and<>());
+    gpu::stop_point();
+    return all;
   }
 
  private:

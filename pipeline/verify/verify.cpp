@@ -13,6 +13,7 @@
 #include <span>
 #include <utility>
 
+#include "gpu/backend/stop.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/verify/design_border.hpp"
@@ -51,6 +52,7 @@ double clamp_mismatch_mm(const Program& program) {
       }
     }
   });
+  gpu::stop_point();
   return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end(), [](double p, double q) {
     return p < q || std::isnan(q);
   });
@@ -62,6 +64,7 @@ std::vector<BranchReport> follow_branches(const Program& program, double min_mar
   tbb::parallel_for(std::size_t{0}, branches.size(), [&](std::size_t i) {
     branches[i] = follow_branch(program.strips[i], {sharpest, min_margin, program.settings.machine.clamps});
   });
+  gpu::stop_point();
   return branches;
 }
 
@@ -76,8 +79,10 @@ template <typename Work>
 void for_each_of(std::size_t count, const Work& work) {
   constexpr std::size_t kGrain = 1024;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+    gpu::stop_point();
     for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
   });
+  gpu::stop_point();
 }
 
 double bounded(double sample_mm, double area_mm2) {
@@ -97,6 +102,7 @@ class CutPart {
                                                       : cut.triangles) {
     tbb::parallel_invoke([&] { cells_.emplace(vertices_, near_mm); },
                          [&] { search_.emplace(vertices_, triangles_, backend); });
+    gpu::stop_point();
   }
   CutPart(const CutPart&) = delete;
   CutPart& operator=(const CutPart&) = delete;
@@ -152,6 +158,7 @@ class CutMeasurement {
         options_(options) {
     tbb::parallel_invoke([&] { border_.emplace(design.mesh); },
                          [&] { to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend); });
+    gpu::stop_point();
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
@@ -380,6 +387,7 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
                          const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
                          report = measure(swept_surface(program, sample_mm), {}, program, design, options);
                        });
+  gpu::stop_point();
   report.branches = std::move(branches);
   report.ribs = std::move(ribs);
   report.clamp_mismatch_mm = mismatch_mm;

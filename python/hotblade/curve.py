@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, List, NamedTuple, Optional, Tuple
 
-from ._hotblade import curve as _curve
+from ._hotblade import curve as _curve  # type: ignore
 
 if TYPE_CHECKING:
     import numpy as np

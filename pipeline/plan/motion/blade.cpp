@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "elastica/blade/stability.hpp"
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "robot/blade/blade_section.hpp"
 
@@ -261,8 +262,10 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
   for (const double share : kShares) {
     std::vector<RibCheck> checks(ribs.size());
     tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
+      gpu::stop_point();
       checks[i] = check_rib(ribs[i], length, share, most_sag_mm, settings);
     });
+    gpu::stop_point();
     auto worst = std::min_element(checks.begin(), checks.end(), worse);
     if (worst->limit == Limit::kNone) {
       const auto [clearance, rib] = clearance_between(between, length, share);

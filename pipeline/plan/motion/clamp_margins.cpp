@@ -9,6 +9,7 @@
 #include <set>
 
 #include "elastica/blade/clamp_margin.hpp"
+#include "gpu/backend/stop.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
 namespace hotblade::pipeline {
@@ -43,7 +44,9 @@ class MarginSearch {
       held_[i] = elastica::clamps_of(poses[i].blade);
       straight_[i] = elastica::clamp_distance(held_[i], {{0, 0, 0}, {length, 0, 0}}, 0.5 * length);
     });
+    gpu::stop_point();
     tbb::parallel_for(std::size_t{1}, poses.size(), [&](std::size_t i) { steps[i] = direct(i - 1, i); });
+    gpu::stop_point();
     for (std::size_t i = 1; i < poses.size(); ++i) way_[i] = way_[i - 1] + steps[i];
   }
 
@@ -66,7 +69,11 @@ class MarginSearch {
   void search(const std::set<std::size_t>& wanted) {
     const std::vector<std::size_t> list(wanted.begin(), wanted.end());
     std::vector<Found> found(list.size());
-    tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t k) { found[k] = look(list[k]); });
+    tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t k) {
+      gpu::stop_point();
+      found[k] = look(list[k]);
+    });
+    gpu::stop_point();
     for (std::size_t k = 0; k < list.size(); ++k) searched_[list[k]] = std::move(found[k]);
     // What holds of true distances is made to hold: none is more than its neighbour's and the way there.
     for (auto q = searched_.begin(), p = q++; q != searched_.end(); p = q++) lower(*q, *p);

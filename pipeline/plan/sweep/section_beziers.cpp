@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "elastica/bezier/bezier.hpp"
+#include "gpu/backend/stop.hpp"
 #include "gpu/curve/lambda_residuals.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "surface/slice/slice.hpp"
@@ -100,16 +101,20 @@ std::vector<double> elastica_misses_mm(const surface::TriangleMesh& mesh,
                                        std::span<const SectionQuestion> questions) {
   std::vector<std::vector<surface::Section>> sections(planes.size());
   tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) {
+    gpu::stop_point();
     const std::vector<double> offsets = section_offsets(mesh, planes[i]);
     if (!offsets.empty()) sections[i] = surface::slice(mesh, planes[i], offsets);
   });
+  gpu::stop_point();
   std::vector<std::vector<Piece>> pieces(questions.size());
   for (const SectionQuestion& q : questions) {
     if (q.planes >= planes.size() || q.pieces == 0) throw std::logic_error("no such planes or pieces");
   }
   tbb::parallel_for(std::size_t{0}, questions.size(), [&](std::size_t i) {
+    gpu::stop_point();
     pieces[i] = pieces_of(sections[questions[i].planes], planes[questions[i].planes], questions[i].pieces);
   });
+  gpu::stop_point();
   std::vector<std::array<Vector2d, 4>> curves;
   for (const auto& own : pieces) {
     for (const Piece& piece : own) curves.push_back(piece.bezier);

@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_fit.hpp"
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_problem.hpp"
 
 #include <Eigen/Cholesky>
@@ -42,6 +43,7 @@ Descent descend(const SweepProblem& problem, int most, Eigen::VectorXd& unknowns
   int small = 0;
   Descent descent;
   while (descent.iterations < most) {
+    gpu::stop_point();
     ++descent.iterations;
     Eigen::MatrixXd damped = now.hessian;
     damped.diagonal() *= 1 + damping;

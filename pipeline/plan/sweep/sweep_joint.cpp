@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_joint.hpp"
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_problem.hpp"
 #include "pipeline/plan/sweep/sweep_terms.hpp"
 
@@ -164,8 +165,20 @@ class Terms : public ceres::EvaluationCallback {
 
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
     if (!new_evaluation_point) return;
-    tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) { sections[i]->evaluate(); });
-    tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) { probes[i]->evaluate(); });
+    tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
+      if (!gpu::stop_asked()) sections[i]->evaluate();
+    });
+    tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) {
+      if (!gpu::stop_asked()) probes[i]->evaluate();
+    });
+  }
+};
+
+// Nothing may be thrown through the solver: it is told to end, and what it then says is not used.
+class EndsWhenStopped : public ceres::IterationCallback {
+ public:
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return gpu::stop_asked() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
   }
 };
 
@@ -338,6 +351,7 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   }
   // The costs take their sizes from a first evaluation.
   terms.PrepareForEvaluation(true, true);
+  gpu::stop_point();
   ceres::Problem::Options owned;
   owned.evaluation_callback = &terms;
   ceres::Problem problem(owned);
@@ -356,11 +370,15 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   solver.max_num_iterations = 15;
   solver.function_tolerance = 1e-4;
   solver.logging_type = ceres::SILENT;
+  EndsWhenStopped ends;
+  solver.callbacks = {&ends};
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
+  gpu::stop_point();
   std::vector<SweepFitReport> reports(unknowns.size());
   tbb::parallel_for(std::size_t{0}, unknowns.size(),
                     [&](std::size_t i) { reports[i] = report_of(unknowns[i], summary); });
+  gpu::stop_point();
   return reports;
 }
 

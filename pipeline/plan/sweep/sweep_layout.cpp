@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_layout.hpp"
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/section_beziers.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 
@@ -158,6 +159,7 @@ void SweepLayouts::fit_parts(Layout& layout, const SweepEffort& effort, const La
   tbb::parallel_for(std::size_t{0}, layout.parts.size(), [&](std::size_t i) {
     layout.fits[i] = fitter_.fit(layout.parts[i], effort, start ? &start->fits[i] : nullptr);
   });
+  gpu::stop_point();
   for (const PartFit& fit : layout.fits) layout.cost_mm = std::max(layout.cost_mm, fit.cost_mm);
 }
 
@@ -263,6 +265,7 @@ std::vector<std::vector<FittedPart>> SweepLayouts::rows_of(const RibAxes& axes, 
     if (row < along.size()) ends.push_back(seam_across_sweep(axes, along[row], 1));
     rows[row] = row_of(part_behind(axes, ends), most_mm);
   });
+  gpu::stop_point();
   return rows;
 }
 
@@ -379,6 +382,7 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
     if (asked[i].fitted)
       all[i] = fitted(planes_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort());
   });
+  gpu::stop_point();
   for (std::size_t i = 0; i < asked.size(); ++i) {
     const Asked& a = asked[i];
     tried.push_back({planes_[a.planes], a.grid.along_sweep, a.grid.along_ribs, a.missed_mm});

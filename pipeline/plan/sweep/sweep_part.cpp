@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_cost.hpp"
 #include "robot/blade/blade_section.hpp"
 
@@ -324,6 +325,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     options.blade_length_mm = fit.blade_length_mm;
     joined[i] = {std::move(data), std::move(options), fit.family, wanted_mm()};
   });
+  gpu::stop_point();
   const std::vector<SweepFitReport> fits = fit_together(joined, seams);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     watch_();
@@ -341,11 +343,13 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
       plan.refusal = made.refusal;
     }
   });
+  gpu::stop_point();
   std::vector<SeamFacts> facts(seams.size());
   tbb::parallel_for(std::size_t{0}, seams.size(), [&](std::size_t i) {
     facts[i] = seam_facts(seams[i], plans[seams[i].first].fit.family, plans[seams[i].second].fit.family,
                           settings_.blade.free_lengths_mm.back());
   });
+  gpu::stop_point();
   for (std::size_t i = 0; i < seams.size(); ++i) {
     std::optional<StripPlan>& strip = plans[seams[i].second].strip;
     if (!strip) continue;

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <utility>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
 
@@ -119,6 +120,7 @@ class Search {
       PartPlan& plan = tried.plans[i];
       if (!plan.strip) plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
     });
+    gpu::stop_point();
     return join_parts(tried);
   }
 
@@ -154,6 +156,7 @@ class Search {
       tbb::parallel_for(std::size_t{0}, tried.plans.size(), [&](std::size_t i) {
         tried.plans[i] = fitter_.again(tried.layout.parts[i], tried.plans[i]);
       });
+      gpu::stop_point();
       if (join_parts(tried)) continue;
       tried = std::move(before);  // whose cut the verification says
       return;
@@ -244,6 +247,7 @@ class Search {
             layouts_.halves(tried.layout.parts[i], tried.layout.fits[i],
                             tried.plans.empty() ? tried.layout.fits[i].refusal : tried.plans[i].refusal);
     });
+    gpu::stop_point();
     Tried next;
     next.way = SweepWay::kSplit;
     next.layout.planes = tried.layout.planes;
@@ -276,6 +280,7 @@ class Search {
       if (best.size() < kBest && layout.cost_mm <= kNear * tolerance) best.push_back(layout);
     }
     tbb::parallel_for(std::size_t{0}, best.size(), [&](std::size_t i) { best[i] = turned(best[i]); });
+    gpu::stop_point();
     constexpr double kHopeful = 1.5;  // tolerances
     std::erase_if(best, [&](const Layout& layout) { return !(layout.cost_mm <= kHopeful * tolerance); });
     std::sort(best.begin(), best.end(), layout_before);

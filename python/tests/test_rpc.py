@@ -1,0 +1,55 @@
+import inspect
+import json
+
+import pytest
+
+import hotblade as hb
+from hotblade import rpc
+
+
+def plain(value):
+    """Through the text that such a call is sent as."""
+    return json.loads(json.dumps(value, allow_nan=False))
+
+
+def test_a_plan_of_lists_is_that_of_the_design(bump):
+    design, settings, result = bump
+    listed = {"vertices": design.vertices.tolist(), "triangles": design.triangles.tolist(), "units": "mm", "name": "bump"}
+    values = plain({k: v for k, v in settings.items() if k.startswith(("design.tol", "blade", "stock")) and v not in (None, ())})
+    answer = plain(rpc.plan(plain(listed), values))
+    assert answer["status"] == "passed" and len(answer["program"]["strips"]) == len(result.program.strips)
+    check = plain(rpc.verify(answer["program"], plain(listed)))
+    assert check["within_tolerance"] and check["deviation_mm"]["max"] <= settings["design.tolerance_mm"]
+    assert plain(rpc.check(plain(listed)))["triangles"] == len(design.triangles)
+
+
+def test_a_plan_of_a_file_is_the_modules(bump, samples):
+    answer = plain(rpc.plan({"file": str(samples / "bump.obj")}, {"design.units": "mm"}, str(samples / "bump.toml")))
+    assert answer["program"] == json.loads(bump[2].program.to_json()) and answer["report"] == bump[2].report
+    assert plain(rpc.verify(answer["program"], {"file": str(samples / "bump.obj")}))["within_tolerance"]
+
+
+def test_a_refused_plan_has_reasons_and_no_program(samples):
+    answer = plain(rpc.plan({"file": str(samples / "bump.obj")}, {"design.units": "mm", "blade.free_lengths_mm": [50]}, str(samples / "bump.toml")))
+    assert answer["status"] == "refused" and answer["refusals"] and answer["program"] is None
+    with pytest.raises(hb.FileError):
+        rpc.check({"file": "none.obj", "units": "mm"})
+
+
+def test_settings_are_plain(samples):
+    values = plain(rpc.config({"design.units": "mm"}, [str(samples / "bump.toml")]))
+    assert values["design.units"] == "mm" and values["blade.free_lengths_mm"][0] == 400
+
+
+def test_curves_are_plain():
+    bezier = [[0, 0], [30, 40], [70, 40], [100, 0]]
+    assert plain(rpc.curve_residual(bezier))["status"] == "ok"
+    assert plain(rpc.curve_residual([[0, 0], [0, 0], [70, 40], [100, 0]]))["value"] is None
+    near = plain(rpc.curve_fit(bezier))["elastica"]
+    points = plain(rpc.curve_sample(near, 20))["points"]
+    assert plain(rpc.curve_fit(points))["h1"] is None
+    assert plain(rpc.curve_project(bezier, "optimal"))["status"] == "ok"
+    assert plain(rpc.curve_arcs(near, 0.01))["error_bound"] <= 0.01
+    assert len(plain(rpc.curve_equilibria([0, 0, 0.5], [100, 0, -0.5], 110))["shapes"]) == 2
+    tools = {name for name, tool in inspect.getmembers(hb.curve, inspect.isfunction) if tool.__module__ == "hotblade.curve"}
+    assert {"curve_" + tool for tool in tools} <= set(dir(rpc)) | {"curve_residuals"}
