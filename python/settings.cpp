@@ -25,10 +25,11 @@ struct ToPython {
     return numbers_of(*value);
   }
   py::object operator()(const std::vector<double>* value) const { return numbers_of(*value); }
-  py::object operator()(const std::vector<std::array<double, 2>>* value) const {
-    py::tuple pairs(value->size());
-    for (std::size_t i = 0; i < value->size(); ++i) pairs[i] = py::make_tuple((*value)[i][0], (*value)[i][1]);
-    return pairs;
+  template <std::size_t N>
+  py::object operator()(const std::vector<std::array<double, N>>* value) const {
+    py::tuple all(value->size());
+    for (std::size_t i = 0; i < value->size(); ++i) all[i] = numbers_of((*value)[i]);
+    return all;
   }
   py::object operator()(const double* value) const { return py::float_(*value); }
   py::object operator()(const int* value) const { return py::int_(*value); }

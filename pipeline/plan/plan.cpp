@@ -21,6 +21,7 @@
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/foam_share.hpp"
 #include "pipeline/verify/rib_measures.hpp"
@@ -429,6 +430,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   conclude(design, result);
+  result.foam = foam_to_buy(program);
   return result;
 }
 

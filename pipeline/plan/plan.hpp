@@ -11,6 +11,7 @@
 #include "pipeline/plan/motion/other_blades.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/program.hpp"
+#include "pipeline/stock/nest.hpp"
 #include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
@@ -98,6 +99,7 @@ struct PlanResult {
   std::vector<Decision> decisions;
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;   // what was tried and passed
+  std::optional<Nesting> foam;         // what to buy, where settings say what is sold
   std::vector<StageTime> times;
 };
 

@@ -48,13 +48,14 @@ struct SettingReader {
     if (!choose(field, word, *place)) throw std::logic_error("an enum of settings has to have its words");
   }
   void operator()(std::vector<double>* place) const { *place = node.numbers(1, range()); }
-  void operator()(std::vector<std::array<double, 2>>* place) const {
+  template <std::size_t N>
+  void operator()(std::vector<std::array<double, N>>* place) const {
     if (node.is_null()) return;
     place->resize(node.items(1));
     for (std::size_t i = 0; i < place->size(); ++i) {
-      const std::vector<double> pair = node.item(i).numbers(2, range());
-      if (pair.size() != 2) node.item(i).fail("is not a pair of numbers");
-      (*place)[i] = {pair[0], pair[1]};
+      const std::vector<double> some = node.item(i).numbers(N, range());
+      if (some.size() != N) node.item(i).fail(fmt::format("is not a list of {} numbers", N));
+      std::copy(some.begin(), some.end(), (*place)[i].begin());
     }
   }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }

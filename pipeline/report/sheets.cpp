@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pipeline/report/block_stand.hpp"
+#include "pipeline/report/foam_sheet.hpp"
 #include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/places_table.hpp"
 #include "pipeline/report/report_plots.hpp"
@@ -79,6 +80,9 @@ class Sheets {
         w_.language(), escaped(job_name() + ": " + w_("Parts list")), sheets_style());
     for (const AssemblyPicture& picture : assembly_) html += picture.definition();
     html += parts_list();
+    if (result_.foam)
+      html += "<section>" + head(w_("Foam to buy and to saw"), "") +
+              foam_section(*result_.foam, program_, w_) + foot(text_id(w_("all")), {});
     for (std::size_t i = 0; i < assembly_.size(); ++i) html += assembly(i);
     for (std::size_t k = 0; k < program_.strips.size(); ++k) html += sheet(k);
     return html + "</body></html>\n";

@@ -18,6 +18,21 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"Block", "Block"},
     {"Parts list", "Stückliste"},
     {"Assembly", "Zusammenbau"},
+    {"Foam to buy and to saw", "Schaum einkaufen und sägen"},
+    {"To buy", "Einzukaufen"},
+    {"used", "genutzt"},
+    {"Every cut goes from face to face of its part, square to the edge named; it is measured from the end "
+     "that keeps "
+     "the part's letter, to the saw's near side.",
+     "Jeder Schnitt geht von Fläche zu Fläche seines Stücks, quer zur genannten Kante; gemessen wird vom "
+     "Ende, das "
+     "den Buchstaben behält, bis zur nahen Seite der Säge."},
+    {"part", "Stück"},
+    {"square to its", "quer zur"},
+    {"gives", "ergibt"},
+    {"length", "Länge"},
+    {"width", "Breite"},
+    {"height", "Höhe"},
     {"order", "Folge"},
     {"block", "Block"},
     {"size as it stands: width x depth x height", "Maß, wie er steht: Breite x Tiefe x Höhe"},

@@ -112,15 +112,19 @@ struct Reader {
     return text.str();
   }
 
-  std::vector<std::array<double, 2>> pairs() const {
-    const std::string wanted = "a list of pairs of numbers";
+  template <std::size_t N>
+  std::vector<std::array<double, N>> tuples() const {
+    const std::string wanted = std::string("a list of ") + (N == 2 ? "pairs" : "triples") + " of numbers";
     const toml::array* array = node.as_array();
     if (array == nullptr || array->empty()) wrong_type(wanted);
-    std::vector<std::array<double, 2>> values;
+    std::vector<std::array<double, N>> values;
     for (const toml::node& element : *array) {
-      const toml::array* pair = element.as_array();
-      if (pair == nullptr || pair->size() != 2) wrong_type(wanted);
-      values.push_back({number((*pair)[0], wanted), number((*pair)[1], wanted)});
+      const toml::array* some = element.as_array();
+      if (some == nullptr || some->size() != N) wrong_type(wanted);
+      for (std::size_t k = 0; k < N; ++k) {
+        if (k == 0) values.emplace_back();
+        values.back()[k] = number((*some)[k], wanted);
+      }
     }
     return values;
   }
@@ -163,7 +167,10 @@ struct Reader {
     if (!choose(field, word, *place)) fail(where, full_key(field) + " " + unknown_word(field, word));
   }
   void operator()(std::vector<double>* place) const { *place = numbers("a list of numbers"); }
-  void operator()(std::vector<std::array<double, 2>>* place) const { *place = pairs(); }
+  template <std::size_t N>
+  void operator()(std::vector<std::array<double, N>>* place) const {
+    *place = tuples<N>();
+  }
   void operator()(std::array<double, 3>* place) const { *place = tuple<3>(); }
   template <std::size_t N>
   void operator()(std::optional<std::array<double, N>>* place) const {
@@ -200,12 +207,13 @@ struct RangeCheck {
     }
     for (const double value : *v) check(value);
   }
-  void operator()(const std::vector<std::array<double, 2>>* v) const {
+  template <std::size_t N>
+  void operator()(const std::vector<std::array<double, N>>* v) const {
     if (v->size() > kMaxLengths) {
       fail_key(origins, full_key(field),
-               "(" + std::to_string(v->size()) + " pairs, must be " + range_text(field) + ")");
+               "(" + std::to_string(v->size()) + ", must be " + range_text(field) + ")");
     }
-    for (const auto& pair : *v) (*this)(&pair);
+    for (const auto& some : *v) (*this)(&some);
   }
   template <std::size_t N>
   void operator()(const std::array<double, N>* v) const {
@@ -264,6 +272,28 @@ void check_together(const Settings& s, const Origins& origins) {
           s.machine.envelope_mm[2]);
 }
 
+// Every block is sawn out of stock that is sold.
+void check_stock(const Settings& s, const Origins& origins) {
+  const StockSettings& stock = s.stock;
+  if (stock.saw_mm > 0 && stock.sizes_mm.empty())
+    fail_key(origins, "stock.saw_mm", "(given without stock.sizes_mm): it says nothing alone");
+  if (stock.sizes_mm.empty()) return;
+  const auto sorted = [](std::array<double, 3> size) {
+    std::sort(size.begin(), size.end());
+    return size;
+  };
+  const auto most = sorted(stock.max_size_mm);
+  const bool sold = std::any_of(stock.sizes_mm.begin(), stock.sizes_mm.end(), [&](const auto& size) {
+    const auto has = sorted(size);
+    return most[0] <= has[0] && most[1] <= has[1] && most[2] <= has[2];
+  });
+  if (sold) return;
+  fail_key(origins, "stock.max_size_mm",
+           "(" + number_text(stock.max_size_mm[0]) + " x " + number_text(stock.max_size_mm[1]) + " x " +
+               number_text(stock.max_size_mm[2]) +
+               "): a block of that size is within none of stock.sizes_mm");
+}
+
 // The band by speed: measured or modelled, and known for every speed that a blade may have.
 void check_melt(const Settings& s, const Origins& origins) {
   const robot::Melt& melt = s.blade.melt;
@@ -308,6 +338,7 @@ void check(Settings settings, const Origins& origins) {
   for (const SettingField& field : setting_fields())
     std::visit(RangeCheck{field, origins}, field.place(settings));
   check_together(settings, origins);
+  check_stock(settings, origins);
   check_melt(settings, origins);
 }
 

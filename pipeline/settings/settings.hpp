@@ -69,9 +69,11 @@ struct BladeSettings : robot::BladeSet {
 
 struct StockSettings {
   std::array<double, 3> max_size_mm{1200, 1200, 600};
-  double base_mm = 50;       // foam left under the lowest kept point
-  double border_mm = 10;     // foam around the design on the other sides
-  double clearance_mm = 40;  // clamps and table stay at least this far from the stock
+  std::vector<std::array<double, 3>> sizes_mm;  // that foam is sold in; empty: not known
+  double saw_mm = 0;                            // foam that a saw takes with each cut
+  double base_mm = 50;                          // foam left under the lowest kept point
+  double border_mm = 10;                        // foam around the design on the other sides
+  double clearance_mm = 40;                     // clamps and table stay at least this far from the stock
 };
 
 struct MotionSettings {

@@ -118,6 +118,13 @@ constexpr SettingField kFields[] = {
 
     {"stock", "max_size_mm", "mm", 10, 10000, "", "Largest foam block: length, width, height",
      [](S& s) -> Place { return &s.stock.max_size_mm; }},
+    {"stock", "sizes_mm", "mm", 10, 10000, "",
+     "Sizes that foam is sold in: length, width, height, as [[2500, 1250, 600], [1250, 1250, 600]]; absent: "
+     "no "
+     "list of what to buy",
+     [](S& s) -> Place { return &s.stock.sizes_mm; }, true},
+    {"stock", "saw_mm", "mm", 0, 50, "", "Foam that a cut takes where blocks are sawn out of what is bought",
+     [](S& s) -> Place { return &s.stock.saw_mm; }, true},
     {"stock", "base_mm", "mm", 0, 2000, "", "Foam left under the lowest kept point",
      [](S& s) -> Place { return &s.stock.base_mm; }},
     {"stock", "border_mm", "mm", 0, 1000, "", "Foam around the design on the other sides",
@@ -212,10 +219,11 @@ struct TomlText {
   // A JSON string with its escapes is a TOML basic string too.
   std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
-  std::optional<std::string> operator()(const std::vector<std::array<double, 2>>* v) const {
+  template <std::size_t N>
+  std::optional<std::string> operator()(const std::vector<std::array<double, N>>* v) const {
     if (v->empty()) return std::nullopt;
     std::string text = "[";
-    for (const auto& pair : *v) text += (text.size() > 1 ? ", " : "") + list_text(pair);
+    for (const auto& some : *v) text += (text.size() > 1 ? ", " : "") + list_text(some);
     return text + "]";
   }
   std::optional<std::string> operator()(const std::array<double, 3>* v) const { return list_text(*v); }
@@ -290,6 +298,8 @@ std::string range_text(const SettingField& field) {
   const char* count = "3 numbers";
   if (std::holds_alternative<std::vector<double>*>(place)) count = "1 to 100 numbers";
   if (std::holds_alternative<std::vector<std::array<double, 2>>*>(place)) count = "1 to 100 pairs of numbers";
+  if (std::holds_alternative<std::vector<std::array<double, 3>>*>(place))
+    count = "1 to 100 triples of numbers";
   if (std::holds_alternative<std::optional<std::array<double, 6>>*>(place)) count = "6 numbers";
   return std::string(count) + ", each " + range;
 }

@@ -17,8 +17,9 @@ namespace hotblade::pipeline {
 // A place inside a Settings value.
 using SettingPlace =
     std::variant<double*, int*, std::string*, Keep*, Gaps*, OverBudget*, std::vector<double>*,
-                 std::vector<std::array<double, 2>>*, std::array<double, 3>*,
-                 std::optional<std::array<double, 3>>*, std::optional<std::array<double, 6>>*>;
+                 std::vector<std::array<double, 2>>*, std::vector<std::array<double, 3>>*,
+                 std::array<double, 3>*, std::optional<std::array<double, 3>>*,
+                 std::optional<std::array<double, 6>>*>;
 
 // The choices of a string that may be any text.
 inline constexpr std::string_view kAnyText = "*";

@@ -14,7 +14,8 @@ struct ToJson {
   nlohmann::ordered_json operator()(const std::optional<std::array<double, N>>* v) const {
     return v->has_value() ? nlohmann::ordered_json(**v) : nlohmann::ordered_json(nullptr);
   }
-  nlohmann::ordered_json operator()(const std::vector<std::array<double, 2>>* v) const {
+  template <std::size_t N>
+  nlohmann::ordered_json operator()(const std::vector<std::array<double, N>>* v) const {
     return v->empty() ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(*v);
   }
   template <typename T>
@@ -31,6 +32,8 @@ bool is_off(const SettingPlace& place) {
   if (const auto* number = std::get_if<double*>(&place)) return **number == 0;
   if (const auto* numbers = std::get_if<std::array<double, 3>*>(&place))
     return **numbers == std::array<double, 3>{};
+  if (const auto* triples = std::get_if<std::vector<std::array<double, 3>>*>(&place))
+    return (*triples)->empty();
   return std::get<std::vector<std::array<double, 2>>*>(place)->empty();
 }
 

@@ -55,12 +55,13 @@ pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipel
 pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion
 pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
 pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
-pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep
+pipeline/stock: elastica/* robot/* pipeline/settings pipeline/program
+pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep pipeline/stock
 pipeline/report/json: elastica/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan
 pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
-pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan pipeline/report/json pipeline/preview pipeline/export
+pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
 pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch

@@ -143,6 +143,26 @@ Json decisions_json(const std::vector<Decision>& decisions) {
   return list;
 }
 
+// What to buy, with the strip of each piece; sizes longest first, cuts in the order in which they are made.
+Json foam_json(const Nesting& foam, const Program& program) {
+  constexpr double kPerM3 = 1e9;
+  Json blocks = Json::array();
+  for (const BoughtBlock& block : foam.blocks) {
+    Json pieces = Json::array(), cuts = Json::array();
+    for (const NestedPiece& p : block.pieces)
+      pieces.push_back(
+          {{"strip", program.strips.at(p.piece).id}, {"at_mm", p.box.at}, {"size_mm", p.box.size}});
+    for (const SawCut& cut : block.cuts)
+      cuts.push_back(
+          {{"of", {{"at_mm", cut.of.at}, {"size_mm", cut.of.size}}}, {"axis", cut.axis}, {"at_mm", cut.at}});
+    blocks.push_back({{"size_mm", block.size}, {"pieces", pieces}, {"cuts", cuts}});
+  }
+  return {{"bought_m3", foam.bought_mm3 / kPerM3},
+          {"blocks_m3", foam.pieces_mm3 / kPerM3},
+          {"bought_apart_m3", foam.apart_mm3 / kPerM3},
+          {"bought", blocks}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Refusal& r) {
@@ -235,6 +255,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["directions"] = ranking_json(result.ranking);
   if (result.program.cell)
     report["cell"] = {{"name", result.program.cell->name}, {"sha256", result.program.cell->sha256}};
+  if (result.foam) report["foam"] = foam_json(*result.foam, result.program);
   report["strips"] = Json::array();
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));

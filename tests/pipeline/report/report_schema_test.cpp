@@ -59,7 +59,11 @@ TEST_F(ReportSchema, AcceptsTheReportsOfPassedAndRefusedPlans) {
 }
 
 TEST_F(ReportSchema, NamesEveryFigureThatAReportHas) {
-  const Json report = Json::parse(report_json(plan(cylinder_design(), along_x(), {})));
+  Settings settings = along_x();
+  settings.stock.sizes_mm = {{1250, 1250, 600}};
+  const Json report = Json::parse(report_json(plan(cylinder_design(), settings, {})));
+  EXPECT_EQ(wrong(report), "");
+  EXPECT_EQ(report["foam"]["bought"][0]["pieces"].size(), report["strips"].size());
   for (const auto& [key, value] : report.items()) EXPECT_TRUE(document_["properties"].contains(key)) << key;
 }
 

@@ -10,6 +10,7 @@
 #include "pipeline/report/block_stand.hpp"
 #include "pipeline/report/sheet_drawings.hpp"
 #include "pipeline/settings/settings.hpp"
+#include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/vault_program.hpp"
@@ -200,6 +201,25 @@ TEST(Sheets, OfWhatIsCutAllAroundShowEachBlockInThePictureOfItsSide) {
     EXPECT_EQ(count_of(sheet, "#assembly2\""), last ? 1u : 0u);
     EXPECT_EQ(count_of(sheet, "#assembly1\""), last ? 0u : 1u);
   }
+}
+
+TEST(Sheets, SayWhichFoamToBuyAndWhereToSawIt) {
+  EXPECT_THAT(sheets_html(planned(), ""), Not(HasSubstr("Foam to buy")));
+  PlanResult result = planned();
+  result.program.settings.stock.sizes_mm = {{420, 250, 125}};
+  result.program.settings.stock.saw_mm = 5;
+  result.foam = foam_to_buy(result.program);
+  ASSERT_TRUE(result.foam);
+  const std::string page = sheets_html(result, "");
+  EXPECT_THAT(page,
+              HasSubstr(fmt::format("To buy <b>{} x (420 x 250 x 125) mm</b>", result.foam->blocks.size())));
+  std::size_t cuts = 0;
+  for (const BoughtBlock& block : result.foam->blocks) cuts += block.cuts.size();
+  EXPECT_EQ(count_of(page, "</td><td class=\"l\"><b>"), cuts + result.program.strips.size())
+      << "a row for each cut, and for each block in the parts list";
+  for (const Strip& strip : result.program.strips) EXPECT_THAT(page, HasSubstr(" = <b>" + strip.id + "</b>"));
+  result.program.settings.job.language = "de";
+  EXPECT_THAT(sheets_html(result, ""), HasSubstr("Schaum einkaufen und s\u00e4gen"));
 }
 
 TEST(Sheets, ARefusedPlansSheetsSayThatTheyAreNotReleased) {

@@ -169,6 +169,8 @@ TEST(Settings, EveryNumberIsCheckedForRangeAndFiniteness) {
       before = "[", after = "]";
     } else if (info.range.starts_with("1 to 100 pairs")) {
       before = "[[1, 2], [3, ", after = "]]";
+    } else if (info.range.starts_with("1 to 100 triples")) {
+      before = "[[100, 200, 300], [300, 200, ", after = "]]";
     } else if (info.range.find(" to ") == std::string::npos) {
       continue;
     }
@@ -255,6 +257,8 @@ TEST(Settings, JsonHoldsEverySectionAndKey) {
   Settings settings;
   settings.motion.jerk_mm_s3 = settings.motion.angular_jerk_rad_s3 = 1;  // left out where they are 0
   settings.blade.melt = {{{1, 2}}, 12, 5};
+  settings.stock.sizes_mm = {{1200, 1200, 600}};
+  settings.stock.saw_mm = 4;
   settings.blade.length_error_mm = settings.blade.stiffness_error = 0.1;
   settings.machine.clamps = {{{1, 0, 0}, {0, 0.1, 0}}, {{0, 1, 0}, {0.1, 0, 0}}};
   const auto json = to_json(settings);
