@@ -34,7 +34,7 @@ struct PreviewOptions {
   DesignOptions input;  // the file may be a program as well
   std::string design;   // of a program; empty: the file beside it, if there is one
   std::string cell;     // of the program's joints; empty: one that comes with hotblade, if it is theirs
-  bool no_arms = false;
+  std::string arms = "on";
   std::string color;
   std::string shot, movie, exported;
   int frames = 60;
@@ -97,13 +97,14 @@ std::unique_ptr<ShownCell> cell_of(const Program& program, const PreviewOptions&
                   options.input.file + ": the program has no joints: plan it with --cell");
     return nullptr;
   }
-  if (options.no_arms) return nullptr;
+  if (options.arms == "off") return nullptr;
   std::vector<std::string> names{options.cell};
   if (options.cell.empty()) names = embedded_cells();
   for (const std::string& name : names) {
     auto found = std::make_unique<ShownCell>(ShownCell{read_cell(name), {}});
     if (cell_sha256(found->cell) != program.cell->sha256) continue;
     found->shown.cell = &found->cell;
+    found->shown.by_margin = options.arms == "margin";
     for (const Strip& strip : program.strips) {
       std::vector<robot::Standing> standing = surroundings(strip, found->cell);
       // The block is drawn by its edges.
@@ -336,7 +337,13 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
       ->add_option("--cell", options->cell,
                    "The cell of a program with joints, to show its arms; else one that comes with hotblade")
       ->type_name("CELL");
-  command->add_flag("--no-arms", options->no_arms, "Show no arms");
+  command
+      ->add_option(
+          "--arms", options->arms,
+          "The arms of a program with joints: with margin, links by what joints have to their limits")
+      ->check(CLI::IsMember({"on", "off", "margin"}))
+      ->type_name("on|off|margin")
+      ->capture_default_str();
   command->add_option("--at", options->scene.at_s, "Show the blade and the cut at this time of the strip")
       ->type_name("SECONDS");
   command->add_option("--strip", options->scene.strip, "Show this strip alone")->type_name("ID");

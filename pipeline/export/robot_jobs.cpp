@@ -6,8 +6,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "elastica/curve/elastica.hpp"
-#include "pipeline/program/clamps.hpp"
+#include "pipeline/program/straight_start.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/arm/arm.hpp"
 #include "robot/pose/motion.hpp"
@@ -19,8 +18,6 @@ namespace {
 using Eigen::Isometry3d;
 using robot::kDegree_rad;
 
-// Time from the straight blade to waypoint 0: clamps move by millimetres.
-constexpr double kApproach_s = 4;
 constexpr double kMicrosecond_s = 1e-6;
 
 Isometry3d isometry(const Pose& pose) {
@@ -111,29 +108,6 @@ class Holder {
   Isometry3d in_clamp_ = Isometry3d::Identity();
 };
 
-// The blade with a share of its bending, its middle where it was.
-elastica::Elastica bent_by(const elastica::Elastica& blade, double share) {
-  const double half = blade.length / 2;
-  const elastica::CurvePoint middle = elastica::point_at(blade, half);
-  elastica::Elastica part = blade;
-  part.kappa *= share;
-  part.lambda1 *= share;
-  part.lambda2 *= share;
-  const elastica::CurvePoint off = elastica::point_at(part, half);
-  // Turned about its middle: what bends it turns with it.
-  const double turn = middle.theta - off.theta, c = std::cos(turn), s = std::sin(turn);
-  const Eigen::Vector2d from = Eigen::Vector2d(part.x, part.y) - off.position();
-  const Eigen::Vector2d start =
-      middle.position() + Eigen::Vector2d(c * from.x() - s * from.y(), s * from.x() + c * from.y());
-  const double g1 = part.lambda2, g2 = -part.lambda1;
-  part.x = start.x();
-  part.y = start.y();
-  part.theta += turn;
-  part.lambda2 = c * g1 - s * g2;
-  part.lambda1 = -(s * g1 + c * g2);
-  return part;
-}
-
 // How fast both clamps are on each step: mm/s, a radian counts as 100 mm.
 std::vector<double> step_speeds(const std::vector<robot::Waypoint>& path) {
   std::vector<double> all;
@@ -161,19 +135,17 @@ void append_approach(RobotJob& job, const Strip& strip, const Holder& holder, bo
   std::vector<RobotTarget> back;  // from waypoint 0 to the straight blade
   const robot::Waypoint start = waypoints(strip).front();
   back.push_back(holder.target(start, first));
-  for (int k = kApproachMoves - 1; k >= 0; --k) {
-    const double u = static_cast<double>(k) / kApproachMoves;
-    const elastica::Elastica blade = bent_by(first.blade, u * u * (3 - 2 * u));
-    const ClampPoses pair = clamps(blade, first.frame);
-    back.push_back(holder.near(robot::transformed(strip.design_to_cell, clamp_b ? pair.b : pair.a), joints));
-  }
+  const std::vector<BladePose> poses = straight_start(strip);
+  for (std::size_t k = poses.size() - 1; k-- > 0;)
+    back.push_back(
+        holder.near(robot::transformed(strip.design_to_cell, clamp_b ? poses[k].b : poses[k].a), joints));
   job.load = back.back();
-  for (int k = 1; k <= kApproachMoves; ++k) {
+  for (int k = 1; k <= kStartMoves; ++k) {
     RobotStep step;
-    step.seconds = kApproach_s / kApproachMoves;
-    step.to = back[static_cast<std::size_t>(kApproachMoves - k)];
+    step.seconds = kStart_s / kStartMoves;
+    step.to = back[static_cast<std::size_t>(kStartMoves - k)];
     step.id = k;
-    step.stops = k == kApproachMoves;
+    step.stops = k == kStartMoves;
     job.steps.push_back(step);
   }
 }
@@ -212,7 +184,7 @@ void append_strip(RobotJob& job, const Strip& strip, const Holder& holder) {
     RobotStep move;
     move.seconds = seconds;
     move.to = holder.target(path[i], strip.poses[i]);
-    move.id = kApproachMoves + static_cast<int>(i);
+    move.id = kStartMoves + static_cast<int>(i);
     move.stops = i + 1 == path.size() || rests_at(speed, i);
     job.steps.push_back(move);
   }

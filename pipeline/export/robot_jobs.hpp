@@ -53,9 +53,6 @@ struct RobotTask {
   std::vector<RobotJob> jobs;
 };
 
-// Moves before waypoint 0 is reached, whose numbers come first.
-inline constexpr int kApproachMoves = 40;
-
 // Returns both arms' tasks. With a cell, which has to be that of the program's joints, poses are of the jaws
 // as the cell has them; without, of the clamps, x along the blade from A to B. The cell has to outlive them.
 // Throws Error (kNotCuttable) where an arm cannot take the straight blade.

@@ -248,7 +248,7 @@ vtkActor& add_cell_part(vtkRenderer& renderer, const CellPart& part) {
   mapper->SetInputData(mesh);
   vtkNew<vtkActor> actor;
   actor->SetMapper(mapper);
-  const Rgb color = color_of(part.kind);
+  const Rgb color = part.margin_rad ? margin_color(*part.margin_rad) : color_of(part.kind);
   vtkProperty& property = *actor->GetProperty();
   property.SetColor(color[0], color[1], color[2]);
   property.SetAmbient(0.35);
@@ -260,14 +260,28 @@ vtkActor& add_cell_part(vtkRenderer& renderer, const CellPart& part) {
 
 }  // namespace
 
-void set_cell_places(const SceneActors& actors, const std::vector<Eigen::Isometry3d>& places) {
+Rgb margin_color(double margin_rad) {
+  constexpr Rgb kAtLimit{0.80, 0.10, 0.10}, kBetween{0.93, 0.72, 0.20}, kFar{0.25, 0.60, 0.35};
+  const double share = std::clamp(margin_rad / kGreenMargin_rad, 0.0, 1.0);
+  const bool low = share < 0.5;
+  const double along = low ? 2 * share : 2 * share - 1;
+  const Rgb &from = low ? kAtLimit : kBetween, &to = low ? kBetween : kFar;
+  Rgb color{};
+  for (std::size_t i = 0; i < color.size(); ++i) color[i] = from[i] + along * (to[i] - from[i]);
+  return color;
+}
+
+void set_cell_places(const SceneActors& actors, const std::vector<CellPlace>& places) {
   for (std::size_t i = 0; i < actors.cell.size() && i < places.size(); ++i) {
     vtkNew<vtkMatrix4x4> matrix;
-    const Eigen::Matrix4d place = places[i].matrix();
+    const Eigen::Matrix4d place = places[i].at.matrix();
     for (int row = 0; row < 4; ++row) {
       for (int column = 0; column < 4; ++column) matrix->SetElement(row, column, place(row, column));
     }
     actors.cell[i]->SetUserMatrix(matrix);
+    if (!places[i].margin_rad) continue;
+    const Rgb color = margin_color(*places[i].margin_rad);
+    actors.cell[i]->GetProperty()->SetColor(color[0], color[1], color[2]);
   }
 }
 
@@ -296,10 +310,10 @@ SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
   const auto clamps = [&](const std::vector<Pose>& places, const Rgb& color) {
     return places.empty() ? nullptr : &add_clamps(renderer, places, scene.clamp_size_mm, color);
   };
-  std::vector<Eigen::Isometry3d> places;
+  std::vector<CellPlace> places;
   for (const CellPart& part : scene.cell) {
     actors.cell.push_back(&add_cell_part(renderer, part));
-    places.push_back(part.place);
+    places.push_back({part.place, part.margin_rad});
   }
   set_cell_places(actors, places);
   actors.clamps_a = clamps(scene.clamps_a, kClampAColor);

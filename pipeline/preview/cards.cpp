@@ -79,6 +79,43 @@ std::vector<const BladePose*> spread_poses(const Strip& strip) {
   return poses;
 }
 
+std::string degrees(double rad) {
+  return fmt::format("{:.1f} deg", rad / robot::kDegree_rad);
+}
+
+// How both arms do through a strip: the joint nearest its limit, and what comes nearest to what.
+void add_arms(const Strip& strip, Card& card) {
+  if (!strip.arms) return;
+  const StripArms& arms = *strip.arms;
+  const StripArms::Nearest& joint = arms.joint_margin_rad;
+  card.lines.push_back(fmt::format("{} at A, {} at B: {} J{} {} from its limit", arms.a.arm, arms.b.arm,
+                                   joint.arm, joint.joint, degrees(joint.value)));
+  const auto nearest = std::min_element(arms.nearest_mm.begin(), arms.nearest_mm.end(),
+                                        [](const auto& a, const auto& b) { return a.mm < b.mm; });
+  if (nearest != arms.nearest_mm.end())
+    card.lines.push_back(
+        fmt::format("nearest {} {:.0f} mm at {:.1f} s", nearest->kind, nearest->mm, nearest->t));
+}
+
+// The joint that is nearest to its limit at a pose.
+void add_joint(const Program& program, const Strip& strip, const BladePose& pose, Card& card) {
+  if (!program.cell || !strip.arms || !pose.joints) return;
+  double least = 1e9;
+  std::string which;
+  for (const bool b : {false, true}) {
+    const HeldClamp& held = b ? strip.arms->b : strip.arms->a;
+    const ProgramArm& arm = program.cell->arms[program.cell->arms[0].id == held.arm ? 0 : 1];
+    for (std::size_t i = 0; i < kArmJoints; ++i) {
+      const double q = b ? pose.joints->b[i] : pose.joints->a[i];
+      const double margin = std::min(q - arm.joints[i].min_rad, arm.joints[i].max_rad - q);
+      if (margin >= least) continue;
+      least = margin;
+      which = fmt::format("{} J{}", arm.id, i + 1);
+    }
+  }
+  card.lines.push_back(which + " " + degrees(least) + " from its limit");
+}
+
 Card strip_card(const ViewModel& model, const Selection& selection) {
   const Strip& strip = model.program.strips[static_cast<std::size_t>(selection.strip)];
   Card card{"strip " + strip.id, {}};
@@ -88,6 +125,7 @@ Card strip_card(const ViewModel& model, const Selection& selection) {
   add_worst(card, spread_poses(strip), model.program.blade);
   card.lines.push_back(
       fmt::format("{:.1f} s, {} poses", strip.poses.back().t - strip.poses.front().t, strip.poses.size()));
+  add_arms(strip, card);
   return card;
 }
 
@@ -133,6 +171,7 @@ Card pose_card(const ViewModel& model, const Selection& selection) {
         fmt::format("moments {:.0f}, {:.0f} N mm", pose.loads->moment_a_n_mm, pose.loads->moment_b_n_mm));
     card.lines.push_back(fmt::format("droop {:.2f} mm", pose.loads->droop_mm));
   }
+  add_joint(model.program, strip, pose, card);
   return card;
 }
 

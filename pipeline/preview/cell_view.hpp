@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace hotblade::pipeline::preview {
 struct CellShown {
   const robot::Cell* cell = nullptr;
   std::map<std::string, std::vector<robot::Standing>> standing;  // by strip
+  bool by_margin = false;  // links are coloured by what their joints have to their limits
 };
 
 enum class CellPartKind { kFirstArm, kSecondArm, kTool, kStanding };
@@ -30,14 +32,25 @@ struct CellPart {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> triangles;
   Eigen::Isometry3d place = Eigen::Isometry3d::Identity();
+  std::optional<double> margin_rad;  // of the joint that moves a link, where that is its colour
 };
+
+// Where a part is at a pose, and its joint's margin, where that is its colour.
+struct CellPlace {
+  Eigen::Isometry3d at;
+  std::optional<double> margin_rad;
+};
+
+// Margins from which a link is as green as it gets, and at which it is red: what places are good enough at
+// (pipeline/plan/arms), with a half more, and none.
+inline constexpr double kGreenMargin_rad = 30 * robot::kDegree_rad;
 
 // Returns all parts where a pose of a strip with joints has them. Throws std::logic_error without joints.
 [[nodiscard]] std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip,
                                                const BladePose& pose);
 
 // Returns the places alone, in the same order; of what stands around too.
-[[nodiscard]] std::vector<Eigen::Isometry3d> cell_places(const CellShown& shown, const Strip& strip,
-                                                         const BladePose& pose);
+[[nodiscard]] std::vector<CellPlace> cell_places(const CellShown& shown, const Strip& strip,
+                                                 const BladePose& pose);
 
 }  // namespace hotblade::pipeline::preview

@@ -68,8 +68,10 @@ void set_actor_lines(vtkActor& actor, const std::vector<Polyline>& lines);
                                    const Rgb& color);
 void set_actor_clamps(vtkActor& actor, const std::vector<Pose>& clamps, double size_mm);
 
-// Moves the actors of a scene's cell.
-void set_cell_places(const SceneActors& actors, const std::vector<Eigen::Isometry3d>& places);
+// Moves the actors of a scene's cell, and colours those that have margins by them.
+void set_cell_places(const SceneActors& actors, const std::vector<CellPlace>& places);
+// The colour of a link by what its joint has to its limit: red at it, amber, green.
+[[nodiscard]] Rgb margin_color(double margin_rad);
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar);
 

@@ -125,6 +125,11 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
     const StripArms::Nearest& joint = strip.arms->joint_margin_rad;
     scene.caption.push_back(fmt::format("joints {:.0f} deg or more from limits ({} J{})",
                                         joint.value / robot::kDegree_rad, joint.arm, joint.joint));
+    const bool by_margin = std::any_of(scene.cell.begin(), scene.cell.end(),
+                                       [](const CellPart& part) { return part.margin_rad.has_value(); });
+    if (by_margin)
+      scene.caption.push_back(
+          fmt::format("links: red at a limit, green {:.0f} deg off", kGreenMargin_rad / robot::kDegree_rad));
   }
 }
 
@@ -159,6 +164,7 @@ Program shown_part(const Program& program, const SceneOptions& options) {
   Program part;
   part.design = program.design;
   part.blade = program.blade;
+  part.cell = program.cell;
   part.verification = program.verification;
   for (const int index : chosen_strips(program, options)) {
     Strip& strip = part.strips.emplace_back(program.strips[static_cast<std::size_t>(index)]);

@@ -118,6 +118,10 @@ ProgramArm program_arm_of(const JsonNode& node) {
   throw Error(ErrorKind::kBadInput, fmt::format("{}: strips[{}]{}", file_name, strip, what));
 }
 
+bool comes_after(const std::vector<double>& times, std::size_t i, std::size_t poses) {
+  return times.size() == poses && (i == 0 || times[i] > times[i - 1]);
+}
+
 // The joints of one clamp's arm within its limits.
 void expect_within(const ArmJoints& joints, const ProgramArm& arm, const std::string& file_name,
                    std::size_t strip, std::size_t pose, const char* clamp) {
@@ -146,6 +150,8 @@ StripArms strip_arms_of(const JsonNode& node) {
   if (has_added) keys.push_back("added_s");
   const bool has_reach = node.json().is_object() && node.json().contains("reach");
   if (has_reach) keys.push_back("reach");
+  const bool has_times = node.json().is_object() && node.json().contains("clamp_times_s");
+  if (has_times) keys.push_back("clamp_times_s");
   node.expect_keys(keys);
   StripArms arms;
   const JsonNode a = node.field("a"), b = node.field("b"), place = node.field("place");
@@ -178,6 +184,7 @@ StripArms strip_arms_of(const JsonNode& node) {
     arms.jerk_s = added.field("jerk").number(kNotNegative);
     arms.joints_s = added.field("joints").number(kNotNegative);
   }
+  if (has_times) arms.clamp_times_s = node.field("clamp_times_s").numbers(2, kTime);
   return arms;
 }
 
@@ -210,6 +217,9 @@ void expect_joints(const Program& program, const std::string& file_name) {
         fail_joints(file_name, s, ".arms: are not both arms of the cell");
     }
     for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+      const std::vector<double>* times = strip.arms ? &strip.arms->clamp_times_s : nullptr;
+      if (times != nullptr && !times->empty() && !comes_after(*times, i, strip.poses.size()))
+        fail_joints(file_name, s, ".arms.clamp_times_s: are not as many as poses, and rising");
       const auto& joints = strip.poses[i].joints;
       if (joints.has_value() != program.cell.has_value()) {
         const char* what = program.cell ? ": \"joints\" is missing, the program has a cell"

@@ -65,6 +65,8 @@ struct StripArms {
   double dx_mm = 0, dy_mm = 0, yaw_rad = 0;  // how it was turned about the cell's vertical axis and moved
   // What the arms take longer than the plan's clamps, s: speeds and accelerations, and jerk.
   double joints_s = 0, jerk_s = 0;
+  // When the clamps alone would meet each pose; empty where the arms meet all of them then.
+  std::vector<double> clamp_times_s{};
 };
 
 // The joints of both arms at one pose.

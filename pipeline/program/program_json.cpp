@@ -186,7 +186,10 @@ void write_arms(Text& out, const StripArms& arms) {
         .field(",\"dy_mm\":", arms.dy_mm)
         .field(",\"yaw_rad\":", arms.yaw_rad);
   }
-  out.field("},\"added_s\":{\"jerk\":", arms.jerk_s).field(",\"joints\":", arms.joints_s).raw("}},\n");
+  out.field("},\"added_s\":{\"jerk\":", arms.jerk_s).field(",\"joints\":", arms.joints_s).raw("}");
+  if (!arms.clamp_times_s.empty())
+    out.raw(",\"clamp_times_s\":").list(arms.clamp_times_s, [&](double t) { out.field("", t); });
+  out.raw("},\n");
 }
 
 void write_rib(Text& out, const Rib& rib) {

@@ -19,7 +19,9 @@ std::string row(const Strip& strip) {
   std::string nearest;
   for (const StripArms::NearestPair& pair : arms.nearest_mm)
     nearest += fmt::format("{}{} {:.0f}", nearest.empty() ? "" : ", ", pair.kind, pair.mm);
-  return "<tr><td class=\"l\">" + escaped(strip.id) + "</td>" + cell(arms.a.arm) + cell(arms.b.arm) +
+  // The view in three dimensions shows what stands in a strip's rows on its card.
+  return "<tr data-strip=\"" + escaped(strip.id) + "\"><td class=\"l\">" + escaped(strip.id) + "</td>" +
+         cell(arms.a.arm) + cell(arms.b.arm) +
          cell(arms.dx_mm == 0 && arms.dy_mm == 0 && arms.yaw_rad == 0
                   ? fmt::format("{:.0f}", arms.raise_mm)
                   : fmt::format("{:.0f}; {:.0f}, {:.0f}; {:.0f}\u00b0", arms.raise_mm, arms.dx_mm, arms.dy_mm,
@@ -41,8 +43,8 @@ std::string arms_section(const PlanResult& result, const Words& w) {
                      w("Reach is the farthest wrist's, of what its arm reaches; least distances in mm.") +
                      "</p>\n<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const char* head : {"clamp A", "clamp B", "raised, mm", "reach", "joint margin", "wrist", "added, s"})
-    html += "<th>" + w(head) + "</th>";
-  html += "<th class=\"l\">" + w("nearest") + "</th></tr>\n";
+    html += "<th>" + w(head) + "<small></small></th>";
+  html += "<th class=\"l\">" + w("nearest") + "<small>mm</small></th></tr>\n";
   for (const Strip& strip : program.strips) {
     if (strip.arms) html += row(strip);
   }

@@ -1,4 +1,5 @@
-// Arms: all joints for a place beside KDL's iterations, and a strip's path of two arms with all branches.
+// Arms: all joints for a place beside KDL's iterations, a strip's path of two arms with all branches, places
+// of its block, and its proof of being clear beside dense sampling.
 #include <benchmark/benchmark.h>
 
 #include <kdl/chain.hpp>
@@ -6,7 +7,11 @@
 #include <random>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/plan/arms/places.hpp"
+#include "pipeline/plan/arms/strip_clearance.hpp"
 #include "robot/arm/arm_path.hpp"
+#include "tests/pipeline/vault_program.hpp"
 
 namespace {
 
@@ -95,5 +100,92 @@ void ArmPath(benchmark::State& state) {
   }
 }
 BENCHMARK(ArmPath)->Unit(benchmark::kMillisecond);
+
+// A strip of 2,000 poses, slow enough for every joint.
+hotblade::pipeline::Program slow_strip() {
+  hotblade::pipeline::Program program = hotblade::pipeline::testing::vault_program({.poses = 2000});
+  program.settings.machine.envelope_mm = {4000, 4000, 3000};
+  return program;
+}
+
+// Five heights, both ways of holding the blade; the grid of the search as a cell has it by default.
+void PlaceHeights(benchmark::State& state, const char* name) {
+  namespace pipeline = hotblade::pipeline;
+  const Cell cell = pipeline::read_cell(name);
+  const pipeline::Program program = slow_strip();
+  for (auto _ : state) {
+    const pipeline::PlaceScorer score(program.strips.front(), cell);
+    for (const pipeline::ArmPlace& place : pipeline::heights(cell.place))
+      benchmark::DoNotOptimize(score(place));
+  }
+}
+BENCHMARK_CAPTURE(PlaceHeights, two_irb4600, "two_irb4600")->Unit(benchmark::kMillisecond);
+
+void PlaceGrid(benchmark::State& state, const char* name) {
+  namespace pipeline = hotblade::pipeline;
+  const Cell cell = pipeline::read_cell(name);
+  const pipeline::Program program = slow_strip();
+  std::size_t places = 0, reached = 0;
+  for (auto _ : state) {
+    const pipeline::PlaceScorer score(program.strips.front(), cell);
+    places = reached = 0;
+    for (const pipeline::ArmPlace& place : pipeline::grid(cell.place)) {
+      ++places;
+      if (score(place) > 0) ++reached;
+    }
+  }
+  state.counters["places"] = static_cast<double>(places);
+  state.counters["reached"] = static_cast<double>(reached);
+}
+BENCHMARK_CAPTURE(PlaceGrid, two_irb4600, "two_irb4600")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(PlaceGrid, two_kr50, "two_kr50")->Unit(benchmark::kMillisecond);
+
+// The strip as both arms of a cell serve it, and what stands around it.
+struct ArmedStrip {
+  Cell cell;
+  std::vector<Standing> standing;
+  CellPath path;
+};
+
+ArmedStrip armed_strip(const char* name) {
+  namespace pipeline = hotblade::pipeline;
+  ArmedStrip armed{pipeline::read_cell(name), {}, {}};
+  const pipeline::ArmedProgram served = pipeline::with_arms(slow_strip(), armed.cell);
+  if (!served.report.refusals.empty()) throw std::runtime_error(describe(served.report.refusals.front()));
+  const pipeline::Strip& strip = served.program.strips.front();
+  pipeline::HeldJoints held;
+  const std::size_t a = armed.cell.arms[0].id == strip.arms->a.arm ? 0 : 1;
+  held.arm = {a, 1 - a};
+  for (const pipeline::BladePose& pose : strip.poses) {
+    held.joints[0].emplace_back(Eigen::Map<const JointAngles>(pose.joints->a.data()));
+    held.joints[1].emplace_back(Eigen::Map<const JointAngles>(pose.joints->b.data()));
+  }
+  armed.path = pipeline::cell_path(strip, served.program.blade, held);
+  armed.standing = pipeline::surroundings(strip, armed.cell);
+  return armed;
+}
+
+void Clearance(benchmark::State& state, const char* name) {
+  const ArmedStrip armed = armed_strip(name);
+  std::size_t asked = 0;
+  for (auto _ : state) {
+    const hotblade::robot::Clearance clear = prove_clear(armed.cell, armed.standing, armed.path);
+    if (clear.worst) state.SkipWithError("not clear");
+    asked = clear.asked;
+  }
+  state.counters["asked"] = static_cast<double>(asked);
+}
+BENCHMARK_CAPTURE(Clearance, two_irb4600, "two_irb4600")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(Clearance, two_kr50, "two_kr50")->Unit(benchmark::kMillisecond);
+
+// Every pose, nothing proved between.
+void ClearanceSampledPeer(benchmark::State& state, const char* name) {
+  const ArmedStrip armed = armed_strip(name);
+  std::size_t asked = 0;
+  for (auto _ : state) asked = sampled_clearance(armed.cell, armed.standing, armed.path, 1).asked;
+  state.counters["asked"] = static_cast<double>(asked);
+}
+BENCHMARK_CAPTURE(ClearanceSampledPeer, two_irb4600, "two_irb4600")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(ClearanceSampledPeer, two_kr50, "two_kr50")->Unit(benchmark::kMillisecond);
 
 }  // namespace

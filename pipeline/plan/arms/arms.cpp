@@ -10,6 +10,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
+#include "pipeline/plan/arms/strip_start.hpp"
 #include "pipeline/plan/arms/strip_timing.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
@@ -20,8 +21,6 @@ namespace {
 
 using robot::kDegree_rad;
 
-// Between two heights that are tried: a tenth of what a block stands high.
-constexpr double kRaiseStep_mm = 100;
 // Margins below which a program is warned of.
 constexpr double kSmallJoint_rad = 10 * kDegree_rad, kSmallWrist_rad = 10 * kDegree_rad;
 
@@ -70,50 +69,6 @@ ProgramCell cell_data(const robot::Cell& cell) {
   return data;
 }
 
-// Heights in the order of what they ask for, both ways of holding the blade at each.
-std::vector<ArmPlace> places(const robot::PlaceRange& range) {
-  std::vector<ArmPlace> all;
-  const bool fixed = range.how == robot::Placing::kFixed;
-  const double low = fixed ? 0 : range.raise_mm[0], high = fixed ? 0 : range.raise_mm[1];
-  const int steps = static_cast<int>(std::floor((high - low) / kRaiseStep_mm + 1e-9));
-  for (int i = 0; i <= steps; ++i) {
-    for (const bool swapped : {false, true}) all.push_back({low + i * kRaiseStep_mm, swapped});
-  }
-  return all;
-}
-
-// Of the search: heights, turns and shifts, farther apart than heights alone. A turn by half a circle does
-// what changing the arms does.
-std::vector<ArmPlace> grid(const robot::PlaceRange& range) {
-  constexpr double kGridRaise_mm = 2 * kRaiseStep_mm;
-  const auto steps = [](const std::array<double, 2>& from_to, double step) {
-    std::vector<double> all;
-    for (int i = 0; from_to[0] + i * step <= from_to[1] + 1e-9; ++i) all.push_back(from_to[0] + i * step);
-    return all;
-  };
-  std::vector<double> turns = steps(range.yaw_deg, range.yaw_step_deg);
-  if (turns.size() > 1 && turns.back() - turns.front() >= 360 - 1e-9) turns.pop_back();
-  std::vector<ArmPlace> all;
-  for (const double raise : steps(range.raise_mm, kGridRaise_mm)) {
-    for (const double turn : turns) {
-      for (const double x : steps(range.x_mm, range.step_mm)) {
-        for (const double y : steps(range.y_mm, range.step_mm)) {
-          if (x == 0 && y == 0 && turn == 0) continue;  // heights alone have had it
-          all.push_back({raise, false, x, y, turn * kDegree_rad});
-        }
-      }
-    }
-  }
-  return all;
-}
-
-// How far a block is moved, mm; a degree counts as 5 mm.
-double moved_mm(const ArmPlace& place) {
-  constexpr double kDegree_mm = 5;
-  return place.raise_mm + std::abs(place.dx_mm) + std::abs(place.dy_mm) +
-         kDegree_mm * std::abs(place.yaw_rad) / kDegree_rad;
-}
-
 std::string words(const ArmPlace& place) {
   std::string text = fmt::format("raised {:.0f} mm", place.raise_mm);
   if (place.dx_mm != 0 || place.dy_mm != 0)
@@ -144,19 +99,21 @@ double outside(const Strip& strip, const ArmPlace& at, const robot::MotionLimits
 struct Tried {
   ArmPlace place;
   ArmChoice a, b;
-  robot::Clearance clearance{};  // where both are held
-  StripTiming timing{};          // where both are clear
+  robot::Clearance clearance{};    // where both are held
+  std::optional<Refusal> start{};  // where both are clear: what stands in the way of the straight blade
+  StripTiming timing{};            // where nothing does
   [[nodiscard]] bool held() const { return a.stage == ArmStage::kServed && b.stage == ArmStage::kServed; }
   [[nodiscard]] bool served() const { return stage() == ArmStage::kServed; }
   [[nodiscard]] ArmStage stage() const {
     if (!held()) return worse().stage;
-    if (clearance.worst) return ArmStage::kClearance;
+    if (clearance.worst || start) return ArmStage::kClearance;
     return timing.refusal ? ArmStage::kTooSlow : ArmStage::kServed;
   }
   // Within a stage, the larger the nearer to the next.
   [[nodiscard]] double rank() const {
     if (!held()) return worse().rank;
     if (clearance.worst) return clearance.worst->distance_mm - clearance.worst->clearance_mm;
+    if (start) return 0;  // the strip itself is clear
     return timing.refusal ? timing.refusal->value : worse().rank;
   }
   // The arm that stands in the way.
@@ -195,10 +152,18 @@ void take(const Tried& tried, const robot::Cell& cell, Strip& strip) {
   arms.dx_mm = tried.place.dx_mm;
   arms.dy_mm = tried.place.dy_mm;
   arms.yaw_rad = tried.place.yaw_rad;
-  // Times are those of arms that it had before, if any.
+  // A program that was made before it said when clamps alone would be there keeps the times of its arms.
   arms.joints_s = tried.timing.slower.joints_s + (strip.arms ? strip.arms->joints_s : 0);
   arms.jerk_s = tried.timing.slower.jerk_s + (strip.arms ? strip.arms->jerk_s : 0);
-  for (std::size_t i = 0; i < strip.poses.size(); ++i) strip.poses[i].t = tried.timing.slower.t[i];
+  std::vector<double> before;
+  bool slower = false;
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) {
+    double& t = strip.poses[i].t;
+    before.push_back(t);
+    slower = slower || tried.timing.slower.t[i] != t;
+    t = tried.timing.slower.t[i];
+  }
+  if (slower) arms.clamp_times_s = std::move(before);
   for (const robot::PairKind kind : robot::kPairKinds) {
     if (const auto& nearest = tried.clearance.nearest[static_cast<std::size_t>(kind)])
       arms.nearest_mm.push_back({robot::name(kind), nearest->mm, strip.poses[nearest->pose].t});
@@ -262,7 +227,8 @@ Refusal unclear(const Strip& strip, const Tried& tried) {
 
 Refusal refusal_at(const Strip& strip, const Tried& tried) {
   if (!tried.held()) return tried.worse().refusal;
-  return tried.clearance.worst ? unclear(strip, tried) : *tried.timing.refusal;
+  if (tried.clearance.worst) return unclear(strip, tried);
+  return tried.start ? *tried.start : *tried.timing.refusal;
 }
 
 // The refusal of the place that came furthest, and what stopped the others.
@@ -281,7 +247,8 @@ Refusal refusal_of(const Strip& strip, const std::vector<Tried>& tried, const ro
   return refusal;
 }
 
-// Proves both arms clear where they are held, and gives them their times where they are.
+// Proves both arms clear where they are held, on the way from the straight blade too, and gives them their
+// times where they are.
 void prove(const Strip& strip, const robot::BladeSection& blade, const MotionSettings& motion,
            const robot::Cell& cell, Tried& tried) {
   if (!tried.held()) return;
@@ -291,7 +258,9 @@ void prove(const Strip& strip, const robot::BladeSection& blade, const MotionSet
   held.arm = tried.place.swapped ? std::array<std::size_t, 2>{1, 0} : std::array<std::size_t, 2>{0, 1};
   held.joints = {tried.a.joints, tried.b.joints};
   tried.clearance = prove_clear(there, blade, cell, held);
-  if (!tried.clearance.worst) tried.timing = time_for_arms(there, motion, cell, held);
+  if (tried.clearance.worst) return;
+  tried.start = start_refusal(there, blade, cell, held, {tried.a.held, tried.b.held});
+  if (!tried.start) tried.timing = time_for_arms(there, motion, cell, held);
 }
 
 // Places with what they promise, the best first.
@@ -308,7 +277,7 @@ class Placement {
       : strip_(strip), program_(program), cell_(cell), limits_(planned_limits(program)) {}
 
   std::optional<Tried> choose() {
-    std::vector<ScoredPlace> order = scored(places(cell_.place), -1);
+    std::vector<ScoredPlace> order = scored(heights(cell_.place), -1);
     std::stable_sort(order.begin(), order.end(), [](const ScoredPlace& a, const ScoredPlace& b) {
       return std::min(a.score, 1.0) > std::min(b.score, 1.0);
     });
@@ -332,11 +301,12 @@ class Placement {
   // Those within the envelope whose score is above `least`; the place as planned is tried wherever it lies.
   std::vector<ScoredPlace> scored(const std::vector<ArmPlace>& all, double least) {
     std::vector<ScoredPlace> list;
+    const PlaceScorer score(strip_, cell_);
     for (const ArmPlace& place : all) {
       const double off = outside(strip_, place, limits_);
       least_outside_mm_ = std::min(least_outside_mm_, off);
       if (off > 0 && moved_mm(place) > 0) continue;
-      const double value = score(strip_, cell_, place);
+      const double value = score(place);
       if (value > least || least < 0) list.push_back({place, value});
     }
     return list;
@@ -361,6 +331,16 @@ class Placement {
   double least_outside_mm_ = 1e9;
 };
 
+// Puts the strip's block back where it stood before its arms, and its clamps back to when they were there.
+void forget_arms(Strip& strip) {
+  StripArms& arms = *strip.arms;
+  strip.design_to_cell = unplaced(strip.design_to_cell, place_of(arms));
+  if (arms.clamp_times_s.empty()) return;
+  for (std::size_t i = 0; i < strip.poses.size(); ++i) strip.poses[i].t = arms.clamp_times_s[i];
+  arms.clamp_times_s.clear();
+  arms.joints_s = arms.jerk_s = 0;
+}
+
 }  // namespace
 
 std::string cell_sha256(const robot::Cell& cell) {
@@ -375,7 +355,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
   ArmedProgram armed{program, {}};
   armed.report.warnings = warnings(cell);
   for (Strip& strip : armed.program.strips) {
-    if (strip.arms) strip.design_to_cell = unplaced(strip.design_to_cell, place_of(*strip.arms));
+    if (strip.arms) forget_arms(strip);
     Placement placement(strip, program, cell);
     if (const auto tried = placement.choose()) {
       take(*tried, cell, strip);

@@ -8,6 +8,7 @@
 
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
+#include "pipeline/plan/arms/strip_start.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/pose/motion.hpp"
 
@@ -210,6 +211,8 @@ void check_clear(const Strip& strip, const robot::BladeSection& blade, const rob
   const std::size_t a = cell.arms[0].id == strip.arms->a.arm ? 0 : 1;
   held.arm = {a, 1 - a};
   held.joints = {angles_of(strip, false), angles_of(strip, true)};
+  if (const auto refused = start_refusal(strip, blade, cell, held, {strip.arms->a, strip.arms->b}))
+    check.breaches.push_back(describe(*refused));
   const robot::CellPath path = cell_path(strip, blade, held);
   const std::vector<robot::Standing> standing = surroundings(strip, cell);
   const robot::Clearance proved = robot::prove_clear(cell, standing, path);

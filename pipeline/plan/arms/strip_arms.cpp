@@ -13,49 +13,14 @@ using Eigen::Isometry3d;
 using robot::BranchPath;
 using robot::kDegree_rad;
 
-// Margins beyond which a place is good enough: well clear of what an arm's calibration and a new jaw move.
-constexpr double kGoodJoint_rad = 20 * kDegree_rad, kGoodWrist_rad = 20 * kDegree_rad;
-constexpr double kGoodElbow_rad = 10 * kDegree_rad, kGoodShoulder_mm = 200;
-// Poses that a score looks at: one in 7.5 s of motion at the usual step.
-constexpr std::size_t kScoreStep = 150;
-
-Isometry3d isometry(const Pose& pose) {
-  Isometry3d place = Isometry3d::Identity();
-  place.linear() = pose.q.toRotationMatrix();
-  place.translation() = pose.p;
-  return place;
-}
-
 const robot::CellArm& arm_of(const robot::Cell& cell, const ArmPlace& place, bool clamp_b) {
   return cell.arms[clamp_b != place.swapped ? 1 : 0];
 }
 
-// What does not change from pose to pose.
-struct Hold {
-  Isometry3d cell_to_base, jaw;
-  Isometry3d in_clamp = Isometry3d::Identity();  // the jaw in the clamp's frame
-};
-
-Hold hold_of(const robot::CellArm& arm, const Pose& design_to_cell, bool clamp_b, bool flip) {
-  Hold hold;
-  hold.cell_to_base = isometry(arm.base).inverse() * isometry(design_to_cell);
-  hold.jaw = robot::jaw_in_flange(arm.tool).inverse();
-  if (clamp_b) hold.in_clamp.linear() = Eigen::Vector3d(-1, -1, 1).asDiagonal();
-  if (flip) hold.in_clamp.linear() = hold.in_clamp.linear() * Eigen::Vector3d(1, -1, -1).asDiagonal();
-  return hold;
-}
-
-Isometry3d flange_by(const Hold& hold, const Pose& clamp) {
-  return hold.cell_to_base * isometry(clamp) * hold.in_clamp * hold.jaw;
-}
-
-std::vector<Isometry3d> flanges(const Strip& strip, const Hold& hold, bool clamp_b, std::size_t step) {
+std::vector<Isometry3d> flanges(const Strip& strip, const Hold& hold, bool clamp_b) {
   std::vector<Isometry3d> path;
-  path.reserve(strip.poses.size() / step + 2);
-  for (std::size_t i = 0; i < strip.poses.size(); i += step) {
-    path.push_back(flange_by(hold, clamp_b ? strip.poses[i].b : strip.poses[i].a));
-    if (i + 1 < strip.poses.size() && i + step >= strip.poses.size()) i = strip.poses.size() - 1 - step;
-  }
+  path.reserve(strip.poses.size());
+  for (const BladePose& pose : strip.poses) path.push_back(hold.flange(clamp_b ? pose.b : pose.a));
   return path;
 }
 
@@ -72,8 +37,7 @@ BranchPath turned(const robot::Arm& arm, const BranchPath& path, robot::Turns& t
 }
 
 double score_of(const robot::PathMargins& m) {
-  return std::min({m.joint_rad.value / kGoodJoint_rad, m.wrist_rad.value / kGoodWrist_rad,
-                   m.elbow_rad.value / kGoodElbow_rad, m.shoulder_mm.value / kGoodShoulder_mm});
+  return share_of_good(m.joint_rad.value, m.wrist_rad.value, m.elbow_rad.value, m.shoulder_mm.value);
 }
 
 // One branch of one way round, and what is said of it.
@@ -175,48 +139,6 @@ bool further(const ArmChoice& a, const ArmChoice& b) {
 
 }  // namespace
 
-Pose placed(const Pose& design_to_cell, const ArmPlace& place) {
-  Pose moved = design_to_cell;
-  if (place.yaw_rad != 0) {
-    const Eigen::Quaterniond turn(Eigen::AngleAxisd(place.yaw_rad, Eigen::Vector3d::UnitZ()));
-    moved.p = turn * moved.p;
-    moved.q = robot::canonical((turn * moved.q).normalized());
-  }
-  moved.p += Eigen::Vector3d(place.dx_mm, place.dy_mm, place.raise_mm);
-  return moved;
-}
-
-Pose unplaced(const Pose& design_to_cell, const ArmPlace& place) {
-  Pose moved = design_to_cell;
-  moved.p -= Eigen::Vector3d(place.dx_mm, place.dy_mm, place.raise_mm);
-  return placed(moved, {0, false, 0, 0, -place.yaw_rad});
-}
-
-Isometry3d flange_of(const robot::CellArm& arm, const Pose& design_to_cell, const BladePose& pose,
-                     bool clamp_b, bool flip) {
-  return flange_by(hold_of(arm, design_to_cell, clamp_b, flip), clamp_b ? pose.b : pose.a);
-}
-
-double score(const Strip& strip, const robot::Cell& cell, const ArmPlace& place) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const bool clamp_b : {false, true}) {
-    const robot::CellArm& arm = arm_of(cell, place, clamp_b);
-    double best = -1;
-    for (const bool flip : ways_round(arm)) {
-      const Hold hold = hold_of(arm, placed(strip.design_to_cell, place), clamp_b, flip);
-      const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, kScoreStep);
-      for (const BranchPath& branch : robot::follow_branches(arm.model.arm, path)) {
-        if (branch.size() < path.size()) continue;
-        robot::Turns turns{};
-        best = std::max(best,
-                        score_of(robot::path_margins(arm.model.arm, turned(arm.model.arm, branch, turns))));
-      }
-    }
-    least = std::min(least, best);
-  }
-  return least;
-}
-
 ArmChoice choose_branch(const Strip& strip, const robot::Cell& cell, const ArmPlace& place, bool clamp_b) {
   const robot::CellArm& arm = arm_of(cell, place, clamp_b);
   const Judge judge(strip, cell, arm, clamp_b);
@@ -224,7 +146,7 @@ ArmChoice choose_branch(const Strip& strip, const robot::Cell& cell, const ArmPl
   bool first = true;
   for (const bool flip : ways_round(arm)) {
     const Hold hold = hold_of(arm, placed(strip.design_to_cell, place), clamp_b, flip);
-    const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b, 1);
+    const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b);
     const auto branches = robot::follow_branches(arm.model.arm, path);
     for (std::size_t branch = 0; branch < robot::kBranches; ++branch) {
       const std::size_t poses = branches[branch].size();

@@ -14,6 +14,7 @@
 #include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
 #include "pipeline/export/waypoint_files.hpp"
+#include "pipeline/program/straight_start.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "surface/read/design_surface.hpp"
@@ -114,8 +115,8 @@ std::vector<std::string> moves_of(const std::vector<ExportedFile>& files, const 
     if (file.name != name) continue;
     all = lines_with(file.text, word);
   }
-  if (all.size() < kApproachMoves) return {};
-  all.erase(all.begin(), all.begin() + kApproachMoves);
+  if (all.size() < kStartMoves) return {};
+  all.erase(all.begin(), all.begin() + kStartMoves);
   return all;
 }
 
@@ -236,16 +237,15 @@ TEST(RobotPrograms, PutTheStraightBladeInBeforeTheyBendIt) {
       EXPECT_NEAR((job->load.pose.q * Eigen::Vector3d::UnitX()).dot(along.normalized()), 1, 1e-12);
     // From there the jaws come together evenly, and end where the strip begins.
     double before = along.norm();
-    for (int k = 0; k < kApproachMoves; ++k) {
+    for (int k = 0; k < kStartMoves; ++k) {
       const auto i = static_cast<std::size_t>(k);
       const double chord = (b.steps[i].to.pose.p - a.steps[i].to.pose.p).norm();
       EXPECT_LE(chord, before + 1e-9);
       before = chord;
     }
     const Pose first = waypoints(program.strips[s]).front().a;
-    EXPECT_LE((a.steps[kApproachMoves - 1].to.pose.p - first.p).norm(), 1e-9);
-    EXPECT_LE((a.steps[kApproachMoves - 2].to.pose.p - first.p).norm(), 1.0)
-        << "no jump to the first waypoint";
+    EXPECT_LE((a.steps[kStartMoves - 1].to.pose.p - first.p).norm(), 1e-9);
+    EXPECT_LE((a.steps[kStartMoves - 2].to.pose.p - first.p).norm(), 1.0) << "no jump to the first waypoint";
   }
 }
 

@@ -9,6 +9,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
+#include "pipeline/preview/draw_parts.hpp"
 #include "pipeline/preview/exchange.hpp"
 #include "pipeline/preview/view_model.hpp"
 #include "tests/pipeline/vault_program.hpp"
@@ -56,12 +57,56 @@ TEST_F(CellView, PlacesAreThoseOfTheParts) {
   const auto places = cell_places(shown_, strip, pose);
   ASSERT_EQ(parts.size(), places.size());
   for (std::size_t i = 0; i < parts.size(); ++i)
-    EXPECT_EQ((parts[i].place.matrix() - places[i].matrix()).norm(), 0) << parts[i].name;
+    EXPECT_EQ((parts[i].place.matrix() - places[i].at.matrix()).norm(), 0) << parts[i].name;
   const auto has = [&](const std::string& name) {
     return std::any_of(parts.begin(), parts.end(), [&](const CellPart& part) { return part.name == name; });
   };
   for (const char* name : {"arm_R1_base_link", "arm_R1_link_6", "arm_R2_tool", "the table", "the plinth"})
     EXPECT_TRUE(has(name)) << name;
+}
+
+TEST_F(CellView, ColoursLinksByTheMarginsOfTheirJoints) {
+  const Strip& strip = program_.strips[0];
+  const BladePose& pose = strip.poses[7];
+  for (const CellPart& part : cell_parts(shown_, strip, pose)) EXPECT_FALSE(part.margin_rad) << part.name;
+  shown_.by_margin = true;
+  std::size_t links = 0;
+  for (const CellPart& part : cell_parts(shown_, strip, pose)) {
+    if (!part.margin_rad) continue;
+    ++links;
+    // "arm_R1_link_3" is moved by the third joint.
+    const std::size_t joint = static_cast<std::size_t>(part.name.back() - '1');
+    ASSERT_LT(joint, kArmJoints) << part.name;
+    const std::string id = part.name.substr(4, 2);
+    const ProgramArm& arm = program_.cell->arms[program_.cell->arms[0].id == id ? 0 : 1];
+    const double q = (strip.arms->a.arm == id ? pose.joints->a : pose.joints->b)[joint];
+    EXPECT_NEAR(*part.margin_rad, std::min(q - arm.joints[joint].min_rad, arm.joints[joint].max_rad - q),
+                1e-12)
+        << part.name;
+  }
+  EXPECT_EQ(links, 12u);
+  const Rgb none = margin_color(0), beyond = margin_color(-1), good = margin_color(kGreenMargin_rad),
+            better = margin_color(3);
+  EXPECT_EQ(none, beyond);
+  EXPECT_EQ(good, better);
+  EXPECT_GT(none[0], none[1]);
+  EXPECT_GT(good[1], good[0]);
+  SceneOptions options;
+  options.strip = "S001";
+  options.at_s = pose.t;
+  options.cell = &shown_;
+  EXPECT_THAT(scene_of(program_, nullptr, options).caption.back(), HasSubstr("green 30 deg off"));
+}
+
+TEST_F(CellView, CardsSayHowTheArmsDo) {
+  const ViewModel model = view_model(program_, nullptr, {});
+  const auto lines = [&](const Selection& selection) {
+    std::string all;
+    for (const std::string& line : card_of(model, selection).lines) all += line + "\n";
+    return all;
+  };
+  EXPECT_THAT(lines({Part::kStrip, 0, -1}), HasSubstr(" from its limit\nnearest "));
+  EXPECT_THAT(lines({Part::kPose, 0, 5}), HasSubstr(" from its limit\n"));
 }
 
 TEST_F(CellView, StandsInScenesWithATimeUpAsInTheCell) {

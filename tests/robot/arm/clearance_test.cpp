@@ -171,5 +171,60 @@ TEST(ProvedClear, MissesNothingThatIsCrossedBetweenTwoPoses) {
   }
 }
 
+// Needles and thin plates on a random surface point of a random body, where it is at a random moment between
+// two poses of a random way.
+TEST(ProvedClear, MissesNoneOfAThousandThatAreCrossed) {
+  std::mt19937_64 random(29);
+  const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  const Swing still = swing(3, 0);
+  int hidden = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    Cell cell = still.cell;
+    const Arm& arm = cell.arms[0].model.arm;
+    // One body alone, so that what is found is what was planted. Links 1 to 6 keep from what stands.
+    std::vector<Body> bodies = cell.arms[0].model.bodies;
+    bodies.push_back({"tool", kJoints, {}, cell.arms[0].tool.shapes});
+    for (Shape& shape : bodies.back().shapes) shape.place = arm.flange_at_zero() * shape.place;
+    std::erase_if(bodies, [](const Body& body) { return body.moved_by == 0 || body.shapes.empty(); });
+    const Body body = bodies[random() % bodies.size()];
+    for (CellArm& one : cell.arms) {
+      one.model.bodies.clear();
+      one.tool.shapes.clear();
+    }
+    cell.arms[0].model.bodies = {body};
+    CellPath path;
+    JointAngles q = random_joints(arm, random), rate;
+    for (int i = 0; i < q.size(); ++i) rate[i] = any(-0.4, 0.4);
+    for (int k = 0; k < 6; ++k) {
+      path.t.push_back(0.05 * k);
+      path.joints[0].push_back(q);
+      path.joints[1].push_back(still.path.joints[1][0]);
+      for (int i = 0; i < q.size(); ++i) rate[i] += any(-0.02, 0.02);
+      q += rate;
+    }
+    const std::size_t step = random() % 5;
+    const double share = any(0.1, 0.9);
+    const JointAngles between =
+        path.joints[0][step] + share * (path.joints[0][step + 1] - path.joints[0][step]);
+    const std::vector<Triangle> surface = Solid(body.shapes).triangles();
+    const Triangle& t = surface[random() % surface.size()];
+    const double u = any(0, 1), v = any(0, 1 - u);
+    const Vector3d at = Isometry3d(Eigen::Translation3d(cell.arms[0].base.p)) *
+                        link_motions(arm, between)[body.moved_by] *
+                        (t[0] + u * (t[1] - t[0]) + v * (t[2] - t[0]));
+    Isometry3d place = Isometry3d::Identity();
+    place.linear() =
+        Eigen::Quaterniond(any(-1, 1), any(-1, 1), any(-1, 1), any(-1, 1)).normalized().toRotationMatrix();
+    place.translation() = at;
+    const Vector3d size = trial % 2 == 0 ? Vector3d(1, 1, 60) : Vector3d(60, 60, 1);
+    const std::vector<Standing> planted{{Standing::What::kObstacle, "planted", {{place, Box{size}}}}};
+    const Clearance proved = prove_clear(cell, planted, path);
+    ASSERT_TRUE(proved.worst) << trial << ": " << body.link << " crosses it after pose " << step;
+    EXPECT_EQ(proved.worst->second, "planted");
+    if (!sampled_clearance(cell, planted, path, 1).worst) ++hidden;
+  }
+  EXPECT_GT(hidden, 250) << "poses alone find the others";
+}
+
 }  // namespace
 }  // namespace hotblade::robot

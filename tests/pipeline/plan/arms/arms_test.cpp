@@ -6,11 +6,14 @@
 
 #include <cmath>
 #include <functional>
+#include <random>
 
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
 #include "pipeline/plan/motion/slower.hpp"
+#include "pipeline/program/program_text.hpp"
+#include "pipeline/program/straight_start.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
@@ -98,7 +101,7 @@ TEST(WithArms, TakesTheLeastHeightThatIsGood) {
   const double raise = armed.program.strips[0].arms->raise_mm;
   EXPECT_EQ(armed.program.strips[0].design_to_cell.p.z(), program.strips[0].design_to_cell.p.z() + raise);
   for (double lower = 0; lower < raise; lower += 100)
-    EXPECT_LT(score(program.strips[0], cell, {lower, false}), 1) << "a lower place was as good";
+    EXPECT_LT(PlaceScorer(program.strips[0], cell)({lower, false}), 1) << "a lower place was as good";
   EXPECT_FALSE(armed.program.strips[0].arms->nearest_mm.empty());
   const Program clear = clear_vault(cell);
   cell.place.how = robot::Placing::kFixed;
@@ -108,6 +111,77 @@ TEST(WithArms, TakesTheLeastHeightThatIsGood) {
   cell.place.how = robot::Placing::kRaise;
   cell.place.raise_mm = {raise + 100, raise + 100};
   EXPECT_EQ(with_arms(program, cell).program.strips[0].arms->raise_mm, raise + 100);
+}
+
+// What is scored at once is what path and margins say one after the other, with jaws on axis 6 and off it.
+TEST(PlaceScorer, SaysWhatTheBranchesSay) {
+  const Program program = envelope_for(testing::vault_program({.poses = 400}));
+  const Strip& strip = program.strips[0];
+  std::mt19937_64 random(3);
+  const auto any = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };
+  std::size_t served = 0;
+  for (const char* name : {"two_irb4600", "two_kr50"}) {
+    robot::Cell cell = cell_named(name);
+    for (int trial = 0; trial < 60; ++trial) {
+      cell.arms[1].tool.jaw_p_mm = {trial % 2 == 0 ? 0.0 : 80.0, 0, 250};
+      cell.arms[0].tool.flip = trial % 3 != 0;
+      const ArmPlace place{any(0, 400), trial % 4 == 0, any(-300, 300), any(-300, 300), any(-0.5, 0.5)};
+      double slow = 10;
+      for (const bool clamp_b : {false, true}) {
+        const robot::CellArm& arm = cell.arms[clamp_b != place.swapped ? 1 : 0];
+        double best = -1;
+        for (const bool flip : {false, true}) {
+          if (flip && !arm.tool.flip) continue;
+          const Hold hold = hold_of(arm, placed(strip.design_to_cell, place), clamp_b, flip);
+          std::vector<Isometry3d> path;
+          for (std::size_t k = 0; k < strip.poses.size(); k += 150)
+            path.push_back(hold.flange(clamp_b ? strip.poses[k].b : strip.poses[k].a));
+          path.push_back(hold.flange(clamp_b ? strip.poses.back().b : strip.poses.back().a));
+          for (const robot::BranchPath& branch : robot::follow_branches(arm.model.arm, path)) {
+            if (branch.size() < path.size()) continue;
+            robot::BranchPath turned;
+            const robot::Turns turns = robot::fit_turns(arm.model.arm, branch);
+            for (const robot::JointAngles& q : branch) turned.push_back(robot::with_turns(q, turns));
+            const robot::PathMargins m = robot::path_margins(arm.model.arm, turned);
+            best = std::max(best, share_of_good(m.joint_rad.value, m.wrist_rad.value, m.elbow_rad.value,
+                                                m.shoulder_mm.value));
+          }
+        }
+        slow = std::min(slow, best);
+      }
+      const double fast = PlaceScorer(strip, cell)(place);
+      if (slow > 0) {
+        EXPECT_NEAR(fast, slow, 1e-9) << name << " " << trial;
+        ++served;
+      } else {
+        EXPECT_LE(fast, 0) << name << " " << trial;
+      }
+    }
+  }
+  EXPECT_GT(served, 40u);
+}
+
+// Slow arms make a program slower; other arms begin with the clamps' own times again.
+TEST(WithArms, TimesOfFormerArmsAreForgotten) {
+  const robot::Cell quick = cell_named("two_irb4600");
+  robot::Cell slow = quick;
+  for (robot::CellArm& arm : slow.arms) {
+    arm.acceleration_rad_s2.fill(0.01);
+    arm.jerk_rad_s3.fill(0.03);
+  }
+  const Program program = clear_vault(quick);
+  const ArmedProgram late = with_arms(program, slow);
+  ASSERT_THAT(late.report.refusals, IsEmpty()) << describe(late.report.refusals.front());
+  const Strip& strip = late.program.strips[0];
+  ASSERT_GT(strip.poses.back().t, program.strips[0].poses.back().t + 0.5);
+  ASSERT_THAT(strip.arms->clamp_times_s, SizeIs(strip.poses.size()));
+  // Through a file, as a user does it.
+  const Program read = parse_program(to_json(late.program), "late.json");
+  EXPECT_EQ(read.strips[0].arms->clamp_times_s, strip.arms->clamp_times_s);
+  EXPECT_EQ(to_json(with_arms(read, quick).program), to_json(with_arms(program, quick).program));
+  Program broken = late.program;
+  broken.strips[0].arms->clamp_times_s.pop_back();
+  EXPECT_THROW((void)parse_program(to_json(broken), "broken.json"), Error);
 }
 
 TEST(WithArms, SearchesWhereHeightsDoNotServe) {
@@ -188,6 +262,30 @@ TEST(WithArms, RefusesAFenceInTheWayByName) {
   EXPECT_THAT(
       said,
       HasSubstr("5 are out of reach, 0 at joint limits, 0 next to singular, 5 not clear, 0 too slow a cut"));
+}
+
+// A block where only the tool that brings the straight blade comes: the strip itself is clear of it.
+TEST(WithArms, RefusesWhatStandsInTheWayOfTheStraightBlade) {
+  robot::Cell cell = cell_named("two_irb4600");
+  const Program program = clear_vault(cell);
+  cell.place.how = robot::Placing::kFixed;
+  ASSERT_THAT(with_arms(program, cell).report.refusals, IsEmpty());
+  const Strip& strip = program.strips[0];
+  const std::vector<BladePose> start = straight_start(strip);
+  ASSERT_EQ(start.size(), static_cast<std::size_t>(kStartMoves) + 1);
+  // Straight, and bent to the first pose without a jump.
+  EXPECT_EQ(start.front().blade.kappa, 0);
+  EXPECT_NEAR((start.front().b.p - start.front().a.p).norm(), strip.blade_length_mm, 1e-9);
+  EXPECT_LE((start.back().a.p - strip.poses.front().a.p).norm(), 1e-9);
+  EXPECT_LE((start[start.size() - 2].a.p - strip.poses.front().a.p).norm(), 1);
+  const Pose held = robot::transformed(strip.design_to_cell, start.front().a);
+  robot::Obstacle post{"post", {}, {Isometry3d::Identity(), robot::Box{{30, 30, 30}}}};
+  post.at.p = held.p - 150 * (held.q * Vector3d::UnitX());
+  cell.obstacles.push_back(post);
+  const std::string said = refusal_in(cell, program, Limit::kArmClearance);
+  EXPECT_THAT(said, HasSubstr(" before the strip begins: arm R"));
+  EXPECT_THAT(said, HasSubstr("tool is 0.0 mm from post"));
+  EXPECT_THAT(said, HasSubstr("where the straight blade is bent to the strip's first shape"));
 }
 
 TEST(WithArms, RefusesALimitJustBelowNeed) {

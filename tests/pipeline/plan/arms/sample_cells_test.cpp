@@ -1,6 +1,7 @@
 // The samples in the cells that come with the program: joints found, and measured again.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <fstream>
 #include <map>
@@ -16,6 +17,7 @@
 #include "pipeline/run/dryrun.hpp"
 #include "surface/read/design_surface.hpp"
 #include "tests/paths.hpp"
+#include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
@@ -84,6 +86,20 @@ TEST_P(PlanSample, BothCellsServe) {
       EXPECT_LE(with.arms->jerk_s, 0.05 * without.poses.back().t);
     }
   }
+}
+
+// Plan and arms, whatever the number of threads.
+TEST(PlannedSample, GivesTheSameBytesWithOneThreadAndTwoInACell) {
+  std::string texts[2];
+  for (const std::size_t threads : {1u, 2u}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const ArmedProgram armed =
+        with_arms(plan(cylinder_design(), along_x(), {}).program, read_cell("two_irb4600"));
+    ASSERT_TRUE(armed.report.refusals.empty()) << describe(armed.report.refusals.front());
+    ASSERT_TRUE(armed.program.cell);
+    texts[threads - 1] = to_json(armed.program);
+  }
+  EXPECT_EQ(texts[0], texts[1]);
 }
 
 // Blades turned by 90 degrees bring the wrists down to the table.
