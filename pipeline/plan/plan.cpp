@@ -430,7 +430,10 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   conclude(design, result);
-  result.foam = foam_to_buy(program);
+  result.foam = foam_to_buy(program, [&] {
+    gpu::stop_point();
+    progress.looked_at("verify", 1);
+  });
   return result;
 }
 

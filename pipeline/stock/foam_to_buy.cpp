@@ -4,7 +4,7 @@
 
 namespace hotblade::pipeline {
 
-std::optional<Nesting> foam_to_buy(const Program& program) {
+std::optional<Nesting> foam_to_buy(const Program& program, const std::function<void()>& watch) {
   const StockSettings& stock = program.settings.stock;
   if (stock.sizes_mm.empty() || program.strips.empty()) return std::nullopt;
   std::vector<BoxSize> pieces;
@@ -15,7 +15,7 @@ std::optional<Nesting> foam_to_buy(const Program& program) {
                      [&](const BoxSize& sold) { return holds(sold, pieces.back()); }))
       return std::nullopt;
   }
-  return nest(pieces, stock.sizes_mm, stock.saw_mm);
+  return nest(pieces, stock.sizes_mm, stock.saw_mm, watch);
 }
 
 }  // namespace hotblade::pipeline

@@ -1,6 +1,7 @@
 // The foam that a program's blocks are sawn out of.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "pipeline/program/program.hpp"
@@ -10,6 +11,8 @@ namespace hotblade::pipeline {
 
 // Returns how the blocks of a program's strips, in their order, lie in stock of `stock.sizes_mm`; nothing
 // where no sizes are set, there are no strips, or a block is within none of the sizes.
-[[nodiscard]] std::optional<Nesting> foam_to_buy(const Program& program);
+// `watch` as for nest().
+[[nodiscard]] std::optional<Nesting> foam_to_buy(const Program& program,
+                                                 const std::function<void()>& watch = {});
 
 }  // namespace hotblade::pipeline

@@ -226,7 +226,8 @@ bool holds(const BoxSize& size, const BoxSize& piece) {
   return fits(sorted(piece), sorted(size));
 }
 
-Nesting nest(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, double saw_mm) {
+Nesting nest(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, double saw_mm,
+             const std::function<void()>& watch) {
   check(pieces);
   check(sizes);
   if (!(saw_mm >= 0) || !std::isfinite(saw_mm)) throw std::logic_error("a saw takes no less than nothing");
@@ -244,6 +245,7 @@ Nesting nest(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, do
   best.bought_mm3 = std::numeric_limits<double>::infinity();
   for (const std::vector<std::size_t>& order : orders(pieces)) {
     for (std::size_t way = 0; way < 2 * (sold.size() + 1); ++way) {
+      if (watch) watch();
       const std::vector<Filling> filled = packer.pack(order, way / 2, way % 2 == 1);
       double bought = 0;
       for (const Filling& filling : filled) bought += volume(filling.block.size);

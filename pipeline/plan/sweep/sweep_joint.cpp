@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <stdexcept>
 
@@ -174,12 +175,29 @@ class Terms : public ceres::EvaluationCallback {
   }
 };
 
-// Nothing may be thrown through the solver: it is told to end, and what it then says is not used.
-class EndsWhenStopped : public ceres::IterationCallback {
+// Tells after each step how far the work is. Nothing may be thrown through the solver: it is told to end, and
+// what it then says is not used.
+class Watched : public ceres::IterationCallback {
  public:
+  Watched(const std::function<void()>& watch, std::size_t fits) : watch_(watch), fits_(fits) {}
+
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
-    return gpu::stop_asked() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+    if (gpu::stop_asked()) return ceres::SOLVER_ABORT;
+    try {
+      for (std::size_t i = 0; watch_ && i < fits_; ++i) watch_();
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
+    return thrown_ ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
   }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  const std::function<void()>& watch_;
+  std::size_t fits_;
+  std::exception_ptr thrown_;
 };
 
 class SectionCost : public ceres::CostFunction {
@@ -306,7 +324,8 @@ SweepFitReport report_of(const Unknowns& unknowns, const ceres::Solver::Summary&
 }  // namespace
 
 std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
-                                         const std::vector<PartSeam>& seams) {
+                                         const std::vector<PartSeam>& seams,
+                                         const std::function<void()>& watch) {
   std::vector<Unknowns> unknowns;
   Terms terms;
   for (const JointPart& part : parts) {
@@ -370,11 +389,14 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   solver.max_num_iterations = 15;
   solver.function_tolerance = 1e-4;
   solver.logging_type = ceres::SILENT;
-  EndsWhenStopped ends;
-  solver.callbacks = {&ends};
+  // A step takes about what the fits of an eighth of the parts take.
+  constexpr std::size_t kPartsPerFit = 8;
+  Watched watched(watch, 1 + parts.size() / kPartsPerFit);
+  solver.callbacks = {&watched};
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   gpu::stop_point();
+  watched.rethrow();
   std::vector<SweepFitReport> reports(unknowns.size());
   tbb::parallel_for(std::size_t{0}, unknowns.size(),
                     [&](std::size_t i) { reports[i] = report_of(unknowns[i], summary); });

@@ -7,6 +7,7 @@
 // strips (Ceres).
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_fit.hpp"
@@ -23,8 +24,10 @@ struct JointPart {
 
 // Returns the fits of all parts, in their order. The same input gives the same bytes, whatever the number of
 // threads. Parts that no seam names are fitted as they are. Throws std::logic_error where a part has no
-// sections.
+// sections. `watch` is called now and then by this thread, about as often as fits of as much work would; what
+// it throws ends the fit.
 [[nodiscard]] std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
-                                                       const std::vector<PartSeam>& seams);
+                                                       const std::vector<PartSeam>& seams,
+                                                       const std::function<void()>& watch = {});
 
 }  // namespace hotblade::pipeline

@@ -326,7 +326,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     joined[i] = {std::move(data), std::move(options), fit.family, wanted_mm()};
   });
   gpu::stop_point();
-  const std::vector<SweepFitReport> fits = fit_together(joined, seams);
+  const std::vector<SweepFitReport> fits = fit_together(joined, seams, watch_);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     watch_();
     PartPlan& plan = plans[i];

@@ -135,6 +135,13 @@ TEST(Nest, OfRandomPiecesIsSawnWithoutTouching) {
   }
 }
 
+TEST(Nest, EndsWhereItsWatchThrows) {
+  struct Ended {};
+  EXPECT_THROW((void)nest(std::vector<BoxSize>(3, {100, 100, 100}), std::vector<BoxSize>{{600, 600, 600}}, 0,
+                          [] { throw Ended(); }),
+               Ended);
+}
+
 TEST(Nest, RefusesWhatNoStockHolds) {
   EXPECT_THROW((void)nest(std::vector<BoxSize>{{700, 10, 10}}, std::vector<BoxSize>{{600, 600, 600}}, 0),
                std::logic_error);

@@ -175,6 +175,15 @@ TEST(SweepJoint, WithoutSeamsEachPartStaysNearItsOwnFit) {
   }
 }
 
+TEST(SweepJoint, EndsWhereItsWatchThrows) {
+  const Halves halves(Vector3d::UnitX());
+  int told = 0;
+  (void)fit_together(halves.parts, halves.met, [&] { ++told; });
+  EXPECT_GE(told, 2);
+  struct Ended {};
+  EXPECT_THROW((void)fit_together(halves.parts, halves.met, [] { throw Ended(); }), Ended);
+}
+
 TEST(SweepJoint, RefusesAPartWithoutSections) {
   EXPECT_THROW((void)fit_together({JointPart{}}, {}), std::logic_error);
 }
