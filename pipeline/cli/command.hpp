@@ -58,6 +58,7 @@ enum class Paint { kGood, kBad, kWarning };
 using Action = std::function<Exit()>;
 void add_check(CLI::App& app, const Console& console, Action& action);
 void add_plan(CLI::App& app, const Console& console, Action& action);
+void add_calibrate(CLI::App& app, const Console& console, Action& action);
 void add_verify(CLI::App& app, const Console& console, Action& action);
 void add_cell(CLI::App& app, const Console& console, Action& action);
 void add_config(CLI::App& app, const Console& console, Action& action);

@@ -26,9 +26,9 @@ namespace {
 
 using Registrar = void (*)(CLI::App&, const Console&, Action&);
 constexpr Registrar kCommands[] = {
-    add_check,  add_plan,       add_place,   add_verify, add_cell,  add_config,
-    add_curve,  add_study,      add_preview, add_sim,    add_run,   add_dryrun,
-    add_export, add_completion, add_ribs,    add_batch,  add_stock,
+    add_check,  add_plan,   add_place,      add_verify,  add_calibrate, add_cell,
+    add_config, add_curve,  add_study,      add_preview, add_sim,       add_run,
+    add_dryrun, add_export, add_completion, add_ribs,    add_batch,     add_stock,
 };
 
 std::atomic<bool> g_interrupted{false};

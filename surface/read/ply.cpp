@@ -193,8 +193,8 @@ class PlyBinaryValues {
 template <class Values>
 class PlyBody {
  public:
-  PlyBody(const PlyHeader& header, Values values, const std::string& name, double limit)
-      : header_(header), values_(std::move(values)), name_(name), limit_(limit) {
+  PlyBody(const PlyHeader& header, Values values, const std::string& name, double limit, bool points_alone)
+      : header_(header), values_(std::move(values)), name_(name), limit_(limit), points_alone_(points_alone) {
     polygons_.place = Values::place();
   }
 
@@ -203,7 +203,7 @@ class PlyBody {
     for (const PlyElement& element : header_.elements) {
       if (element.name == "vertex") {
         read_vertices(element);
-      } else if (element.name == "face") {
+      } else if (element.name == "face" && !points_alone_) {
         read_faces(element);
       } else {
         pass_over(element);
@@ -224,6 +224,12 @@ class PlyBody {
     if (vertex == nullptr || vertex->count == 0)
       fail_in(vertex != nullptr ? vertex->line : header_.lines,
               "no vertices in the file: export the design as a polygon mesh");
+    vertices_ = static_cast<long long>(vertex->count);
+    if (vertex->count > kMostIndices)
+      fail_in(vertex->line,
+              "too many vertices (limit " + std::to_string(kMostIndices) + "): thin the mesh out");
+    for (std::size_t axis = 0; axis < 3; ++axis) axes_[axis] = axis_of(*vertex, axis);
+    if (points_alone_) return;
     if (face == nullptr && find("tristrips") != nullptr)
       fail_in(find("tristrips")->line, "triangle strips are not read: export single triangles");
     if (face == nullptr || face->count == 0) {
@@ -231,14 +237,9 @@ class PlyBody {
               "no faces in the file (" + std::to_string(vertex->count) +
                   " vertices): export a mesh, not a cloud of points");
     }
-    if (vertex->count > kMostIndices)
-      fail_in(vertex->line,
-              "too many vertices (limit " + std::to_string(kMostIndices) + "): thin the mesh out");
     if (face->count > kMostIndices / 3)
       fail_in(face->line,
               "too many faces (limit " + std::to_string(kMostIndices / 3) + "): thin the mesh out");
-    vertices_ = static_cast<long long>(vertex->count);
-    for (std::size_t axis = 0; axis < 3; ++axis) axes_[axis] = axis_of(*vertex, axis);
     find_list(*face);
   }
 
@@ -360,6 +361,7 @@ class PlyBody {
   Values values_;
   const std::string& name_;
   double limit_;
+  bool points_alone_;
   std::array<std::size_t, 3> axes_{};
   std::size_t list_ = 0;
   long long vertices_ = 0;
@@ -367,13 +369,21 @@ class PlyBody {
   Polygons polygons_;
 };
 
+Polygons parsed_ply(std::string_view bytes, const std::string& name, double limit, bool points_alone) {
+  const PlyHeader header = parse_ply_header(bytes, name);
+  if (header.encoding == PlyEncoding::kText)
+    return PlyBody(header, PlyTextValues(bytes, header, name), name, limit, points_alone).read();
+  return PlyBody(header, PlyBinaryValues(bytes, header, name), name, limit, points_alone).read();
+}
+
 }  // namespace
 
 Polygons parse_ply(std::string_view bytes, const std::string& name, double limit) {
-  const PlyHeader header = parse_ply_header(bytes, name);
-  if (header.encoding == PlyEncoding::kText)
-    return PlyBody(header, PlyTextValues(bytes, header, name), name, limit).read();
-  return PlyBody(header, PlyBinaryValues(bytes, header, name), name, limit).read();
+  return parsed_ply(bytes, name, limit, false);
+}
+
+std::vector<Eigen::Vector3d> parse_ply_points(std::string_view bytes, const std::string& name, double limit) {
+  return parsed_ply(bytes, name, limit, true).positions;
 }
 
 }  // namespace hotblade::surface

@@ -15,4 +15,9 @@ namespace hotblade::surface {
 // usable.
 [[nodiscard]] Polygons parse_ply(std::string_view bytes, const std::string& name, double limit);
 
+// Returns the vertices of a PLY alone, as of a scan: it needs no faces, and those that it has are passed
+// over. Throws as parse_ply does.
+[[nodiscard]] std::vector<Eigen::Vector3d> parse_ply_points(std::string_view bytes, const std::string& name,
+                                                            double limit);
+
 }  // namespace hotblade::surface

@@ -50,6 +50,7 @@ pipeline/settings: elastica/* robot/pose robot/blade
 pipeline/cell: elastica/* robot/pose robot/arm pipeline/settings
 pipeline/program: elastica/* surface/* robot/* pipeline/settings
 pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program
+pipeline/calibrate: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
 pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion
@@ -64,7 +65,7 @@ pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/p
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/calibrate pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
 '
 
 declare -A may
