@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <stdexcept>
 #include <vector>
 
 #include "pipeline/report/report_plots.hpp"
@@ -25,7 +26,7 @@ std::string letters(std::size_t i) {
 }
 
 bool same_box(const StockBox& a, const StockBox& b) {
-  constexpr double kSame_mm = 1e-6;
+  constexpr double kSame_mm = 1e-4;  // far more than rounding, far less than a saw can tell
   for (std::size_t k = 0; k < 3; ++k) {
     if (std::abs(a.at[k] - b.at[k]) > kSame_mm || std::abs(a.size[k] - b.size[k]) > kSame_mm) return false;
   }
@@ -82,6 +83,13 @@ std::string foam_picture(const BoughtBlock& block, const Program& program) {
   return svg + "</svg>";
 }
 
+std::size_t number_of(const std::vector<StockBox>& parts, const StockBox& box) {
+  const auto found =
+      std::find_if(parts.begin(), parts.end(), [&](const StockBox& p) { return same_box(p, box); });
+  if (found == parts.end()) throw std::logic_error("cuts have to be of parts that are there");
+  return static_cast<std::size_t>(found - parts.begin());
+}
+
 std::string cuts_table(const BoughtBlock& block, const Program& program, double saw_mm, const Words& w) {
   static constexpr std::array kAxes{"length", "width", "height"};
   std::vector<StockBox> parts{{{0, 0, 0}, block.size}};
@@ -89,17 +97,16 @@ std::string cuts_table(const BoughtBlock& block, const Program& program, double 
   for (std::size_t i = 0; i < block.cuts.size(); ++i) {
     const SawCut& cut = block.cuts[i];
     const auto axis = static_cast<std::size_t>(cut.axis);
-    const auto found =
-        std::find_if(parts.begin(), parts.end(), [&](const StockBox& p) { return same_box(p, cut.of); });
-    const auto part = static_cast<std::size_t>(found - parts.begin());
-    StockBox off = *found;
-    found->size[axis] = cut.at;
+    const std::size_t part = number_of(parts, cut.of);
+    StockBox off = parts[part];
+    parts[part].size[axis] = cut.at;
     off.at[axis] += cut.at + saw_mm;
     off.size[axis] -= cut.at + saw_mm;
-    std::string gives = letters(part) + " " + edges_text(found->size);
-    if (off.size[axis] > 0.5) {
+    std::string gives = letters(part) + " " + edges_text(parts[part].size);
+    if (off.size[axis] > 0) {
       parts.push_back(off);
-      gives += ", " + letters(parts.size() - 1) + " " + edges_text(off.size);
+      // What reads as 0 mm is dust.
+      if (off.size[axis] >= 0.5) gives += ", " + letters(parts.size() - 1) + " " + edges_text(off.size);
     }
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"l\"><b>{}</b></td><td class=\"l\">{}</td><td>{:.1f}</td><td "
@@ -108,9 +115,7 @@ std::string cuts_table(const BoughtBlock& block, const Program& program, double 
   }
   std::string are;
   for (const NestedPiece& p : block.pieces) {
-    const auto found =
-        std::find_if(parts.begin(), parts.end(), [&](const StockBox& q) { return same_box(q, p.box); });
-    are += (are.empty() ? "" : ", ") + letters(static_cast<std::size_t>(found - parts.begin())) + " = <b>" +
+    are += (are.empty() ? "" : ", ") + letters(number_of(parts, p.box)) + " = <b>" +
            escaped(program.strips[p.piece].id) + "</b>";
   }
   std::string table;

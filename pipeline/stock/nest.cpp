@@ -85,15 +85,19 @@ struct Filling {
 
 class Packer {
  public:
-  Packer(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, double saw_mm)
-      : pieces_(pieces), sizes_(sizes), saw_mm_(saw_mm) {}
+  Packer(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, double saw_mm,
+         const std::function<void()>& watch)
+      : pieces_(pieces), sizes_(sizes), saw_mm_(saw_mm), watch_(watch) {}
 
   // All pieces in this order. New stock is of the preferred size where that holds the piece, else of the
   // smallest that does.
   [[nodiscard]] std::vector<Filling> pack(const std::vector<std::size_t>& order, std::size_t preferred,
                                           bool flush) const {
     std::vector<Filling> filled;
-    for (const std::size_t piece : order) {
+    constexpr std::size_t kOften = 64;  // pieces: some milliseconds
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const std::size_t piece = order[i];
+      if (watch_ && i % kOften == 0) watch_();
       if (!place(filled, piece, flush)) {
         filled.push_back({{size_for(piece, preferred), {}, {}}, {}});
         filled.back().left.push_back({{0, 0, 0}, filled.back().block.size});
@@ -164,6 +168,7 @@ class Packer {
   std::span<const BoxSize> pieces_;
   std::span<const BoxSize> sizes_;
   double saw_mm_;
+  const std::function<void()>& watch_;
 };
 
 // Random numbers that are the same everywhere (splitmix64).
@@ -183,7 +188,7 @@ class Random {
 
 // Orders to fill stock in: by volume, longest edge and base, the largest first; then these with neighbours
 // exchanged at random.
-std::vector<std::vector<std::size_t>> orders(std::span<const BoxSize> pieces) {
+std::vector<std::vector<std::size_t>> orders(std::span<const BoxSize> pieces, std::size_t ways) {
   const auto by = [&](auto key) {
     std::vector<std::size_t> order(pieces.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -197,8 +202,8 @@ std::vector<std::vector<std::size_t>> orders(std::span<const BoxSize> pieces) {
       by([](const BoxSize& s) { return std::tuple(s[0], s[1], s[2]); }),
       by([](const BoxSize& s) { return std::tuple(s[0] * s[1], s[2], s[0]); })};
   // Some hundred for a few pieces, fewer for many: a roof's are packed within some seconds.
-  constexpr std::size_t kWork = 6000, kMost = 120;
-  const std::size_t more = std::min(kMost, kWork / std::max<std::size_t>(1, pieces.size()));
+  constexpr std::size_t kWork = 48000, kMost = 120;
+  const std::size_t more = std::min(kMost, kWork / std::max<std::size_t>(1, pieces.size() * ways));
   Random random;
   for (std::size_t i = 0; i < more && pieces.size() > 1; ++i) {
     std::vector<std::size_t> order = all[i % 3];
@@ -236,16 +241,16 @@ Nesting nest(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, do
   for (const BoxSize& size : sizes) sold.push_back(sorted(size));
   std::sort(sold.begin(), sold.end());
   sold.erase(std::unique(sold.begin(), sold.end()), sold.end());
-  const Packer packer(pieces, sold, saw_mm);
+  const Packer packer(pieces, sold, saw_mm, watch);
   Nesting best;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     best.pieces_mm3 += volume(pieces[i]);
     best.apart_mm3 += volume(packer.smallest_for(i));
   }
   best.bought_mm3 = std::numeric_limits<double>::infinity();
-  for (const std::vector<std::size_t>& order : orders(pieces)) {
-    for (std::size_t way = 0; way < 2 * (sold.size() + 1); ++way) {
-      if (watch) watch();
+  const std::size_t ways = 2 * (sold.size() + 1);  // to fill stock in one order
+  for (const std::vector<std::size_t>& order : orders(pieces, ways)) {
+    for (std::size_t way = 0; way < ways; ++way) {
       const std::vector<Filling> filled = packer.pack(order, way / 2, way % 2 == 1);
       double bought = 0;
       for (const Filling& filling : filled) bought += volume(filling.block.size);

@@ -52,8 +52,8 @@ struct Nesting {
 // Returns stock that holds all pieces, of the sizes that are sold, and how they lie in it: the least volume
 // that some hundred orders of filling it find, not a proven least. A cut takes `saw_mm` of foam. The same
 // input gives the same nesting, whatever the order of the sizes. No size or piece may be empty, not finite or
-// not positive, and each piece needs a size that holds it (std::logic_error). `watch` is called for each of
-// these orders; what it throws ends the search.
+// not positive, and each piece needs a size that holds it (std::logic_error). `watch` is called every
+// few milliseconds; what it throws ends the search.
 [[nodiscard]] Nesting nest(std::span<const BoxSize> pieces, std::span<const BoxSize> sizes, double saw_mm,
                            const std::function<void()>& watch = {});
 

@@ -218,7 +218,18 @@ TEST(Sheets, SayWhichFoamToBuyAndWhereToSawIt) {
   EXPECT_EQ(count_of(page, "</td><td class=\"l\"><b>"), cuts + result.program.strips.size())
       << "a row for each cut, and for each block in the parts list";
   for (const Strip& strip : result.program.strips) EXPECT_THAT(page, HasSubstr(" = <b>" + strip.id + "</b>"));
+  // A block as large as the stock but for rounding, and one that leaves next to nothing.
+  const std::array<double, 3> stock{420, 250, 125};
+  for (const double less : {-1e-7, 1e-7, 1e-6, 2e-6, 1e-3, 0.3, 5.2}) {
+    result.program.strips[0].block.size_mm = {stock[0] - less, stock[1], stock[2] + less};
+    result.program.strips[1].block.size_mm = {stock[0] - less, 100 - less, stock[2] - less};
+    result.foam = foam_to_buy(result.program);
+    if (!result.foam) continue;
+    EXPECT_NO_THROW((void)sheets_html(result, "")) << less;
+  }
   result.program.settings.job.language = "de";
+  result.program.strips = planned().program.strips;
+  result.foam = foam_to_buy(result.program);
   EXPECT_THAT(sheets_html(result, ""), HasSubstr("Schaum einkaufen und s\u00e4gen"));
 }
 

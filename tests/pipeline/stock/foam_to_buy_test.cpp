@@ -34,6 +34,9 @@ TEST(FoamToBuy, SaysNothingOfABlockThatNoSizeHolds) {
   Program program = two_blocks();
   program.settings.stock.sizes_mm = {{620, 310, 99}};
   EXPECT_FALSE(foam_to_buy(program));
+  program.settings.stock.sizes_mm = {{620, 310, 100}};
+  program.strips[1].block.size_mm.z() = 0;
+  EXPECT_FALSE(foam_to_buy(program));
 }
 
 std::string error_of(std::vector<std::string> set) {
