@@ -76,9 +76,9 @@ template <typename T>
 // Tells a stage and the share that is done; throws where the work is to end.
 using Tell = std::function<void(const std::string& stage, double share)>;
 
-// Runs work on a thread of its own with so many threads (0: all cores), the interpreter's lock given up.
-// Meanwhile this thread wakes every 50 ms, calls `progress` (or None) and looks for signals; an exception of
-// either ends the work, and is thrown when it has ended. What the work throws is thrown here.
+// Runs work on a thread of its own with so many threads (1 to 1024, 0: all cores), the interpreter's lock
+// given up. Meanwhile this thread wakes every 50 ms, calls `progress` (or None) and looks for signals; an
+// exception of either ends the work, and is thrown when it has ended. What the work throws is thrown here.
 void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work);
 
 void add_curve(py::module_& module);

@@ -74,14 +74,24 @@ std::vector<std::filesystem::path> files_of(const py::object& files) {
 
 }  // namespace
 
-std::string toml_value(const py::handle& value, const std::string& key) {
+namespace {
+
+constexpr int kMostDepth = 2;  // of the lists of a setting: a list of pairs
+
+std::string text_of(const py::handle& value, const std::string& key, int depth) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
   if (py::isinstance<py::str>(value)) return nlohmann::json(value.cast<std::string>()).dump();
   const bool sequence = PySequence_Check(value.ptr()) != 0 && PySequence_Size(value.ptr()) >= 0;
   PyErr_Clear();  // an array of no dimension has no length, and is a number
   if (sequence) {
+    // A list within itself has no end.
+    if (depth == kMostDepth)
+      throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
+                            key +
+                                ": lists within lists within lists: give a number, a text, a list of numbers "
+                                "or a list of such lists");
     std::string text;
-    for (const py::handle& part : value) text += (text.empty() ? "" : ", ") + toml_value(part, key);
+    for (const py::handle& part : value) text += (text.empty() ? "" : ", ") + text_of(part, key, depth + 1);
     return "[" + text + "]";
   }
   if (PyIndex_Check(value.ptr()) != 0) {
@@ -97,6 +107,26 @@ std::string toml_value(const py::handle& value, const std::string& key) {
   throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
                         key + " (" + py::repr(value).cast<std::string>() +
                             "): give a number, a text or a list of numbers, or leave it out");
+}
+
+// None, or the () that an absent list of pairs is read as.
+bool says_absent(const py::handle& value) {
+  return value.is_none() ||
+         ((py::isinstance<py::tuple>(value) || py::isinstance<py::list>(value)) && py::len(value) == 0);
+}
+
+bool may_be_absent(const std::string& key) {
+  Settings defaults;
+  for (const pipeline::SettingField& field : pipeline::setting_fields())
+    if (full_key(field) == key) return !toml_text(field.place(defaults));
+  return false;
+}
+
+}  // namespace
+
+std::string toml_value(const py::handle& value, const std::string& key) {
+  if (says_absent(value) && may_be_absent(key)) return pipeline::kAbsent;
+  return text_of(value, key, 0);
 }
 
 std::vector<pipeline::SettingsFlag> flags_of(const py::object& values, const std::string& where) {

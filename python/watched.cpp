@@ -55,9 +55,11 @@ class Watch {
 }  // namespace
 
 void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work) {
-  if (threads < 0)
+  constexpr int kMostThreads = 1024;  // as of --jobs: many more are no arena that TBB can make
+  if (threads < 0 || threads > kMostThreads)
     throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
-                          "threads (" + std::to_string(threads) + ", limit 0): 0 takes all cores");
+                          "threads (" + std::to_string(threads) + ", must be 0 to " +
+                              std::to_string(kMostThreads) + "): 0 takes all cores");
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
     throw pipeline::Error(pipeline::ErrorKind::kBadSettings, "progress: not callable");
   constexpr std::chrono::milliseconds kWake(50);

@@ -8,6 +8,9 @@
 
 namespace hotblade::pipeline {
 
+// The value that takes back what was said of a key which may be absent ("slice.direction=absent").
+inline constexpr const char* kAbsent = "absent";
+
 // Returns the settings with assignments ("design.keep=back") on top. Throws as resolve() does.
 [[nodiscard]] Settings with_assignments(Settings settings, const std::vector<std::string>& assignments);
 // The same of flags; errors name them.

@@ -178,6 +178,24 @@ struct Reader {
   }
 };
 
+// Makes a value absent; returns false where its key has to have one.
+struct MakeAbsent {
+  template <typename T>
+  bool operator()(T*) const {
+    return false;
+  }
+  template <std::size_t N>
+  bool operator()(std::optional<std::array<double, N>>* place) const {
+    place->reset();
+    return true;
+  }
+  template <std::size_t N>
+  bool operator()(std::vector<std::array<double, N>>* place) const {
+    place->clear();
+    return true;
+  }
+};
+
 // ---- checking ----
 
 struct RangeCheck {
@@ -449,6 +467,10 @@ void apply_assignment(Settings& settings, Origins& origins, const std::string& k
   if (!is_section(section)) fail(where, "[" + section + "]: unknown section: " + section_hint(section));
   const std::string own_key = key.substr(dot + 1);
   const SettingField* field = field_of(section, own_key);
+  if (field != nullptr && value == kAbsent && std::visit(MakeAbsent{}, field->place(settings))) {
+    origins[key] = where;
+    return;
+  }
   // Any text is the text itself, unless it is quoted as TOML quotes it.
   const bool text =
       field != nullptr && field->choices == kAnyText && !value.starts_with('"') && !value.starts_with('\'');

@@ -2,12 +2,11 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
 namespace {
-
-constexpr const char* kAbsent = "absent";
 
 struct ToJson {
   template <std::size_t N>

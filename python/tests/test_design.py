@@ -115,3 +115,26 @@ def test_settings_read_back(tmp_path):
     file = tmp_path / "job.toml"
     file.write_text(settings.to_toml())
     assert hb.Settings.load(file) == settings
+
+
+WHOLE = {"design.units": "mm", "design.facing": [0, 0, 1], "slice.direction": (1, 0, 0.1), "job.number": "7",
+         "foam.band_mm_at_mm_s": [[1, 2.6], [3, 1.6], [7, 1.0]], "stock.sizes_mm": [(2500, 1250, 600), (1300, 1300, 700)]}
+
+
+@pytest.mark.parametrize("values", [{}, WHOLE, {"slice.fan_axis": range(6), "machine.clamp_a_shift_mm": [0.1, 0, -1e-7]}])
+def test_settings_are_made_of_settings(values, tmp_path):
+    settings = hb.Settings(values)
+    assert hb.Settings(dict(settings)) == settings == hb.Settings(settings)
+    assert hb.Settings({**settings, "design.tolerance_mm": 2}) == settings.changed({"design.tolerance_mm": 2})
+    file = tmp_path / "job.toml"
+    file.write_text(hb.Settings(WHOLE).to_toml())
+    assert hb.Settings.load(file, settings) == settings  # what the file says is taken back where they have it absent
+    assert hb.Settings(WHOLE).changed(settings) == settings
+
+
+def test_none_is_for_what_may_be_absent():
+    assert hb.Settings(WHOLE).changed({"stock.sizes_mm": []})["stock.sizes_mm"] == ()
+    for key in ("design.tolerance_mm", "design.keep", "blade.free_lengths_mm"):
+        for value in (None, []):
+            with pytest.raises(hb.UsageError, match=key):
+                hb.Settings({key: value})

@@ -26,6 +26,13 @@ def test_threads_change_no_byte(bump):
     assert hb.plan(design, settings, threads=1).program.to_json() == result.program.to_json()
 
 
+@pytest.mark.parametrize("threads", [-1, 1025, 10**7])
+def test_threads_are_counted(bump, threads):
+    for call in (lambda: hb.plan(*bump[:2], threads=threads), lambda: hb.verify(bump[2].program, bump[0], threads=threads)):
+        with pytest.raises(hb.UsageError, match=f"threads .{threads}, must be 0 to 1024"):
+            call()
+
+
 def test_programs_are_saved_and_loaded(bump, bump_cut, tmp_path, program, samples):
     text = bump[2].program.to_json()
     for name in ("program.json", "program.json.gz"):

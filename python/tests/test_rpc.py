@@ -15,7 +15,7 @@ def plain(value):
 def test_a_plan_of_lists_is_that_of_the_design(bump):
     design, settings, result = bump
     listed = {"vertices": design.vertices.tolist(), "triangles": design.triangles.tolist(), "units": "mm", "name": "bump"}
-    values = plain({k: v for k, v in settings.items() if k.startswith(("design.tol", "blade", "stock")) and v not in (None, ())})
+    values = plain({k: v for k, v in settings.items() if k.startswith(("design.tol", "blade", "stock", "slice", "foam"))})
     answer = plain(rpc.plan(plain(listed), values))
     assert answer["status"] == "passed" and len(answer["program"]["strips"]) == len(result.program.strips)
     check = plain(rpc.verify(answer["program"], plain(listed)))
@@ -39,6 +39,13 @@ def test_a_refused_plan_has_reasons_and_no_program(samples):
 def test_settings_are_plain(samples):
     values = plain(rpc.config({"design.units": "mm"}, [str(samples / "bump.toml")]))
     assert values["design.units"] == "mm" and values["blade.free_lengths_mm"][0] == 400
+    assert plain(rpc.config(values)) == values
+
+
+def test_threads_are_counted(samples):
+    design = {"file": str(samples / "bump.obj"), "units": "mm"}
+    with pytest.raises(hb.UsageError, match="threads .10000000, must be 0 to 1024"):
+        rpc.plan(design, None, str(samples / "bump.toml"), 10**7)
 
 
 def test_curves_are_plain():

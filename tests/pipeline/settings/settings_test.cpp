@@ -80,6 +80,19 @@ TEST(Settings, MaxCurvatureKeepsTheBendingStressAtYieldOverSafety) {
   EXPECT_NEAR(stress, blade.yield_strength_mpa / blade.safety, 1e-9);
 }
 
+TEST_F(SettingsFiles, AbsentTakesBackWhatAFileSays) {
+  const auto file = write("job.toml",
+                          "[slice]\ndirection = [1, 0, 0]\n[stock]\nsizes_mm = [[1300, 1300, 700]]\n"
+                          "[job]\nnumber = \"7\"\n");
+  const Settings said =
+      resolve({{file}, {"slice.direction=absent", "stock.sizes_mm=absent", "job.number=absent"}, {}});
+  EXPECT_FALSE(said.slice.direction);
+  EXPECT_TRUE(said.stock.sizes_mm.empty());
+  EXPECT_EQ(said.job.number, "absent");  // any text is the text itself
+  EXPECT_THAT(usage_error({{file}, {"design.tolerance_mm=absent"}, {}}),
+              HasSubstr("design.tolerance_mm (string"));
+}
+
 TEST_F(SettingsFiles, LaterSourcesWin) {
   const auto first =
       write("a.toml", "[design]\ntolerance_mm = 2\nkeep = \"above\"\n[blade]\nkerf_mm = 1.5\n");
