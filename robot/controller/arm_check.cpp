@@ -75,8 +75,8 @@ Value third_derivative_error(const std::array<double, 4>& t, const std::array<Va
 }  // namespace
 
 ArmCheck::ArmCheck(std::shared_ptr<const ArmCell> cell, const protocol::Arms& declared, std::uint64_t job,
-                   double blade_width_mm)
-    : cell_(std::move(cell)), declared_(declared), watch_(*cell_, job, blade_width_mm) {
+                   double blade_width_mm, const ClampOffset& clamp_a)
+    : cell_(std::move(cell)), declared_(declared), watch_(*cell_, job, blade_width_mm), clamp_a_(clamp_a) {
   fits_ = declared.cell_id == cell_->id();
 }
 
@@ -182,8 +182,10 @@ Breach ArmCheck::move_to(const Pose& a, const Pose& b, const Blade& blade, doubl
   }
   std::array<ArmPosture, 2> arms;
   for (const std::size_t clamp : {0, 1}) arms[arm_[clamp]] = posture_[clamp];
+  // The jaws stand at the poses that were told; the blade begins where clamp A holds it.
+  const Pose blade_from = held(a, clamp_a_);
   std::optional<ArmWatch::BladeNow> now;
-  if (blade) now.emplace(ArmWatch::BladeNow{*blade, a, arm_[0]});
+  if (blade) now.emplace(ArmWatch::BladeNow{*blade, blade_from, arm_[0]});
   const auto near = watch_.look(*cell_, arms, now);
   return near ? Breach{Limit::kArmClearance, near->detail} : Breach{};
 }

@@ -14,6 +14,7 @@
 #include "elastica/curve/elastica.hpp"
 #include "robot/controller/arm_follower.hpp"
 #include "robot/controller/arm_scene.hpp"
+#include "robot/pose/clamp_offset.hpp"
 #include "robot/pose/limit.hpp"
 #include "robot/pose/rates.hpp"
 #include "robot/pose/waypoint.hpp"
@@ -35,15 +36,17 @@ inline constexpr double kDeclaredOff_mm = 0.01, kDeclaredOff_rad = 1e-4;
 class ArmCheck {
  public:
   ArmCheck() = default;  // checks nothing
+  // `clamp_a` says where clamp A holds the blade, from where the machine takes it to.
   ArmCheck(std::shared_ptr<const ArmCell> cell, const protocol::Arms& declared, std::uint64_t job,
-           double blade_width_mm);
+           double blade_width_mm, const ClampOffset& clamp_a = {});
 
   [[nodiscard]] bool checks() const { return cell_ != nullptr; }
   // Returns whether the declared joints are of this cell and held the first pose; true before it came. A
   // check that does not fit has no joints, and finds nothing else.
   [[nodiscard]] bool fits() const { return fits_; }
 
-  // The blade at a pose, between the clamps in clamp A's axes; where it is not known nothing is asked of it.
+  // The blade at a pose, between the clamps in the axes of clamp A as it holds the blade; where it is not
+  // known nothing is asked of it.
   using Blade = std::optional<elastica::Elastica>;
 
   // Moves to the next waypoint of a stream, every 10 ms on the way, and returns the limit that breaks.
@@ -94,6 +97,7 @@ class ArmCheck {
   std::array<ArmPosture, 2> posture_;  // by clamp
   std::array<ArmBends, 2> first_;      // whose signs the arms keep
   ArmWatch watch_;
+  ClampOffset clamp_a_;
   std::optional<Waypoint> last_;
   std::optional<Met> met_;
   std::array<JointAngles, 2> speed_, speed_error_;

@@ -77,7 +77,7 @@ class ArmWatch {
   ArmWatch() = default;
   ArmWatch(const ArmCell& cell, std::uint64_t job, double blade_width_mm);
 
-  // The blade at a look: between the clamps, in clamp A's axes.
+  // The blade at a look: between the clamps, in the axes of clamp A as it holds the blade.
   struct BladeNow {
     const elastica::Elastica& shape;
     const Pose& clamp_a;

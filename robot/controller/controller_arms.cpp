@@ -38,7 +38,8 @@ Result Controller::judge_arms(const protocol::DecodedArms& decoded, Connection f
 // motion asks for it.
 Breach Controller::take_arms(const protocol::Arms& declared) {
   job_.arms = declared;
-  job_.accepted_arms = ArmCheck(options_.arms, declared, job_.id, job_.blade.width_mm);
+  job_.accepted_arms =
+      ArmCheck(options_.arms, declared, job_.id, job_.blade.width_mm, options_.blade.offsets.a);
   job_.moved_arms = job_.accepted_arms;
   for (std::uint32_t i = 0; i < job_.accepted(); ++i) {
     const Waypoint waypoint = protocol::decode_waypoint(job_.raw[i]).waypoint;

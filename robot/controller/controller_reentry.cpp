@@ -183,7 +183,7 @@ void Controller::replay(const ControllerJournal& journal) {
   if (journal.arms && options_.arms) {
     job_.arms = journal.arms;
     job_.accepted_arms = job_.moved_arms =
-        ArmCheck(options_.arms, *journal.arms, journal.job, journal.blade.width_mm);
+        ArmCheck(options_.arms, *journal.arms, journal.job, journal.blade.width_mm, options_.blade.offsets.a);
   }
   if (journal.executed.empty()) return;
   for (const auto& raw : journal.executed) {
