@@ -143,11 +143,11 @@ void add_design(py::module_& module) {
                              })
       .def_property_readonly("health", [](const Design& design) { return health(design.surface.health); })
       .def_property_readonly("sha256", [](const Design& design) { return design.surface.sha256; })
-      .def_property_readonly("name", [](const Design& design) { return design.surface.file_name; })
+      .def_property_readonly("name", [](const Design& design) { return path_text(design.surface.file_name); })
       .def_property_readonly("units", [](const Design& design) { return design.surface.units; })
       .def("__repr__", [](const Design& design) {
-        return fmt::format("<hotblade.Design {}: {} triangles>", design.surface.file_name,
-                           design.surface.health.triangles);
+        return path_text(fmt::format("<hotblade.Design {}: {} triangles>", design.surface.file_name,
+                                     design.surface.health.triangles));
       });
   module.def("read", &read_file, py::arg("file"), py::arg("units") = py::none(), py::arg("up") = py::none(),
              py::arg("group") = py::none(), py::arg("facing") = py::none(), py::arg("stitch_mm") = py::none(),

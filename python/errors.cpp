@@ -32,7 +32,7 @@ const char* class_of(ErrorKind kind) {
 
 void raise(const char* name, const std::string& what) {
   const py::object type = py::module_::import("hotblade.errors").attr(name);
-  PyErr_SetObject(type.ptr(), type(what).ptr());
+  PyErr_SetObject(type.ptr(), type(path_text(what)).ptr());
 }
 
 }  // namespace

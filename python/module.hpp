@@ -66,8 +66,10 @@ template <typename T>
   return view<T>({static_cast<py::ssize_t>(count), columns}, {columns * size, size}, data, owner);
 }
 
-// Returns the text of a path or of what os.fspath() takes as one.
+// Returns the bytes of a path, as os.fsencode() has them.
 [[nodiscard]] std::string path_of(const py::object& file);
+// Returns a text that names a path, bytes that are no UTF-8 in it as os.fsdecode() has them.
+[[nodiscard]] py::object path_text(const std::string& path);
 
 // Returns JSON as lists, dictionaries and plain values.
 [[nodiscard]] py::object to_python(const nlohmann::ordered_json& json);

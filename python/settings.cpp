@@ -165,6 +165,10 @@ void add_settings(py::module_& module) {
       .def(
           "to_toml", [](const Settings& settings) { return to_toml(settings); },
           "A configuration file that reads back as these settings.")
+      .def("__reduce__",
+           [](const py::object& self) {
+             return py::make_tuple(py::type::of(self), py::make_tuple(py::dict(self)));
+           })
       .def("__repr__", [](const Settings& settings) {
         return "<hotblade.Settings tolerance " + pipeline::number_text(settings.design.tolerance_mm) + " mm>";
       });

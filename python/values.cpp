@@ -64,7 +64,11 @@ py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, cons
 }
 
 std::string path_of(const py::object& file) {
-  return py::module_::import("os").attr("fspath")(file).cast<std::string>();
+  return py::module_::import("os").attr("fsencode")(file).cast<std::string>();
+}
+
+py::object path_text(const std::string& path) {
+  return py::module_::import("os").attr("fsdecode")(py::bytes(path));
 }
 
 py::object to_python(const nlohmann::ordered_json& json) {

@@ -1,5 +1,8 @@
 import hashlib
 import json
+import os
+import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -138,3 +141,37 @@ def test_none_is_for_what_may_be_absent():
         for value in (None, []):
             with pytest.raises(hb.UsageError, match=key):
                 hb.Settings({key: value})
+
+
+def test_settings_go_to_other_processes_and_have_no_hash():
+    settings = hb.Settings(WHOLE)
+    again = pickle.loads(pickle.dumps(settings))
+    assert isinstance(again, hb.Settings) and again == settings and again.to_toml() == settings.to_toml()
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(settings)
+
+
+def test_lists_without_end_are_told():
+    endless = []
+    endless.append(endless)
+    deep = [7]
+    for _ in range(100000):
+        deep = [deep]
+    for key in ("design.units", "stock.sizes_mm"):
+        for value in (endless, deep, [[[1]]]):
+            with pytest.raises(hb.UsageError, match=f"{key}: lists within lists within lists"):
+                hb.Settings({key: value})
+
+
+def test_names_of_files_may_be_any_bytes(samples, tmp_path):
+    missing = os.fsdecode(os.fsencode(tmp_path) + b"/n\xff.obj")
+    with pytest.raises(hb.FileError) as none:
+        hb.read(missing, "mm")
+    assert missing in str(none.value)
+    with pytest.raises(hb.FileError):
+        hb.Settings.load(missing)
+    with pytest.raises(hb.FileError):
+        hb.Program.load(missing)
+    shutil.copy(samples / "saddle.obj", missing)
+    design = hb.read(missing, "mm")
+    assert design.name == os.path.basename(missing) and design.name in repr(design)
