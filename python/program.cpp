@@ -216,7 +216,8 @@ void add_program(py::module_& module) {
                                return strips;
                              })
       .def_property_readonly("settings", [](const Program& program) { return program.data->settings; })
-      .def_property_readonly("design_file", [](const Program& program) { return program.data->design.file; })
+      .def_property_readonly("design_file",
+                             [](const Program& program) { return path_text(program.data->design.file); })
       .def_property_readonly("design_sha256",
                              [](const Program& program) { return program.data->design.sha256; })
       .def_property_readonly("status",

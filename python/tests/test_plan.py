@@ -1,6 +1,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -31,6 +32,17 @@ def test_threads_are_counted(bump, threads):
     for call in (lambda: hb.plan(*bump[:2], threads=threads), lambda: hb.verify(bump[2].program, bump[0], threads=threads)):
         with pytest.raises(hb.UsageError, match=f"threads .{threads}, must be 0 to 1024"):
             call()
+
+
+def test_a_design_of_any_name_is_planned(bump, samples, tmp_path):
+    file = os.fsdecode(os.fsencode(tmp_path) + b"/b\xff.obj")
+    shutil.copy(samples / "bump.obj", file)
+    design = hb.read(file, settings=bump[1])
+    result = hb.plan(design, bump[1])
+    assert result.program.design_file == design.name == os.path.basename(file)
+    # A JSON is UTF-8, and has the mark of what is none in its place.
+    assert result.report["design"]["file"] == json.loads(result.program.to_json())["design"]["file"] == "b\ufffd.obj"
+    assert hb.verify(result.program, design).report["within_tolerance"]
 
 
 def test_programs_are_saved_and_loaded(bump, bump_cut, tmp_path, program, samples):

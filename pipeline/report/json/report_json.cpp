@@ -261,7 +261,8 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
     report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));
   }
   report["settings"] = to_json(result.program.settings);
-  return report.dump(2) + "\n";
+  // A file's name may be no UTF-8: program.json has it likewise.
+  return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hotblade::pipeline
