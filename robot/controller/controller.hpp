@@ -136,7 +136,7 @@ class Controller {
 
   // The arms that a job declares (controller_arms.cpp).
   protocol::Result judge_arms(const protocol::DecodedArms& decoded, Connection from);
-  Breach take_arms(const protocol::Arms& declared);
+  protocol::Result take_arms(const protocol::Arms& declared);
   [[nodiscard]] bool arms_unknown();
 
   void run_motion(double motion_s);

@@ -25,10 +25,16 @@ Result Controller::judge_arms(const protocol::DecodedArms& decoded, Connection f
                     job_.arms->joints_rad == decoded.arms.joints_rad;
   if (same) return Result::kOk;
   if (state_ != State::kOpen && (state_ != State::kHeld || job_.arms)) return Result::kState;
-  if (const Breach broken = take_arms(decoded.arms); broken.limit != Limit::kNone) {
+  if (const Result taken = take_arms(decoded.arms); taken != Result::kOk) {
     job_.arms.reset();
     job_.accepted_arms = job_.moved_arms = {};
-    return limit(broken, job_.accepted());
+    return taken;
+  }
+  // What was missing has been said: the next STATE has another reason.
+  if (fault_detail_ == info(Limit::kCell).code) {
+    fault_detail_ = 0;
+    fault_sequence_ = 0;
+    fault_arms_ = {};
   }
   report("arms");
   return Result::kOk;
@@ -36,7 +42,7 @@ Result Controller::judge_arms(const protocol::DecodedArms& decoded, Connection f
 
 // What was accepted before is looked at now, without the blade, whose shape there is known no more: the
 // motion asks for it.
-Breach Controller::take_arms(const protocol::Arms& declared) {
+Result Controller::take_arms(const protocol::Arms& declared) {
   job_.arms = declared;
   job_.accepted_arms =
       ArmCheck(options_.arms, declared, job_.id, job_.blade.width_mm, options_.blade.offsets.a);
@@ -44,11 +50,17 @@ Breach Controller::take_arms(const protocol::Arms& declared) {
   for (std::uint32_t i = 0; i < job_.accepted(); ++i) {
     const Waypoint waypoint = protocol::decode_waypoint(job_.raw[i]).waypoint;
     const Breach broken = job_.accepted_arms.next(waypoint, std::nullopt);
-    if (broken.limit != Limit::kNone) return broken;
+    if (broken.limit != Limit::kNone) return limit(broken, i);
     if (i + 1 == job_.executed) job_.moved_arms = job_.accepted_arms;
   }
-  if (job_.accepted() < job_.count) return {};
-  return ArmCheck(job_.accepted_arms).finish();
+  // The blade may stand many waypoints back, where it went to be reheated.
+  for (std::uint32_t i = job_.executed; i-- > step_;) {
+    const Waypoint passed = protocol::decode_waypoint(job_.raw[i]).waypoint;
+    (void)job_.moved_arms.move_to(passed.a, passed.b, std::nullopt, 0);
+  }
+  if (job_.accepted() < job_.count) return Result::kOk;
+  const Breach broken = ArmCheck(job_.accepted_arms).finish();
+  return broken.limit == Limit::kNone ? Result::kOk : limit(broken, job_.count - 1);
 }
 
 // Whether nothing may move because the arms were not declared, or are others.

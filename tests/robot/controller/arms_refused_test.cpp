@@ -57,5 +57,96 @@ TEST_F(ArmCheckTest, TheBladeLiesWhereAClampThatIsOffHoldsIt) {
   EXPECT_NEAR(by_offset.amount, by_jaw.amount, kRegisters_um);
 }
 
+// The STATE of a START that comes too early is none of the arms' any more.
+TEST_F(ArmCheckTest, TheRightArmsTakeBackWhatWasSaidOfTheWrong) {
+  use(sample_cell(), testing::sample_job(kWaypoints));
+  ASSERT_EQ(push(), Result::kOk);
+  ASSERT_EQ(command(Op::kStart, token), Result::kState);
+  ASSERT_EQ(limit_of_code(controller->status().fault_detail), Limit::kCell);
+  ASSERT_EQ(declare(declared(joints)), Result::kOk);
+  EXPECT_EQ(controller->status().fault_detail, 0);
+  EXPECT_EQ(command(Op::kResume, token), Result::kState);
+  EXPECT_EQ(controller->status().fault_detail, 0);
+}
+
+// A controller that knew no arms when it was stopped, and is HELD.
+class ArmsDeclaredLate : public ArmCheckTest {
+ protected:
+  void hold_at(std::uint32_t executed, std::uint32_t back_to) {
+    ControllerJournal journal;
+    journal.state = State::kHeld;
+    journal.loaded = true;
+    journal.job = job.id;
+    journal.run = 1;
+    journal.count = job.size();
+    journal.blade = job.blade;
+    journal.executed.assign(job.raw.begin(), job.raw.begin() + executed);
+    Chain chain(job.id);
+    for (const auto& raw : journal.executed) journal.chain = chain.add(raw);
+    journal.path_s = protocol::time_us(job.raw[back_to]) * 1e-6;
+    ControllerOptions options;
+    options.arms = testing::shared_cell(cell);
+    options.time_scale = kAsFastAsDataComes;
+    options.limits.speed_mm_s = 500;
+    options.limits.envelope_min_mm = {-4000, -4000, -4000};
+    options.limits.envelope_max_mm = {4000, 4000, 4000};
+    controller = std::make_unique<Controller>(options, &log);
+    controller->restore(journal);
+    ASSERT_EQ(controller->status().state, State::kHeld);
+    ASSERT_EQ(command(Op::kOpen, 0), Result::kOk);
+    token = controller->status().token;
+  }
+};
+
+TEST_F(ArmsDeclaredLate, NameTheWaypointThatBreaksALimit) {
+  use(sample_cell(), testing::sample_job(kWaypoints));
+  double highest = -10;
+  std::uint32_t at = 0;
+  JointAngles low, high;
+  const Arm& arm = cell.arms[1].model.arm;
+  for (int i = 0; i < 6; ++i) {
+    low[i] = arm.joints()[static_cast<std::size_t>(i)].min_rad;
+    high[i] = arm.joints()[static_cast<std::size_t>(i)].max_rad;
+  }
+  for (std::uint32_t i = 0; i < job.size(); ++i) {
+    if (joints[1][i][2] <= highest) continue;
+    highest = joints[1][i][2];
+    at = i;
+  }
+  constexpr double kShort_rad = 0.01;
+  high[2] = highest + cell.margins.joint_deg * kDegree_rad - kShort_rad;
+  std::uint32_t first = 0;
+  while (joints[1][first][2] <= highest - kShort_rad) ++first;
+  cell.arms[1].model.arm = arm.with_limits(low, high);
+  ASSERT_GT(at, 20u);
+  ASSERT_LT(at, 180u);
+  ASSERT_NO_FATAL_FAILURE(hold_at(200, 199));
+  EXPECT_EQ(declare(declared(joints)), Result::kLimit);
+  EXPECT_EQ(limit_of_code(controller->status().fault_detail), Limit::kJointAngle);
+  EXPECT_LE(controller->status().fault_sequence, at);
+  EXPECT_GE(controller->status().fault_sequence, first);
+}
+
+// Joints turn by more between the place where it stands and the last waypoint than any may in 10 ms.
+TEST_F(ArmsDeclaredLate, GoOnFromWhereTheBladeStands) {
+  Cell wide = testing::bodiless(sample_cell());
+  wide.margins = {0, 0, 0, 0};
+  std::vector<Waypoint> way;
+  for (std::uint32_t k = 0; k <= 400; ++k) {
+    const double share = (1 - std::cos(std::numbers::pi * k / 400)) / 2;
+    way.push_back(
+        testing::arc_waypoint(50000 * k, {0, 0, 900 + 100 * share}, 0.13, 1.4 * share - 0.7, false));
+  }
+  use(wide, make_job(sha256({}), "S001", way, testing::sample_blade()));
+  ASSERT_GT((joints[0][300] - joints[0][20]).cwiseAbs().maxCoeff(), 0.6);
+  ASSERT_NO_FATAL_FAILURE(hold_at(301, 20));
+  ASSERT_EQ(declare(declared(joints)), Result::kOk);
+  ASSERT_EQ(push(), Result::kOk);
+  ASSERT_EQ(command(Op::kResume, token), Result::kOk);
+  run();
+  EXPECT_EQ(controller->status().state, State::kDone)
+      << describe(controller->status().arms, limit_of_code(controller->status().fault_detail), {});
+}
+
 }  // namespace
 }  // namespace hotblade::robot
