@@ -370,7 +370,7 @@ void Controller::report(const char* what) {
   uncommitted_ = true;
   if (sink_ == nullptr) return;
   sink_->event({what, job_.id, job_.run, token_, job_.executed, job_.count, motion_us(), fault_,
-                fault_detail_, fault_sequence_, job_.blade, job_.arms});
+                fault_detail_, fault_sequence_, job_.blade, job_.arms, fault_arms_});
 }
 
 void Controller::commit() {

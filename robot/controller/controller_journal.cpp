@@ -60,6 +60,7 @@ class JournalReader {
     const auto id = line.number<std::uint64_t>("job", line.string("job"), 16);
     if (ev == "exec") return take_executed(line, id);
     if (ev == "arms") take_arms(line, text);
+    if (ev == "fault" || ev == "estop") take_arms_detail(line, text);
     journal_.token = std::max(journal_.token, line.number<std::uint32_t>("token", line.raw_value("token")));
     if (ev == "open") open(line, id);
     if (id != journal_.job) line.fail("job");
@@ -121,6 +122,20 @@ class JournalReader {
     journal_.arms = arms;
   }
 
+  void take_arms_detail(const Line& line, std::string_view text) {
+    journal_.fault_arms = {};
+    if (text.find("\"arm_fault\":[") == std::string_view::npos) return;
+    const auto values = numbers<5>(line, text, "arm_fault");
+    constexpr std::array kLeast{0.0, 0.0, 0.0, 0.0, -2147483647.0};
+    constexpr std::array kMost{2.0, 7.0, 7.0, 7.0, 2147483647.0};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      if (!(values[i] >= kLeast[i] && values[i] <= kMost[i])) line.fail("arm_fault");
+    }
+    const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(values[i]); };
+    journal_.fault_arms = {byte(0), byte(1), static_cast<protocol::ArmsOther>(byte(2)), byte(3),
+                           static_cast<std::int32_t>(values[4])};
+  }
+
   void take_event(const Line& line, std::string_view ev) {
     note_time(line, "t");
     if (ev == "done") journal_.state = State::kDone;
@@ -143,6 +158,7 @@ class JournalReader {
       journal_.fault = Fault::kNone;
       journal_.fault_detail = 0;
       journal_.fault_sequence = 0;
+      journal_.fault_arms = {};
       journal_.loaded = false;
     }
   }

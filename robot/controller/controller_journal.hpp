@@ -26,6 +26,7 @@ struct ControllerJournal {
   protocol::Fault fault = protocol::Fault::kNone;
   std::uint16_t fault_detail = 0;
   std::uint32_t fault_sequence = 0;
+  protocol::ArmsDetail fault_arms;  // empty in logs that do not say it
 
   bool loaded = false;  // the job is open; otherwise it is the last one, for whoever asks
   bool left = false;    // lost to RESET before its end, and neither taken up again nor released

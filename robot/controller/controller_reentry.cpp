@@ -167,6 +167,7 @@ void Controller::restore(const ControllerJournal& journal) {
   fault_ = state_ == State::kHeld ? Fault::kRestart : journal.fault;
   fault_detail_ = journal.fault_detail;
   fault_sequence_ = journal.fault_sequence;
+  fault_arms_ = journal.fault_arms;
   replay(journal);
   published_executed_ = job_.executed;
   published_crc_ = job_.executed_crc;

@@ -88,6 +88,21 @@ void put_blade(std::string& out, const ClampedBlade& blade) {
   }
 }
 
+// The part of an arm as STATUS has it in its registers.
+void put_arms_detail(std::string& out, const protocol::ArmsDetail& detail) {
+  out += ",\"arm_fault\":[";
+  put(out, detail.arm);
+  out += ',';
+  put(out, detail.part);
+  out += ',';
+  put(out, static_cast<std::uint8_t>(detail.other));
+  out += ',';
+  put(out, detail.other_part);
+  out += ',';
+  put(out, static_cast<double>(detail.amount), 0);
+  out += ']';
+}
+
 // In whole microradians, as they came.
 void put_arms(std::string& out, const protocol::Arms& arms) {
   out += ",\"cell\":\"";
@@ -285,6 +300,7 @@ void ExecutionLog::event(const JobEvent& e) {
   put(buffer_, e.fault_detail);
   buffer_ += ",\"at\":";
   put(buffer_, e.fault_sequence);
+  if (e.fault_arms != protocol::ArmsDetail{}) put_arms_detail(buffer_, e.fault_arms);
   if (std::strcmp(e.what, "open") == 0) put_blade(buffer_, e.blade);
   if (std::strcmp(e.what, "arms") == 0 && e.arms) put_arms(buffer_, *e.arms);
   buffer_ += "}\n";

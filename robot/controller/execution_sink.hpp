@@ -52,6 +52,7 @@ struct JobEvent {
   std::uint32_t fault_sequence = 0;
   ClampedBlade blade = {};
   std::optional<protocol::Arms> arms = {};  // as declared
+  protocol::ArmsDetail fault_arms = {};     // of fault_detail, where that is a limit of the arms
 };
 
 // Takes what a controller reports, in the order it happens.

@@ -52,6 +52,7 @@ constexpr double kMillionth = 1e-6, kThousandth = 1e-3, kDegrees = 180 / 3.14159
 }  // namespace
 
 std::string describe(const ArmsDetail& detail, Limit limit, const std::array<std::string, 2>& arm_names) {
+  if (detail == ArmsDetail{}) return "";
   const double rad = detail.amount * kMillionth, mm = detail.amount * kThousandth;
   const std::string arm = arm_name(detail.arm, arm_names), part = std::to_string(detail.part);
   switch (limit) {

@@ -169,7 +169,7 @@ struct ArmsDetail {
   bool operator==(const ArmsDetail&) const = default;
 };
 // Returns the part of an arm, by what a refusal of the code says of it: "arm 1 joint 5", "arm 2 tool and the
-// table". Arms have the names given, where there are names.
+// table". Arms have the names given, where there are names. Nothing is said of a detail that is empty.
 [[nodiscard]] std::string describe(const ArmsDetail& detail, Limit limit,
                                    const std::array<std::string, 2>& arm_names);
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "robot/controller/arm_check.hpp"
+#include "robot/controller/execution_log.hpp"
 #include "tests/robot/controller/arm_check_fixture.hpp"
 
 namespace hotblade::robot {
@@ -146,6 +148,39 @@ TEST_F(ArmsDeclaredLate, GoOnFromWhereTheBladeStands) {
   run();
   EXPECT_EQ(controller->status().state, State::kDone)
       << describe(controller->status().arms, limit_of_code(controller->status().fault_detail), {});
+}
+
+// A controller that restarts says of a fault what it said before.
+TEST_F(ArmCheckTest, TheLogHasWhichPartOfAnArmBroke) {
+  const auto file = std::filesystem::path(::testing::TempDir()) / "arm_fault.jsonl";
+  std::filesystem::remove(file);
+  const protocol::ArmsDetail detail{2, 7, ArmsOther::kBlade, 0, -1234};
+  {
+    ExecutionLog written(file, {});
+    written.event({"open", 1, 1, 1, 0, 4, 0, protocol::Fault::kNone, 0, 0, testing::sample_blade()});
+    written.event({"fault",
+                   1,
+                   1,
+                   1,
+                   0,
+                   4,
+                   0,
+                   protocol::Fault::kExecutionLimit,
+                   info(Limit::kArmClearance).code,
+                   3,
+                   testing::sample_blade(),
+                   {},
+                   detail});
+    ASSERT_TRUE(written.commit());
+  }
+  EXPECT_EQ(read_controller_journal(file).fault_arms, detail);
+  {
+    ExecutionLog written(file, {});
+    written.event({"reset", 1, 1, 1, 0, 4, 0});
+    ASSERT_TRUE(written.commit());
+  }
+  EXPECT_EQ(read_controller_journal(file).fault_arms, protocol::ArmsDetail{});
+  EXPECT_EQ(describe(protocol::ArmsDetail{}, Limit::kJointAngle, {"R1", "R2"}), "");
 }
 
 }  // namespace
