@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pipeline/program/program.hpp"
+#include "robot/blade/blade_branch.hpp"
 #include "tests/pipeline/vault_program.hpp"
 #include "tests/robot/wire/sample_job.hpp"
 
@@ -19,6 +20,7 @@ inline Program motion_program(int strips, std::size_t poses, double dt_s = 0.05)
     strip.poses.clear();
     strip.blade_length_mm = robot::testing::kBladeLength_mm;
     strip.design_to_cell = {};
+    robot::BladeBranch blade(strip.blade_length_mm, {1, 0, 1, 0});
     for (const auto& w : robot::testing::sample_waypoints(poses, static_cast<std::uint32_t>(dt_s * 1e6))) {
       BladePose pose = pattern;
       pose.t = w.t_us * 1e-6;
@@ -29,6 +31,11 @@ inline Program motion_program(int strips, std::size_t poses, double dt_s = 0.05)
       pose.heat = w.heat;
       pose.a = w.a;
       pose.b = w.b;
+      // The shape that these clamps hold, in the axes of the first.
+      if (blade.move_to(pose.a, pose.b).held()) {
+        pose.blade = blade.shape();
+        pose.frame = {pose.a.p, pose.a.q * Eigen::Vector3d::UnitX(), pose.a.q * Eigen::Vector3d::UnitY()};
+      }
       strip.poses.push_back(pose);
     }
   }
