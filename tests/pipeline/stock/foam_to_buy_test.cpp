@@ -28,6 +28,8 @@ TEST(FoamToBuy, HoldsEveryStripsBlockInTheirOrder) {
   ASSERT_EQ(foam->blocks[0].pieces.size(), 2u);
   EXPECT_DOUBLE_EQ(foam->pieces_mm3, 300.0 * 200 * 100 + 100.0 * 250 * 290);
   EXPECT_DOUBLE_EQ(foam->apart_mm3, 2 * foam->bought_mm3);
+  program.settings.stock.saw_mm = 40;
+  EXPECT_EQ(foam_to_buy(program)->blocks.size(), 2u) << "the saw leaves too little for both";
 }
 
 TEST(FoamToBuy, SaysNothingOfABlockThatNoSizeHolds) {
