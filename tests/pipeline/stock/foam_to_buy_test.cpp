@@ -20,7 +20,7 @@ Program two_blocks() {
 TEST(FoamToBuy, HoldsEveryStripsBlockInTheirOrder) {
   Program program = two_blocks();
   EXPECT_FALSE(foam_to_buy(program));  // nothing is said of what is sold
-  program.settings.stock.sizes_mm = {{620, 310, 100}};
+  program.settings.stock.sizes_mm = {{460, 310, 100}};
   program.settings.stock.saw_mm = 4;
   const auto foam = foam_to_buy(program);
   ASSERT_TRUE(foam);
