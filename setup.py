@@ -8,7 +8,7 @@ setup(
     packages=["hotblade"],
     package_dir={"": "python"},
     package_data={"hotblade": ["*.pyi", "py.typed"]},
-    python_requires=">=3.11,<3.12",
+    python_requires=">=3.11",
     install_requires=["numpy>=1.21,<2"],
     cmake_args=["-GNinja", "-DCMAKE_BUILD_TYPE=Release", "-DHOTBLADE_BUILD_PYTHON=ON", "-DHOTBLADE_BUILD_TESTS=OFF"],
     cmake_install_target="hotblade_python_install",

@@ -46,7 +46,7 @@ Design read_file(const py::object& file, const py::object& units, const py::obje
   pipeline::take_format(path, !up.is_none(), settings.design);
   expect_units(settings, path);
   const py::gil_scoped_release release;
-  return {pipeline::read_design(path, settings.design), settings.design, ""};
+  return {pipeline::read_design(path, settings.design), settings.design, "", std::filesystem::absolute(path)};
 }
 
 // The OBJ of points and triangles: the one text that any two tools write of them.
@@ -86,7 +86,8 @@ Design from_arrays(const py::object& vertices, const py::object& triangles, cons
   std::string text =
       obj_text(numbers(vertices, "vertices", {kAny, 3}), whole_numbers(triangles, "triangles", {kAny, 3}));
   const py::gil_scoped_release release;
-  return {surface::surface_of(text, file, pipeline::read_options(settings.design)), settings.design, text};
+  return {
+      surface::surface_of(text, file, pipeline::read_options(settings.design)), settings.design, text, {}};
 }
 
 void save_design(const Design& design, const py::object& file, bool force) {

@@ -11,6 +11,8 @@ PYBIND11_MODULE(_hotblade, module) {
   python::add_settings(module);
   python::add_design(module);
   python::add_program(module);
+  python::add_cell(module);
   python::add_plan(module);
   python::add_curve(module);
+  python::add_batch(module);
 }

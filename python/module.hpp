@@ -4,16 +4,17 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
 #include <functional>
 #include <initializer_list>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/program/program.hpp"
 #include "pipeline/settings/settings.hpp"
+#include "robot/arm/cell.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::python {
@@ -24,19 +25,19 @@ namespace py = pybind11;
 struct Design {
   surface::DesignSurface surface;
   pipeline::DesignSettings settings;
-  std::string obj;  // the OBJ that it was made of; empty: it was read from a file
+  std::string obj;             // the OBJ that it was made of; empty: it was read from a file
+  std::filesystem::path file;  // from the root, where it was read from one
 };
 
-// A program, and the clamp poses of its strips as arrays once they were asked for: a pose has a gap between
-// position and orientation, so these cannot be views.
+// A program that never changes.
 struct Program {
-  explicit Program(std::shared_ptr<const pipeline::Program> whole) : data(std::move(whole)) {}
   std::shared_ptr<const pipeline::Program> data;
-  struct Clamps {
-    std::vector<double> a, b;
-  };
-  std::vector<std::optional<Clamps>> clamps{};
 };
+
+// Makes every clamp pose seven numbers that follow each other, p and then w, x, y, z of q, so that arrays may
+// be views of them: a pose has a gap between p and q, whose parts are x, y, z, w, and w is written into it.
+// What is copied from these poses has nothing there.
+void write_poses_as_rows(pipeline::Program& program);
 
 using Numbers = py::array_t<double, py::array::c_style>;
 inline constexpr py::ssize_t kAny = -1;  // of a shape
@@ -70,10 +71,14 @@ template <typename T>
 [[nodiscard]] std::string path_of(const py::object& file);
 // Returns a text that names a path, bytes that are no UTF-8 in it as os.fsdecode() has them.
 [[nodiscard]] py::object path_text(const std::string& path);
+[[nodiscard]] py::tuple texts(const std::vector<std::string>& list);
 
 // Returns JSON as lists, dictionaries and plain values.
 [[nodiscard]] py::object to_python(const nlohmann::ordered_json& json);
 [[nodiscard]] py::object parsed(const std::string& json_text);
+
+// Returns the cell of an argument: a Cell, a file, a name of a cell that hotblade brings, or none.
+[[nodiscard]] std::shared_ptr<robot::Cell> cell_of(const py::object& given);
 
 // Tells a stage and the share that is done; throws where the work is to end.
 using Tell = std::function<void(const std::string& stage, double share)>;
@@ -83,6 +88,8 @@ using Tell = std::function<void(const std::string& stage, double share)>;
 // exception of either ends the work, and is thrown when it has ended. What the work throws is thrown here.
 void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work);
 
+void add_batch(py::module_& module);
+void add_cell(py::module_& module);
 void add_curve(py::module_& module);
 void add_errors(py::module_& module);
 void add_settings(py::module_& module);

@@ -5,6 +5,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/advice/advice.hpp"
+#include "pipeline/advice/design_trials.hpp"
+#include "pipeline/plan/arms/check_joints.hpp"
+#include "pipeline/program/read_design.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/report/json/report_json.hpp"
 #include "pipeline/report/json/verify_json.hpp"
@@ -12,6 +16,7 @@
 #include "pipeline/verify/verify.hpp"
 #include "python/module.hpp"
 #include "surface/read/self_crossings.hpp"
+#include "surface/slice/plane_family.hpp"
 
 namespace hotblade::python {
 namespace {
@@ -51,28 +56,115 @@ Settings settings_for(const Design& design, Settings settings) {
   return settings;
 }
 
-void expect_sliceable(const surface::DesignSurface& design) {
-  if (design.health.blockers.empty()) return;
-  throw Error(ErrorKind::kBadInput,
-              design.file_name + ": cannot be sliced: " + design.health.blockers.front());
+// Which settings a refused plan is tried again with.
+enum class Tried { kNone, kShape, kAll };
+
+Tried tried_of(const std::string& word) {
+  if (word == "none") return Tried::kNone;
+  if (word == "shape") return Tried::kShape;
+  if (word == "all") return Tried::kAll;
+  throw Error(ErrorKind::kBadSettings,
+              fmt::format("remedies (\"{}\", must be one of none, shape, all)", word));
 }
 
+// The design read again as other settings say. Throws Error (kBadInput) where its file is not as it was.
+surface::DesignSurface read_again(const Design& design, const DesignSettings& how) {
+  if (!design.obj.empty())
+    return surface::surface_of(design.obj, design.surface.file_name, pipeline::read_options(how));
+  surface::DesignSurface again = pipeline::read_design(design.file, how);
+  if (again.sha256 != design.surface.sha256)
+    throw Error(ErrorKind::kBadInput, design.file.string() + ": changed since it was read");
+  return again;
+}
+
+// Plans as `hotblade plan` does, but for its files.
+class Planner {
+ public:
+  Planner(const Design& design, const Settings& settings, std::shared_ptr<const robot::Cell> cell,
+          Tried tried)
+      : design_(design), settings_(settings), cell_(std::move(cell)), tried_(tried) {}
+
+  pipeline::PlanResult plan(const Tell& tell) const {
+    std::vector<std::string> warnings = design_.surface.health.warnings;
+    const std::vector<pipeline::Suggestion> suggested = suggestions(warnings);
+    const bool may_try = tried_ == Tried::kAll || (tried_ == Tried::kShape && !suggested.empty());
+    const double planned = may_try ? 0.5 : 1;
+    pipeline::PlanResult result = pipeline::plan(design_.surface, settings_, hooks(tell, 0, planned));
+    if (cell_) hold_in_cell(design_.surface, *cell_, gpu::Backend::kCpu, result);
+    if (std::string text = surface::self_crossings_text(design_.surface); !text.empty())
+      warnings.push_back(std::move(text));
+    result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
+    if (may_try && !result.refusals.empty()) try_remedies(suggested, tell, planned, result);
+    return result;
+  }
+
+ private:
+  static pipeline::PlanHooks hooks(const Tell& tell, double from, double to) {
+    pipeline::PlanHooks hooks;
+    hooks.progress = [&tell, from, to](const std::string& stage, double share) {
+      tell(stage, from + share * (to - from));
+    };
+    return hooks;
+  }
+
+  // What the design's shape suggests, and what it warns of.
+  std::vector<pipeline::Suggestion> suggestions(std::vector<std::string>& warnings) const {
+    if (!(design_.surface.health.area_mm2 > 0)) return {};
+    try {
+      const pipeline::Forecast met = forecast(design_.surface, settings_);
+      if (const auto warning = warning_of(met)) warnings.push_back(*warning);
+      return met.suggestions;
+    } catch (const surface::FanError&) {  // of which the plan tells
+      return {};
+    }
+  }
+
+  void try_remedies(const std::vector<pipeline::Suggestion>& suggested, const Tell& tell, double from,
+                    pipeline::PlanResult& result) const {
+    const auto changes =
+        tried_ == Tried::kAll ? likely_changes(result, suggested) : changes_by_shape(suggested);
+    std::string lost;  // why the design cannot be read again
+    const auto read = [&](const DesignSettings& how) {
+      try {
+        return read_again(design_, how);
+      } catch (const surface::FileError& error) {
+        lost = error.what();
+        throw Error(ErrorKind::kFile, lost);
+      } catch (const Error& error) {
+        lost = error.what();
+        throw;
+      }
+    };
+    const auto judge = [&](const surface::DesignSurface& same, pipeline::PlanResult& again) {
+      if (cell_) hold_in_cell(same, *cell_, gpu::Backend::kCpu, again);
+    };
+    int trial = 0;
+    const double each = (1 - from) / pipeline::kMostTrials;
+    result.remedies = try_changes(settings_, changes, [&](const Settings& changed) {
+      const double begun = from + each * trial++;
+      return plan_again(read, changed, hooks(tell, begun, begun + each), false, judge);
+    });
+    if (!lost.empty()) result.warnings.push_back("no remedies were tried: " + lost);
+  }
+
+  const Design& design_;
+  const Settings& settings_;
+  std::shared_ptr<const robot::Cell> cell_;
+  Tried tried_;
+};
+
 std::shared_ptr<Plan> plan(const Design& design, const std::shared_ptr<Settings>& given, int threads,
-                           const py::object& progress) {
+                           const py::object& progress, const py::object& cell, const std::string& remedies) {
   const Settings settings = settings_for(design, given ? *given : Settings{});
-  expect_sliceable(design.surface);
+  const Planner planner(design, settings, cell_of(cell), tried_of(remedies));
+  pipeline::refuse_blocked(design.surface, design.surface.file_name);
   auto result = std::make_shared<Plan>();
   run_watched(threads, progress, [&](const Tell& tell) {
-    pipeline::PlanHooks hooks;
-    hooks.progress = tell;
-    pipeline::PlanResult found = pipeline::plan(design.surface, settings, hooks);
-    // What the design has to be told of too, as `hotblade plan` does.
-    for (const std::string& line : design.surface.health.warnings) found.warnings.push_back(line);
-    if (std::string text = surface::self_crossings_text(design.surface); !text.empty())
-      found.warnings.push_back(std::move(text));
-    result->facts = std::make_shared<const pipeline::PlanResult>(std::move(found));
+    auto found = std::make_shared<pipeline::PlanResult>(planner.plan(tell));
+    write_poses_as_rows(found->program);
+    result->facts = std::move(found);
     result->program = std::make_shared<Program>(
-        std::shared_ptr<const pipeline::Program>(result->facts, &result->facts->program));
+        Program{std::shared_ptr<const pipeline::Program>(result->facts, &result->facts->program)});
   });
   return result;
 }
@@ -97,10 +189,8 @@ py::list refusals(const Plan& plan) {
   return list;
 }
 
-py::list lines(const std::vector<std::string>& texts) {
-  py::list list;
-  for (const std::string& text : texts) list.append(text);
-  return list;
+py::object remedies(const Plan& plan) {
+  return to_python(to_json(plan.facts->remedies));
 }
 
 void check_plan(const Plan& plan) {
@@ -110,12 +200,12 @@ void check_plan(const Plan& plan) {
 
 struct Check {
   std::string json;
-  bool within_tolerance = false, ribs_hold = false, held = false, passed = false;
+  bool within_tolerance = false, joints_hold = true, ribs_hold = false, held = false, passed = false;
   double deviation_mm = 0, tolerance_mm = 0;
 };
 
 std::shared_ptr<Check> verify(const Program& program, const Design& design, double sample_mm, int threads,
-                              const py::object& progress) {
+                              const py::object& progress, const py::object& cell) {
   const pipeline::Program& data = *program.data;
   if (design.surface.sha256 != data.design.sha256)
     throw Error(
@@ -129,11 +219,18 @@ std::shared_ptr<Check> verify(const Program& program, const Design& design, doub
   options.max_uncut_share = data.settings.design.max_uncut_share;
   options.min_margin = data.settings.blade.min_margin;
   options.sample_mm = sample_mm;
+  const std::shared_ptr<const robot::Cell> arms = cell_of(cell);
   auto check = std::make_shared<Check>();
   run_watched(threads, progress, [&](const Tell& tell) {
     tell("verify", 0);
+    nlohmann::ordered_json joints;
+    if (arms) {
+      const pipeline::JointCheck measured = check_joints(data, *arms);
+      check->joints_hold = measured.breaches.empty();
+      joints = to_json(measured);
+    }
     const pipeline::VerifyReport report = pipeline::verify(data, design.surface, options);
-    check->json = verify_json(data, report, options, {});
+    check->json = verify_json(data, report, options, joints);
     check->within_tolerance = report.within_tolerance;
     check->ribs_hold = report.ribs.mismatches.empty() && report.ribs.far.empty();
     check->held = report.holds();
@@ -146,6 +243,8 @@ std::shared_ptr<Check> verify(const Program& program, const Design& design, doub
 
 // In the order of the exit codes of `hotblade verify`.
 void check_cut(const Check& check) {
+  if (!check.joints_hold)
+    throw Error(ErrorKind::kDeviation, "joints: measured again they do not hold what the cell allows");
   if (!check.within_tolerance)
     throw Error(ErrorKind::kDeviation, fmt::format("over tolerance: deviation {:.3f} mm (limit {:g} mm)",
                                                    check.deviation_mm, check.tolerance_mm));
@@ -162,7 +261,9 @@ void add_plan(py::module_& module) {
       .def_property_readonly("status",
                              [](const Plan& plan) { return name(plan.program->data->verification.status); })
       .def_property_readonly("refusals", &refusals)
-      .def_property_readonly("warnings", [](const Plan& plan) { return lines(plan.facts->warnings); })
+      .def_property_readonly("warnings",
+                             [](const Plan& plan) { return py::list(texts(plan.facts->warnings)); })
+      .def_property_readonly("remedies", &remedies)
       .def_property_readonly("report", &report)
       .def_property_readonly("program", [](const Plan& plan) { return plan.program; })
       .def("check", &check_plan, "Raises NotCuttable, with the first reason, where the plan was refused.")
@@ -173,6 +274,7 @@ void add_plan(py::module_& module) {
   py::class_<Check, std::shared_ptr<Check>>(module, "Check", "What was measured of a program again.")
       .def_property_readonly("report", [](const Check& check) { return parsed(check.json); })
       .def_readonly("within_tolerance", &Check::within_tolerance)
+      .def_readonly("joints_hold", &Check::joints_hold)
       .def_readonly("held", &Check::held)
       .def_readonly("deviation_mm", &Check::deviation_mm)
       .def_readonly("tolerance_mm", &Check::tolerance_mm)
@@ -183,10 +285,11 @@ void add_plan(py::module_& module) {
                            check.deviation_mm);
       });
   module.def("plan", &plan, py::arg("design"), py::arg("settings") = nullptr, py::arg("threads") = 0,
-             py::arg("progress") = py::none(), "Plans and verifies the cut program of a design.");
+             py::arg("progress") = py::none(), py::kw_only(), py::arg("cell") = py::none(),
+             py::arg("remedies") = "shape", "Plans and verifies the cut program of a design.");
   module.def("verify", &verify, py::arg("program"), py::arg("design"), py::arg("sample_mm") = 2.5,
-             py::arg("threads") = 0, py::arg("progress") = py::none(),
-             "Measures a program against its design again.");
+             py::arg("threads") = 0, py::arg("progress") = py::none(), py::kw_only(),
+             py::arg("cell") = py::none(), "Measures a program against its design again.");
 }
 
 }  // namespace hotblade::python

@@ -4,9 +4,12 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/gzip.hpp"
+#include "pipeline/report/json/report_json.hpp"
 #include "pipeline/settings/error.hpp"
 #include "python/module.hpp"
 
@@ -30,6 +33,9 @@ struct Rib {
 };
 
 static_assert(sizeof(Elastica) == 7 * sizeof(double) && offsetof(Elastica, length) == 6 * sizeof(double));
+constexpr std::size_t kPosition = 3 * sizeof(double), kAligned = 4 * sizeof(double);
+static_assert(offsetof(pipeline::Pose, p) == 0 && offsetof(pipeline::Pose, q) == kAligned &&
+              sizeof(Eigen::Vector3d) == kPosition && sizeof(Eigen::Quaterniond) == kAligned);
 static_assert(sizeof(StripPhase) == sizeof(int) && sizeof(Eigen::Vector2d) == 2 * sizeof(double));
 
 // One member of every pose, where the poses are.
@@ -52,34 +58,36 @@ py::array phases(const py::object& self) {
                    poses.empty() ? nullptr : reinterpret_cast<const int*>(&poses[0].phase), self);
 }
 
-void append(const pipeline::Pose& pose, std::vector<double>& numbers) {
-  numbers.insert(numbers.end(),
-                 {pose.p.x(), pose.p.y(), pose.p.z(), pose.q.w(), pose.q.x(), pose.q.y(), pose.q.z()});
+// A clamp's poses, as write_poses_as_rows() left them.
+py::array clamps(const py::object& self, const pipeline::Pose BladePose::*member) {
+  const auto& poses = self.cast<const Strip&>().get().poses;
+  return view<double>({static_cast<py::ssize_t>(poses.size()), 7}, {sizeof(BladePose), sizeof(double)},
+                      poses.empty() ? nullptr : (poses[0].*member).p.data(), self);
 }
 
-// Both clamps' poses, made once and kept with the program.
-const Program::Clamps& clamps(const Strip& strip) {
-  auto& all = strip.program->clamps;
-  all.resize(strip.program->data->strips.size());
-  auto& own = all[strip.index];
-  if (!own) {
-    own.emplace();
-    for (const BladePose& pose : strip.get().poses) {
-      append(pose.a, own->a);
-      append(pose.b, own->b);
-    }
-  }
-  return *own;
+// The joints of the arm that holds a clamp; None without arms.
+py::object arm_joints(const py::object& self, const pipeline::ArmJoints pipeline::ClampJoints::*member) {
+  const auto& poses = self.cast<const Strip&>().get().poses;
+  if (poses.empty() || !poses[0].joints) return py::none();
+  constexpr auto kJoints = static_cast<py::ssize_t>(pipeline::kArmJoints);
+  return view<double>({static_cast<py::ssize_t>(poses.size()), kJoints}, {sizeof(BladePose), sizeof(double)},
+                      (*poses[0].joints.*member).data(), self);
 }
 
 py::array planar(const std::vector<Eigen::Vector2d>& points, const py::object& self) {
   return rows(points.size(), 2, points.empty() ? nullptr : points[0].data(), self);
 }
 
+std::shared_ptr<Program> handed_out(pipeline::Program&& program) {
+  auto whole = std::make_shared<pipeline::Program>(std::move(program));
+  write_poses_as_rows(*whole);
+  return std::make_shared<Program>(Program{std::move(whole)});
+}
+
 std::shared_ptr<Program> load_program(const py::object& file) {
   const std::string path = path_of(file);
   const py::gil_scoped_release release;
-  return std::make_shared<Program>(std::make_shared<const pipeline::Program>(pipeline::read_program(path)));
+  return handed_out(pipeline::read_program(path));
 }
 
 void save_program(const Program& program, const py::object& file, bool force) {
@@ -157,15 +165,16 @@ void add_strip(py::module_& module) {
                              [](const py::object& self) { return of_poses(self, &BladePose::margin); })
       .def_property_readonly("phase", &phases)
       .def_property_readonly("blade", &blades)
-      .def_property_readonly("a",
-                             [](const py::object& self) {
-                               const auto& strip = self.cast<const Strip&>();
-                               return rows(strip.get().poses.size(), 7, clamps(strip).a.data(), self);
-                             })
-      .def_property_readonly("b",
-                             [](const py::object& self) {
-                               const auto& strip = self.cast<const Strip&>();
-                               return rows(strip.get().poses.size(), 7, clamps(strip).b.data(), self);
+      .def_property_readonly("a", [](const py::object& self) { return clamps(self, &BladePose::a); })
+      .def_property_readonly("b", [](const py::object& self) { return clamps(self, &BladePose::b); })
+      .def_property_readonly(
+          "joints_a", [](const py::object& self) { return arm_joints(self, &pipeline::ClampJoints::a); })
+      .def_property_readonly(
+          "joints_b", [](const py::object& self) { return arm_joints(self, &pipeline::ClampJoints::b); })
+      .def_property_readonly("arms",
+                             [](const Strip& strip) -> py::object {
+                               const auto& arms = strip.get().arms;
+                               return arms ? to_python(pipeline::arms_json(*arms)) : py::none();
                              })
       .def_property_readonly("block_mm",
                              [](const py::object& self) {
@@ -182,6 +191,17 @@ void add_strip(py::module_& module) {
 
 }  // namespace
 
+void write_poses_as_rows(pipeline::Program& program) {
+  for (pipeline::Strip& strip : program.strips) {
+    for (BladePose& pose : strip.poses) {
+      for (pipeline::Pose* clamp : {&pose.a, &pose.b}) {
+        const double w = clamp->q.w();
+        std::memcpy(reinterpret_cast<std::byte*>(clamp) + kPosition, &w, sizeof(w));
+      }
+    }
+  }
+}
+
 void add_program(py::module_& module) {
   add_rib(module);
   add_strip(module);
@@ -191,8 +211,7 @@ void add_program(py::module_& module) {
           "from_json",
           [](const std::string& text) {
             const py::gil_scoped_release release;
-            return std::make_shared<Program>(
-                std::make_shared<const pipeline::Program>(pipeline::parse_program(text, "program.json")));
+            return handed_out(pipeline::parse_program(text, "program.json"));
           },
           py::arg("text"), "Reads the text of a program.")
       .def("save", &save_program, py::arg("file"), py::arg("force") = false,
@@ -214,6 +233,13 @@ void add_program(py::module_& module) {
                                py::tuple strips(count);
                                for (std::size_t i = 0; i < count; ++i) strips[i] = Strip{program, i};
                                return strips;
+                             })
+      .def_property_readonly("cell",
+                             [](const Program& program) -> py::object {
+                               if (!program.data->cell) return py::none();
+                               using namespace py::literals;
+                               return py::dict("name"_a = program.data->cell->name,
+                                               "sha256"_a = program.data->cell->sha256);
                              })
       .def_property_readonly("settings", [](const Program& program) { return program.data->settings; })
       .def_property_readonly("design_file",

@@ -71,6 +71,12 @@ py::object path_text(const std::string& path) {
   return py::module_::import("os").attr("fsdecode")(py::bytes(path));
 }
 
+py::tuple texts(const std::vector<std::string>& list) {
+  py::tuple all(list.size());
+  for (std::size_t i = 0; i < list.size(); ++i) all[i] = path_text(list[i]);
+  return all;
+}
+
 py::object to_python(const nlohmann::ordered_json& json) {
   switch (json.type()) {
     case nlohmann::ordered_json::value_t::object: {

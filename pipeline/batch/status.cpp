@@ -1,6 +1,7 @@
 #include "pipeline/batch/status.hpp"
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "pipeline/batch/measured.hpp"
@@ -27,6 +28,18 @@ BatchStatus status_of(const BatchDirectory& directory) {
   const double each = seconds.empty() ? status.batch.estimate_s : median_of(seconds);
   status.left_s = each * static_cast<double>(status.batch.plans - status.results);
   return status;
+}
+
+nlohmann::ordered_json to_json(const BatchStatus& status) {
+  nlohmann::ordered_json json{{"jobs", status.batch.jobs},     {"plans", status.batch.plans},
+                              {"results", status.results},     {"verdicts", status.verdicts},
+                              {"chunks", status.batch.chunks}, {"chunks_done", status.chunks_done},
+                              {"left_s", status.left_s},       {"failed", nlohmann::ordered_json::array()}};
+  for (const Failure& f : status.failures) {
+    json["failed"].push_back(
+        {{"job", f.job}, {"panel", f.panel}, {"key", f.key}, {"attempts", f.attempts}, {"why", f.why}});
+  }
+  return json;
 }
 
 }  // namespace hotblade::pipeline::batch

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -21,5 +22,8 @@ struct BatchStatus {
 
 // Throws Error as read_batch() does.
 [[nodiscard]] BatchStatus status_of(const BatchDirectory& directory);
+
+// Returns it as `batch status --json` has it.
+[[nodiscard]] nlohmann::ordered_json to_json(const BatchStatus& status);
 
 }  // namespace hotblade::pipeline::batch

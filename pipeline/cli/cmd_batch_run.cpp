@@ -116,15 +116,7 @@ std::string table(const batch::BatchStatus& status) {
 }
 
 std::string json_text(const batch::BatchStatus& status) {
-  nlohmann::ordered_json json{{"jobs", status.batch.jobs},     {"plans", status.batch.plans},
-                              {"results", status.results},     {"verdicts", status.verdicts},
-                              {"chunks", status.batch.chunks}, {"chunks_done", status.chunks_done},
-                              {"left_s", status.left_s},       {"failed", nlohmann::ordered_json::array()}};
-  for (const batch::Failure& f : status.failures) {
-    json["failed"].push_back(
-        {{"job", f.job}, {"panel", f.panel}, {"key", f.key}, {"attempts", f.attempts}, {"why", f.why}});
-  }
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return to_json(status).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 void add_batch_status(CLI::App& batch, Action& action) {

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pipeline/advice/design_trials.hpp"
 #include "pipeline/cli/command.hpp"
-#include "pipeline/cli/design_trials.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/program/read_design.hpp"
@@ -227,8 +227,9 @@ Exit check(const CheckArguments& arguments, const Console& console) {
   const bool suggests = met && !met->suggestions.empty();
   if (arguments.advise) tried.emplace();
   if (arguments.advise && suggests) {
+    const ReadAgain read = [&](const DesignSettings& how) { return read_design(file, how); };
     tried = try_changes(settings, changes_by_shape(met->suggestions),
-                        [&](const Settings& changed) { return plan_again(file, changed, {}, false); });
+                        [&](const Settings& changed) { return plan_again(read, changed, {}, false); });
   }
   const Findings found{design, met, tried};
   std::cout << (arguments.as_json ? json_text(found) : table(found));

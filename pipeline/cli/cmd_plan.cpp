@@ -12,10 +12,10 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/advice/design_trials.hpp"
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
-#include "pipeline/cli/design_trials.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/arms/arms.hpp"
@@ -137,28 +137,6 @@ std::vector<Suggestion> suggestions_for(surface::DesignSurface& design, const Se
 // Where in the command's progress its parts end. Pictures take a second, which is a third of a small plan.
 constexpr double kRead = 0.02, kTried = 0.5, kPlanned = 0.82, kDrawn = 0.97;
 
-// Gives a plan its arms, or refuses it by what stands in their way. A plan that is refused already keeps its
-// own reasons.
-void hold_in_cell(const surface::DesignSurface& design, const std::optional<robot::Cell>& cell,
-                  gpu::Backend backend, PlanResult& result) {
-  if (!cell || !result.refusals.empty()) return;
-  ArmedProgram armed = with_arms(result.program, *cell);
-  result.program = std::move(armed.program);
-  for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    const Strip& strip = result.program.strips[i];
-    if (!strip.arms) continue;
-    result.strips[i].plinth_mm += strip.arms->raise_mm;
-    time_facts(strip.poses, result.strips[i].motion);
-  }
-  result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
-  result.refusals = std::move(armed.report.refusals);
-  if (!result.refusals.empty()) {
-    result.program.verification.status = VerificationStatus::kRefused;
-  } else if (result.program.blade.melt.by_speed()) {
-    measure_again(design, backend, result);
-  }
-}
-
 // Progress of a part of the command, told as that of the whole.
 std::function<void(const std::string&, double)> progress_within(const Console& console, double from,
                                                                 double to) {
@@ -207,7 +185,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   std::future<std::string> crossings =
       std::async(std::launch::async, [&] { return surface::self_crossings_text(design); });
   PlanResult result = plan(design, settings, hooks);
-  hold_in_cell(design, cell, hooks.backend, result);
+  if (cell) hold_in_cell(design, *cell, hooks.backend, result);
   if (const std::string text = crossings.get(); !text.empty()) {
     console.warn("warning: " + text);
     design.health.warnings.push_back(text);
@@ -218,14 +196,15 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   if (!result.refusals.empty()) {
     // What the shape alone suggests is tried unasked: it is the likeliest reason of all.
     const auto changes = arguments.advise ? likely_changes(result, suggested) : changes_by_shape(suggested);
+    const ReadAgain read = [&](const DesignSettings& how) { return read_design(design_options.file, how); };
     int trial = 0;
     result.remedies = try_changes(settings, changes, [&](const Settings& changed) {
       const auto end = [](int trials) { return kTried + trials * (kPlanned - kTried) / kMostTrials; };
       hooks.progress = progress_within(console, end(trial), end(trial + 1));
       ++trial;
-      return plan_again(design_options.file, changed, hooks, arguments.strict,
+      return plan_again(read, changed, hooks, arguments.strict,
                         [&](const surface::DesignSurface& same, PlanResult& again) {
-                          hold_in_cell(same, cell, hooks.backend, again);
+                          if (cell) hold_in_cell(same, *cell, hooks.backend, again);
                         });
     });
   }

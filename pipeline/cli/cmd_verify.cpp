@@ -160,18 +160,6 @@ void print_joints(const JointCheck& check) {
   for (const std::string& line : check.breaches) std::cout << line << "\n";
 }
 
-nlohmann::ordered_json joints_json(const JointCheck& check) {
-  return {{"off_mm", check.off_mm},
-          {"off_rad", check.off_rad},
-          {"joint_margin_rad", check.joint_margin_rad},
-          {"wrist_rad", check.wrist_rad},
-          {"speed_share", check.speed_share},
-          {"acceleration_share", check.acceleration_share},
-          {"jerk_share", check.jerk_share},
-          {"nearest", check.nearest},
-          {"breaches", check.breaches}};
-}
-
 Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const int threads = arguments.jobs > 0 ? arguments.jobs : tbb::info::default_concurrency();
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
@@ -190,8 +178,7 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   console.report_progress("done", 1);
   tell_backend(report, options.backend, console);
   if (arguments.json) {
-    std::cout << verify_json(program, report, options,
-                             joints ? joints_json(*joints) : nlohmann::ordered_json());
+    std::cout << verify_json(program, report, options, joints ? to_json(*joints) : nlohmann::ordered_json());
   } else {
     print_report(program, report, options);
     if (joints) print_joints(*joints);

@@ -71,7 +71,7 @@ struct Decision {
   std::string why;  // what it failed by; empty: nothing
 };
 
-// A change of settings with which a refused plan was planned again and passed (pipeline/report/advice.hpp).
+// A change of settings with which a refused plan was planned again and passed (pipeline/advice/advice.hpp).
 struct TriedRemedy {
   std::vector<std::string> assignments;  // as `--set` takes them: "design.tolerance_mm=1.3"
   std::string without;                   // the setting that was left out instead; empty: none

@@ -1,5 +1,5 @@
 // What a design's shape says against the settings that it is read and planned with: reasons, and changes of
-// settings that may help. Nothing of this was tried (pipeline/report/advice.hpp tries it).
+// settings that may help. Nothing of this was tried (pipeline/advice/advice.hpp tries it).
 #pragma once
 
 #include <Eigen/Core>

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
-#include "pipeline/report/advice.hpp"
+#include "pipeline/advice/advice.hpp"
 #include "pipeline/report/arms_section.hpp"
 #include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/places_table.hpp"

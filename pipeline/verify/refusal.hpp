@@ -37,7 +37,7 @@ struct Refusal {
 [[nodiscard]] std::string note(const Refusal& refusal);
 
 // Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): note`: the reason, and not what may
-// help, which takes a trial (pipeline/report/advice.hpp).
+// help, which takes a trial (pipeline/advice/advice.hpp).
 [[nodiscard]] std::string describe(const Refusal& refusal);
 
 // Returns `radius 55.2 mm (limit 70.5 mm)`.

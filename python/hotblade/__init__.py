@@ -2,12 +2,13 @@
 from collections.abc import Mapping as _Mapping
 
 from . import curve
-from ._hotblade import (PHASES, Check, Design, Plan, Program, Rib, Settings, Strip, __version__, plan, read,
+from ._hotblade import (PHASES, Cell, Check, Design, Plan, Program, Rib, Settings, Strip, __version__, plan, read,
                         verify)
+from .batch import Batch, Job
 from .errors import ControllerError, Error, FileError, InputError, NotCuttable, OverTolerance, UsageError
 
-__all__ = ["PHASES", "Check", "ControllerError", "Design", "Error", "FileError", "InputError", "NotCuttable",
-           "OverTolerance", "Plan", "Program", "Rib", "Settings", "Strip", "UsageError", "curve", "plan", "read", "verify",
+__all__ = ["PHASES", "Batch", "Cell", "Check", "ControllerError", "Design", "Error", "FileError", "InputError", "Job",
+           "NotCuttable", "OverTolerance", "Plan", "Program", "Rib", "Settings", "Strip", "UsageError", "curve", "plan", "read", "verify",
            "__version__"]
 
 # What a mapping has beside its items.

@@ -56,20 +56,35 @@ def config(settings: Optional[Json] = None, files: Union[str, Sequence[str]] = (
     return {key: _plain(value) for key, value in _settings(settings, files).items()}
 
 
-def plan(design: Json, settings: Optional[Json] = None, files: Union[str, Sequence[str]] = (), threads: int = 0) -> Json:
-    """status, refusals, warnings, report and program of a plan; a refused plan's program is None."""
+def plan(design: Json, settings: Optional[Json] = None, files: Union[str, Sequence[str]] = (), threads: int = 0,
+         cell: Optional[str] = None, remedies: str = "shape") -> Json:
+    """status, refusals, remedies, warnings, report and program of a plan; a refused plan's program is None.
+
+    `cell` is a file on this side, or a name of a cell that hotblade brings.
+    """
     resolved = _settings(settings, files)
-    result = _hb.plan(_design(design, resolved), resolved, threads)
+    result = _hb.plan(_design(design, resolved), resolved, threads, cell=cell, remedies=remedies)
     passed = result.status == "passed"
-    return {"status": result.status, "refusals": result.refusals, "warnings": result.warnings, "report": result.report,
+    return {"status": result.status, "refusals": result.refusals, "remedies": result.remedies,
+            "warnings": result.warnings, "report": result.report,
             "program": json.loads(result.program.to_json()) if passed else None}
 
 
-def verify(program: Json, design: Json, sample_mm: float = 2.5, threads: int = 0) -> Json:
+def verify(program: Json, design: Json, sample_mm: float = 2.5, threads: int = 0, cell: Optional[str] = None) -> Json:
     """What `hotblade verify --json` says of a program; the design is read as the program says."""
     loaded = _hb.Program.from_json(json.dumps(program))
     settings = loaded.settings
-    return _hb.verify(loaded, _design(design, settings), sample_mm, threads).report
+    return _hb.verify(loaded, _design(design, settings), sample_mm, threads, cell=cell).report
+
+
+def batch_status(directory: str) -> Json:
+    """How far a batch is, as `hotblade batch status --json` has it."""
+    return _hb.Batch(directory).status()
+
+
+def batch_table(directory: str, partial: bool = False) -> Json:
+    """The columns of a batch's results by name."""
+    return {name: _plain(column) for name, column in _hb.Batch(directory).table(partial).items()}
 
 
 def curve_residual(bezier: List[Any]) -> Json:

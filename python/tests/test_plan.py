@@ -1,3 +1,4 @@
+import gc
 import json
 import os
 import re
@@ -7,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
@@ -87,15 +89,33 @@ def test_poses_are_arrays_of_the_program(bump):
             assert rib.bezier.tolist() == of_text["bezier"] and rib.target.tolist() == of_text["target"]
 
 
-def test_arrays_share_the_programs_memory_and_outlive_it(bump):
-    program = hb.plan(bump[0], bump[1]).program
-    strip, again = program.strips[0], program.strips[0]
-    for name in ("t", "a", "b", "blade", "phase", "heat", "margin"):
-        assert np.shares_memory(getattr(strip, name), getattr(again, name)), name
-    t, a = strip.t, strip.a
-    before = t.copy(), a.copy()
-    del strip, again, program
-    assert np.array_equal(t, before[0]) and np.array_equal(a, before[1])
+def address(array):
+    return array.__array_interface__["data"][0]
+
+
+def test_arrays_share_the_programs_memory_and_outlive_it(bump, bump_cut):
+    names = ("t", "a", "b", "blade", "phase", "heat", "margin")
+    for make in (lambda: hb.plan(bump[0], bump[1]).program, lambda: hb.Program.load(bump_cut / "program.json")):
+        program = make()
+        strip, again = program.strips[0], program.strips[0]
+        waypoint = strip.t.strides[0]
+        for name in names:
+            array = getattr(strip, name)
+            assert np.shares_memory(array, getattr(again, name)) and not array.flags.owndata, name
+            # All are parts of the program's own waypoints, where they lie in its memory.
+            assert array.strides[0] == waypoint and 0 <= address(array) - address(strip.t) < waypoint, name
+        arrays = [getattr(strip, name) for name in names]
+        before = [array.copy() for array in arrays]
+        owner = weakref.ref(program)
+        del strip, again, program
+        gc.collect()
+        others = [hb.Program.load(bump_cut / "program.json").strips[0].a.sum() for _ in range(3)]
+        assert others == [before[1].sum()] * 3
+        for array, values in zip(arrays, before):
+            assert np.array_equal(array, values)
+        del array, arrays
+        gc.collect()
+        assert owner() is None, "what no array shows any more is let go"
 
 
 def test_a_refused_plan_is_returned_and_says_why(samples, tmp_path):
@@ -109,6 +129,49 @@ def test_a_refused_plan_is_returned_and_says_why(samples, tmp_path):
     with pytest.raises(hb.NotCuttable):
         result.program.save(tmp_path / "program.json")
     assert not (tmp_path / "program.json").exists()
+
+
+def in_metres(samples, tmp_path):
+    """The sample written in metres and read in mm, by a file of its own."""
+    file = tmp_path / "metres.obj"
+    with open(samples / "bump.obj") as lines, open(file, "w") as out:
+        for line in lines:
+            words = line.split()
+            out.write(f"v {' '.join(str(float(w) / 1000) for w in words[1:])}\n" if words and words[0] == "v" else line)
+    return file
+
+
+def test_remedies_are_the_commands(samples, program, tmp_path):
+    file = in_metres(samples, tmp_path)
+    settings = hb.Settings.load(samples / "bump.toml", {"design.units": "mm"})
+    design = hb.read(file, settings=settings)
+    for word, option in (("shape", []), ("all", ["--advise"])):
+        cut = tmp_path / word
+        program("plan", file, "--config", samples / "bump.toml", "--units", "mm", "--pictures", "none", "-q", *option, "-o", cut,
+                code=4)
+        told = []
+        result = hb.plan(design, settings, remedies=word, progress=lambda stage, share: told.append(share))
+        assert result.report == json.loads((cut / "report.json").read_text())
+        assert result.remedies == result.report["remedies"] and ["design.units=m"] in [r["set"] for r in result.remedies]
+        assert told == sorted(told) and told[-1] == 1
+    assert hb.plan(design, settings, remedies="none").remedies == []
+    with pytest.raises(hb.UsageError, match="remedies .\"some\", must be one of none, shape, all"):
+        hb.plan(design, settings, remedies="some")
+    arrays = hb.Design.from_arrays(design.vertices, design.triangles, "mm", "metres")
+    assert ["design.units=m"] in [r["set"] for r in hb.plan(arrays, settings).remedies]
+
+
+def test_remedies_of_a_design_that_is_gone_are_not_made_up(samples, tmp_path):
+    file = in_metres(samples, tmp_path)
+    settings = hb.Settings.load(samples / "bump.toml", {"design.units": "mm"})
+    design = hb.read(file, settings=settings)
+    with open(file, "a") as out:
+        out.write("# changed\n")
+    result = hb.plan(design, settings)
+    assert result.remedies == [] and any("changed since it was read" in line for line in result.warnings)
+    file.unlink()
+    result = hb.plan(design, settings)
+    assert result.status == "refused" and any("no remedies were tried" in line for line in result.warnings)
 
 
 def test_settings_that_contradict_the_design_are_told(bump, samples):

@@ -32,8 +32,20 @@ def test_a_plan_of_a_file_is_the_modules(bump, samples):
 def test_a_refused_plan_has_reasons_and_no_program(samples):
     answer = plain(rpc.plan({"file": str(samples / "bump.obj")}, {"design.units": "mm", "blade.free_lengths_mm": [50]}, str(samples / "bump.toml")))
     assert answer["status"] == "refused" and answer["refusals"] and answer["program"] is None
+    assert answer["remedies"] == []
     with pytest.raises(hb.FileError):
         rpc.check({"file": "none.obj", "units": "mm"})
+
+
+def test_arms_and_batches_are_plain(bump, samples, program, tmp_path):
+    design = {"file": str(samples / "bump.obj")}
+    answer = plain(rpc.plan(design, {"design.units": "mm"}, str(samples / "bump.toml"), cell="two_kr50", remedies="none"))
+    assert answer["status"] == "passed" and answer["program"]["cell"]["name"] == hb.Cell.load("two_kr50").name
+    assert plain(rpc.verify(answer["program"], design, cell="two_kr50"))["joints"]["breaches"] == []
+    program("batch", "init", tmp_path / "batch", "--design", samples / "bump.obj", "--units", "mm", "-q")
+    assert plain(rpc.batch_status(str(tmp_path / "batch")))["plans"] == 1
+    table = plain(rpc.batch_table(str(tmp_path / "batch"), True))
+    assert table["verdict"] == ["missing"] and table["machine_s"] == [None] and table["job"] == [1]
 
 
 def test_settings_are_plain(samples):

@@ -19,9 +19,10 @@ def test_the_stubs_say_what_is_there(tmp_path):
     # Classes of pybind11 have a metaclass and a maker of their own, Settings has a mapping's methods, and some names
     # stand for types alone.
     allowed.write_text(r"""hotblade\._hotblade.*
-hotblade\.(Check|Design|Plan|Program|Rib|Settings|Strip)([.]__init__)?
+hotblade\.(Cell|Check|Design|Plan|Program|Rib|Settings|Strip)([.]__init__)?
 hotblade\.Settings\.get
 hotblade\.curve\.(ArrayLike|NDArray|Numbers|NamedTuple)
+hotblade\.batch\.(Design|Iterator|Program|Sequence|Settings)
 hotblade\.rpc\.Sequence
 """)
     mypy("mypy.stubtest", "hotblade", "--allowlist", allowed, "--ignore-unused-allowlist", cwd=tmp_path)

@@ -85,7 +85,7 @@ struct LimitInfo {
   const char* name = "";  // of the amount that is measured: "clamp speed"
   const char* unit = "";  // of the amount; empty: it has none
   // What it means that it is broken, where the name does not say it. What would help is not said: that takes
-  // a trial (pipeline/report/advice.hpp).
+  // a trial (pipeline/advice/advice.hpp).
   const char* meaning = "";
   // STATUS's fault detail, and how it is said there, without an amount. 0 and empty: a controller does not
   // check it.

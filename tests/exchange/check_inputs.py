@@ -2,10 +2,13 @@
   formats    a sample as STL, PLY, glTF and GLB of assimp is the same surface
   plan       and gives the same plan
   convert    a documented conversion of another format gives the same surface
+  step       the documented line for gmsh turns a STEP file into its surface, in mm; exit code 77 without gmsh
   refused    units, axes and names that contradict the file are refused, with their exit codes
 Prints what differs, and exits with 1."""
 import json
+import math
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -93,6 +96,36 @@ elif check == "convert":
         back = folder / f"{sample}_out.obj"
         subprocess.run(["assimp", "export", dae, back], check=True, stdout=subprocess.DEVNULL)
         expect_same(back, checked(back, "--units", "mm"), checked(obj, "--units", "mm"))
+elif check == "step":
+    if shutil.which("gmsh") is None:
+        print("gmsh is not installed")
+        sys.exit(77)
+    here = pathlib.Path(__file__).resolve().parent
+    page = (here.parents[1] / "docs/inputs.md").read_text()
+    line = re.search(r"`(gmsh in[.]step [^`]*)`", page)[1].split()
+    model = (here / "quarter_cylinder.step").read_text()
+    # A quarter of a cylinder of radius 400 and length 300, and the same numbers as metres.
+    for unit, scale in (("SI_UNIT(.MILLI.,.METRE.)", 1), ("SI_UNIT($,.METRE.)", 1000)):
+        work = folder / str(scale)
+        work.mkdir()
+        (work / "in.step").write_text(model.replace("SI_UNIT(.MILLI.,.METRE.)", unit))
+        words = [str(20 * scale) if w == "20" else w for w in line]
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL, cwd=work)
+        met = checked(work / "out.stl", "--units", "mm")
+        expect(met["closed"] and met["components"] == 1 and not met["repairs"][1:], f"gmsh: {met['repairs']}")
+        size = [b - a for a, b in zip(*met["bbox_mm"])]
+        expect(all(abs(a - b * scale) < 1e-6 * scale for a, b in zip(size, (300, 400, 400))), f"gmsh: size {size}")
+        numbers = [float(w) for w in re.findall(r"vertex\s+(\S+)\s+(\S+)\s+(\S+)", (work / "out.stl").read_text())
+                   for w in w]
+        far = 0
+        for k in range(0, len(numbers), 9):
+            corners = [numbers[k + i:k + i + 3] for i in (0, 3, 6)]
+            if any(abs(math.hypot(c[1], c[2]) - 400 * scale) > 1e-6 * scale for c in corners):
+                continue  # of an end or of a side
+            around = [math.atan2(c[2], -c[1]) for c in corners]
+            far = max(far, 400 * scale * (1 - math.cos((max(around) - min(around)) / 2)))
+        print(f"gmsh: {far} mm off a radius of {400 * scale} mm")
+        expect(0 < far <= 10 / 200**2 * 400 * scale, f"gmsh: {far} mm off the cylinder")
 elif check == "refused":
     glb = converted(samples / "hypar.obj", "a.glb", "glb2")
     stl = converted(samples / "hypar.obj", "a.stl", "stlb")

@@ -53,19 +53,20 @@ pipeline/verify: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/p
 pipeline/calibrate: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/ribs: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/plan/motion: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs
-pipeline/plan/arms: elastica/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion
+pipeline/plan/arms: elastica/* gpu/backend robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion
 pipeline/plan/direction: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion
 pipeline/plan/sweep: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction
 pipeline/stock: elastica/* robot/* pipeline/settings pipeline/program
 pipeline/plan: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/plan/sweep pipeline/stock
+pipeline/advice: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/plan/motion pipeline/plan/arms pipeline/plan
 pipeline/report/json: elastica/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan
 pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
-pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/report/json pipeline/preview pipeline/export
+pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/advice pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
-pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/calibrate pipeline/plan/arms pipeline/plan pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
+pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/calibrate pipeline/plan/arms pipeline/plan pipeline/advice pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
 '
 
 declare -A may

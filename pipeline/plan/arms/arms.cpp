@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
@@ -303,6 +304,7 @@ class Placement {
     std::vector<ScoredPlace> list;
     const PlaceScorer score(strip_, cell_);
     for (const ArmPlace& place : all) {
+      gpu::stop_point();
       const double off = outside(strip_, place, limits_);
       least_outside_mm_ = std::min(least_outside_mm_, off);
       if (off > 0 && moved_mm(place) > 0) continue;
@@ -314,6 +316,7 @@ class Placement {
 
   std::optional<Tried> first_served(const std::vector<ScoredPlace>& order) {
     for (const ScoredPlace& one : order) {
+      gpu::stop_point();
       Tried tried{one.place, choose_branch(strip_, cell_, one.place, false),
                   choose_branch(strip_, cell_, one.place, true)};
       prove(strip_, program_.blade, program_.settings.motion, cell_, tried);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
@@ -258,6 +259,18 @@ JointCheck check_joints(const Program& program, const robot::Cell& cell) {
     check_clear(strip, program.blade, cell, check);
   }
   return check;
+}
+
+nlohmann::ordered_json to_json(const JointCheck& check) {
+  return {{"off_mm", check.off_mm},
+          {"off_rad", check.off_rad},
+          {"joint_margin_rad", check.joint_margin_rad},
+          {"wrist_rad", check.wrist_rad},
+          {"speed_share", check.speed_share},
+          {"acceleration_share", check.acceleration_share},
+          {"jerk_share", check.jerk_share},
+          {"nearest", check.nearest},
+          {"breaches", check.breaches}};
 }
 
 }  // namespace hotblade::pipeline

@@ -1,6 +1,7 @@
 // The joints of a program, measured again from its numbers alone: other code than that which found them.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -26,5 +27,8 @@ struct JointCheck {
 // Returns what joints and clamps say together. Throws Error (kBadInput) where the program has no joints, or
 // those of another cell.
 [[nodiscard]] JointCheck check_joints(const Program& program, const robot::Cell& cell);
+
+// Returns what was measured as `hotblade verify --json` has it.
+[[nodiscard]] nlohmann::ordered_json to_json(const JointCheck& check);
 
 }  // namespace hotblade::pipeline

@@ -26,7 +26,7 @@ using PlanAgain = std::function<PlanResult(const Settings&)>;
 [[nodiscard]] std::vector<SettingsChange> changes_by_shape(const std::vector<Suggestion>& suggestions);
 
 // Returns the changes that are likely to help, most likely first: those that the shape suggests, then of
-// planes that were given, then of what stood in the way (report/remedies.hpp).
+// planes that were given, then of what stood in the way (pipeline/advice/remedies.hpp).
 [[nodiscard]] std::vector<SettingsChange> likely_changes(const PlanResult& refused,
                                                          const std::vector<Suggestion>& suggestions);
 

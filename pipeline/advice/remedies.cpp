@@ -1,4 +1,4 @@
-#include "pipeline/report/remedies.hpp"
+#include "pipeline/advice/remedies.hpp"
 
 #include <fmt/format.h>
 

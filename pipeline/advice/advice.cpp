@@ -1,4 +1,4 @@
-#include "pipeline/report/advice.hpp"
+#include "pipeline/advice/advice.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "pipeline/report/remedies.hpp"
+#include "pipeline/advice/remedies.hpp"
 #include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/verdict.hpp"

@@ -1,8 +1,8 @@
-#include "pipeline/cli/design_trials.hpp"
+#include "pipeline/advice/design_trials.hpp"
 
 #include <fmt/format.h>
 
-#include "pipeline/program/read_design.hpp"
+#include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/self_crossings.hpp"
 
@@ -16,8 +16,13 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
 std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings) {
   if (!design.health.blockers.empty() || !(design.health.area_mm2 > 0)) return std::nullopt;
   Forecast met = forecast(design, settings);
-  if (met.odd_size && met.odd_size->hopeless) design.health.warnings.push_back(describe(*met.odd_size));
+  if (const auto warning = warning_of(met)) design.health.warnings.push_back(*warning);
   return met;
+}
+
+std::optional<std::string> warning_of(const Forecast& forecast) {
+  if (!forecast.odd_size || !forecast.odd_size->hopeless) return std::nullopt;
+  return describe(*forecast.odd_size);
 }
 
 void refuse_warnings(PlanResult& result) {
@@ -26,10 +31,30 @@ void refuse_warnings(PlanResult& result) {
   result.program.verification.status = VerificationStatus::kRefused;
 }
 
-PlanResult plan_again(const std::string& file, const Settings& settings, const PlanHooks& hooks, bool strict,
+void hold_in_cell(const surface::DesignSurface& design, const robot::Cell& cell, gpu::Backend backend,
+                  PlanResult& result) {
+  if (!result.refusals.empty()) return;
+  ArmedProgram armed = with_arms(result.program, cell);
+  result.program = std::move(armed.program);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const Strip& strip = result.program.strips[i];
+    if (!strip.arms) continue;
+    result.strips[i].plinth_mm += strip.arms->raise_mm;
+    time_facts(strip.poses, result.strips[i].motion);
+  }
+  result.warnings.insert(result.warnings.end(), armed.report.warnings.begin(), armed.report.warnings.end());
+  result.refusals = std::move(armed.report.refusals);
+  if (!result.refusals.empty()) {
+    result.program.verification.status = VerificationStatus::kRefused;
+  } else if (result.program.blade.melt.by_speed()) {
+    measure_again(design, backend, result);
+  }
+}
+
+PlanResult plan_again(const ReadAgain& read, const Settings& settings, const PlanHooks& hooks, bool strict,
                       const JudgeAgain& judge) {
-  surface::DesignSurface design = read_design(file, settings.design);
-  refuse_blocked(design, file);
+  surface::DesignSurface design = read(settings.design);
+  refuse_blocked(design, design.file_name);
   PlanResult result = plan(design, settings, hooks);
   judge(design, result);
   if (!strict) return result;

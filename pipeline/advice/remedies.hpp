@@ -10,7 +10,7 @@
 namespace hotblade::pipeline {
 
 // A setting and the value at which refusals of this plan would hold: a guess, worth a try
-// (report/advice.hpp).
+// (pipeline/advice/advice.hpp).
 struct Remedy {
   std::string setting;  // "design.tolerance_mm"
   std::string now, needed;

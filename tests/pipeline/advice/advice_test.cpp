@@ -1,5 +1,5 @@
 // What is told to help was tried, and passed.
-#include "pipeline/report/advice.hpp"
+#include "pipeline/advice/advice.hpp"
 
 #include <gmock/gmock.h>
 
@@ -7,9 +7,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "pipeline/advice/remedies.hpp"
 #include "pipeline/plan/forecast.hpp"
 #include "pipeline/program/read_design.hpp"
-#include "pipeline/report/remedies.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/temporary_directory.hpp"

@@ -1,4 +1,4 @@
-#include "pipeline/report/remedies.hpp"
+#include "pipeline/advice/remedies.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
