@@ -89,7 +89,9 @@ std::string keep_text(const Forecast& f) {
 }
 
 std::string forecast_table(const Forecast& f) {
-  std::string text = row("smallest radius", bend_text(f.surface, f.blade_radius_mm));
+  std::string text;
+  if (f.faces > 1) text += row("faces", fmt::format("{} that meet in creases, planned one by one", f.faces));
+  text += row("smallest radius", bend_text(f.surface, f.blade_radius_mm));
   text += row("flattest rib planes", "normal " + vector_text(f.planes));
   text += row("radius in them", bend_text(f.sections, f.blade_radius_mm));
   text +=
@@ -160,6 +162,7 @@ Json odd_size_json(const OddSize& odd) {
 Json forecast_json(const Forecast& f) {
   Json json;
   json["blade_radius_mm"] = f.blade_radius_mm;
+  json["faces"] = f.faces;
   json["surface"] = bend_json(f.surface);
   json["planes"] = point_json(f.planes);
   json["sections"] = bend_json(f.sections);

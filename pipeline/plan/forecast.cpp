@@ -15,6 +15,7 @@
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/thinned.hpp"
+#include "pipeline/verify/design_faces.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -338,6 +339,7 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   }
   if (!(area > 0)) throw std::logic_error("forecast: a design without area");
   f.strips_lower_bound = strips_lower_bound(area, settings);
+  f.faces = surface::smooth_faces(cut, crease_limits(settings.design.tolerance_mm, settings.blade)).size();
   // Two rings of such cells reach as far as a bend of the blade's radius has to for the depth of the
   // tolerance. A design that is small for that keeps some cells.
   const double passed_over = std::sqrt(f.blade_radius_mm * settings.design.tolerance_mm / 2);

@@ -27,6 +27,7 @@ struct Bending {
 
 struct Forecast {
   double blade_radius_mm = 0;  // the smallest that the blade may have
+  std::size_t faces = 1;       // smooth ones, that meet in creases and are planned each of its own
   Bending surface;             // in any direction
   // Of the rib planes that suit most of the area, by their normal: their sections' bend, and the share of the
   // area that is steeper against them than a blade forms.

@@ -23,10 +23,13 @@
 #include "pipeline/settings/error.hpp"
 #include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/foam_share.hpp"
+#include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/slice/creases.hpp"
 
 namespace hotblade::pipeline {
 
@@ -213,7 +216,8 @@ void judge(const Settings& settings, PlanResult& result) {
 
 // Ribs follow the facets of the file, not the surface that they stand for.
 void warn_of_facets(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
-  const double chord = mesh_chord_mm(design.mesh);
+  const double chord =
+      mesh_chord_mm(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade));
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   if (chord <= allowed) return;
   result.warnings.push_back(
@@ -297,6 +301,9 @@ class Nearest {
     verified_ = verified ? std::optional(*verified) : std::nullopt;
   }
 
+  // The plan that was offered, without strips where none was.
+  [[nodiscard]] const SweptPlan& swept() const { return swept_; }
+
   void show(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
             Stopwatch& watch, PlanResult& result) {
     PlanResult shown = verified_ ? std::move(*verified_) : result;
@@ -340,10 +347,10 @@ std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, 
 }
 
 // Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
-// looked at in full, `progress` of the rest.
-void try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-                PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
-  bool taken = false;
+// looked at in full, `progress` of the rest. Returns the plan that is shown.
+SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
+  std::optional<SweptPlan> taken;
   Nearest nearest;
   const auto judged = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
@@ -359,12 +366,8 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
     other.decisions = std::move(result.decisions);
     other.times = std::move(result.times);
     result = std::move(other);
-    tbb::parallel_for(std::size_t{0}, result.strips.size(), [&](std::size_t i) {
-      result.strips[i].blades = try_other_blades(swept.strips[i], settings);
-    });
-    gpu::stop_point();
     for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
-    taken = true;
+    taken = swept;
     return {true, {}};
   };
   const auto watched = [&] { progress.fitted(); };
@@ -379,6 +382,85 @@ void try_sweeps(const surface::DesignSurface& design, const Settings& settings, 
   }
   if (!taken) nearest.show(design, settings, hooks, watch, result);
   result.ranking = std::move(ranking);
+  return taken.value_or(nearest.swept());
+}
+
+// One face of a design as a design of its own.
+surface::DesignSurface face_of(const surface::DesignSurface& design, surface::TriangleMesh mesh) {
+  surface::DesignSurface face;
+  face.units = design.units;
+  face.scale_to_mm = design.scale_to_mm;
+  face.up = design.up;
+  face.health.vertices = mesh.vertices().size();
+  face.health.triangles = mesh.triangles().size();
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : mesh.vertices()) box.extend(p);
+  face.health.bbox_mm = {box.min(), box.max()};
+  const MeshView view{mesh.vertices(), mesh.triangles()};
+  for (std::size_t f = 0; f < mesh.triangles().size(); ++f)
+    face.health.area_mm2 += facet(view, static_cast<int>(f)).area();
+  face.mesh = std::move(mesh);
+  return face;
+}
+
+// A face's plan behind those of the faces before, its parts named on from theirs.
+void append(SweptPlan& whole, SweptPlan face) {
+  const std::size_t before = whole.fits.size();
+  const auto renamed = [&](const std::string& id) {
+    constexpr std::size_t kLetter = 1;
+    return fmt::format("S{:03}", before + std::stoul(id.substr(kLetter)));
+  };
+  if (before == 0) whole.planes = face.planes;
+  for (StripPlan& strip : face.strips) {
+    strip.id = renamed(strip.id);
+    whole.strips.push_back(std::move(strip));
+  }
+  for (Refusal& refusal : face.refusals) {
+    refusal.strip = renamed(refusal.strip);
+    whole.refusals.push_back(std::move(refusal));
+  }
+  whole.fits.insert(whole.fits.end(), face.fits.begin(), face.fits.end());
+  whole.deviation_mm = std::max(whole.deviation_mm, face.deviation_mm);
+  whole.sag_mm = std::max(whole.sag_mm, face.sag_mm);
+}
+
+// A design with creases: no blade goes over one within the tolerance, so each of the faces that meet there is
+// planned as a design of its own, and the whole is measured then.
+SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::TriangleMesh> meshes,
+                    const Settings& settings, const PlanHooks& hooks, PlanProgress& progress,
+                    Stopwatch& watch, PlanResult& result) {
+  Settings own = settings;
+  // The whole tells the waste's side: a face may stand upright.
+  if (const double side = waste_side(design.mesh, settings.design.keep); side != 0)
+    own.design.keep = side > 0 ? Keep::kBack : Keep::kFront;
+  SweptPlan whole;
+  whole.way = SweepWay::kFaces;
+  for (surface::TriangleMesh& mesh : meshes) {
+    PlanResult face;
+    face.program = result.program;
+    append(whole, try_sweeps(face_of(design, std::move(mesh)), own, hooks, progress, watch, face));
+    for (Decision& d : face.decisions) d.taken = false;
+    std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
+    std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));
+  }
+  plan_swept(whole, design, settings, hooks, watch, result);
+  result.decisions.push_back(decision_of(whole, result));
+  result.decisions.back().taken = result.refusals.empty();
+  return whole;
+}
+
+void try_design(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+                PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
+  std::vector<surface::TriangleMesh> faces =
+      surface::smooth_faces(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade));
+  const SweptPlan shown = faces.size() == 1
+                              ? try_sweeps(design, settings, hooks, progress, watch, result)
+                              : try_faces(design, std::move(faces), settings, hooks, progress, watch, result);
+  if (!result.refusals.empty()) return;
+  tbb::parallel_for(std::size_t{0}, result.strips.size(), [&](std::size_t i) {
+    result.strips[i].blades = try_other_blades(shown.strips[i], settings);
+  });
+  gpu::stop_point();
 }
 
 // What the program says of itself, once all is measured.
@@ -426,7 +508,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   PlanProgress progress(hooks.progress, kRankingFits + kFitsOfStrip * static_cast<double>(fewest));
   PlanHooks looking = hooks;
   looking.progress = [&](const std::string& stage, double share) { progress.looked_at(stage, share); };
-  try_sweeps(design, settings, looking, progress, watch, result);
+  try_design(design, settings, looking, progress, watch, result);
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   conclude(design, result);

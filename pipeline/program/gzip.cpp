@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <memory>
 #include <new>
-#include <stdexcept>
 #include <utility>
 
 #include "pipeline/settings/error.hpp"
@@ -103,52 +103,20 @@ std::string unpacked(std::string_view bytes, const std::string& file_name) {
   return Unpacker(bytes, file_name).text();
 }
 
-struct GzipWriter::Stream {
-  explicit Stream(Write to) : write(std::move(to)) {
-    if (::deflateInit2(&z, kLevel, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
-      throw std::bad_alloc();
-  }
-  ~Stream() { ::deflateEnd(&z); }
-  Stream(const Stream&) = delete;
-  Stream& operator=(const Stream&) = delete;
-
-  // Packs all that zlib was given; with `flush` Z_FINISH to the end.
-  void pack(int flush) {
-    std::array<char, kPiece> piece;
-    int code = Z_OK;
-    do {
-      z.next_out = reinterpret_cast<Bytef*>(piece.data());
-      z.avail_out = static_cast<uInt>(piece.size());
-      code = ::deflate(&z, flush);
-      if (code == Z_STREAM_ERROR) throw std::logic_error("GzipWriter: written to after its end");
-      write({piece.data(), piece.size() - z.avail_out});
-    } while (z.avail_out == 0 || (flush == Z_FINISH && code != Z_STREAM_END));
-  }
-
-  Write write;
-  z_stream z{};
-};
-
-GzipWriter::GzipWriter(Write write) : stream_(std::make_unique<Stream>(std::move(write))) {}
-
-GzipWriter::~GzipWriter() = default;
-
-void GzipWriter::add(std::string_view text) {
-  while (!text.empty()) {
-    give(stream_->z, text);
-    stream_->pack(Z_NO_FLUSH);
-  }
-}
-
-void GzipWriter::finish() {
-  stream_->pack(Z_FINISH);
-}
-
 std::string packed(std::string_view text) {
+  z_stream stream{};
+  if (::deflateInit2(&stream, kLevel, Z_DEFLATED, kGzipWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&::deflateEnd)> end(&stream, &::deflateEnd);
   std::string bytes;
-  GzipWriter writer([&](std::string_view piece) { bytes += piece; });
-  writer.add(text);
-  writer.finish();
+  std::array<char, kPiece> piece;
+  for (int code = Z_OK; code != Z_STREAM_END;) {
+    if (stream.avail_in == 0) give(stream, text);
+    stream.next_out = reinterpret_cast<Bytef*>(piece.data());
+    stream.avail_out = static_cast<uInt>(piece.size());
+    code = ::deflate(&stream, text.empty() ? Z_FINISH : Z_NO_FLUSH);
+    bytes.append(piece.data(), piece.size() - stream.avail_out);
+  }
   return bytes;
 }
 

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
 
@@ -18,26 +16,8 @@ namespace hotblade::pipeline {
 // to fill it.
 [[nodiscard]] std::string unpacked(std::string_view bytes, const std::string& file_name);
 
-// Packs a text piece by piece: the same text gives the same bytes however it is parted, and nothing of time
-// or place is in them.
-class GzipWriter {
- public:
-  using Write = std::function<void(std::string_view)>;
-  explicit GzipWriter(Write write);
-  ~GzipWriter();
-  GzipWriter(const GzipWriter&) = delete;
-  GzipWriter& operator=(const GzipWriter&) = delete;
-
-  void add(std::string_view text);
-  // Writes the end: what comes before it is no whole file.
-  void finish();
-
- private:
-  struct Stream;
-  std::unique_ptr<Stream> stream_;
-};
-
-// Returns a whole text packed in this way.
+// Returns a text as a member of a file: the same text gives the same bytes, with nothing of time or place in
+// them. Members one after the other unpack to their texts one after the other.
 [[nodiscard]] std::string packed(std::string_view text);
 
 }  // namespace hotblade::pipeline

@@ -1,6 +1,6 @@
 #include "pipeline/report/emit.hpp"
 
-#include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -33,33 +34,43 @@ namespace fs = std::filesystem;
 // Strips whose texts are held at once.
 constexpr std::size_t kStripsAtOnce = 8;
 
+// A piece of the program: its text, whose hash goes by order, and the bytes that are written.
+struct Piece {
+  std::string text, gzip;
+};
+
 // Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
 // all that was planned. What the reader would refuse must not be handed out, so each strip is read back
-// first.
+// first. With gzip each strip is a member of its own, packed beside others.
 StagedFile staged_program(const Program& program, const fs::path& file, Sha256& sha256) {
   const ProgramFrame frame = program_frame(program);
-  const auto produce = [&](const WritePiece& write_piece) {
-    std::optional<GzipWriter> gzip;
-    if (is_gzip_name(file)) gzip.emplace(write_piece);
-    const auto write = [&](std::string_view piece) {
-      sha256.add(piece);
-      gzip ? gzip->add(piece) : write_piece(piece);
+  const bool gzip = is_gzip_name(file);
+  const auto piece_of = [&](std::string text) {
+    Piece piece{std::move(text), ""};
+    if (gzip) piece.gzip = packed(piece.text);
+    return piece;
+  };
+  const auto produce = [&](const WritePiece& write) {
+    const auto put = [&](const Piece& piece) {
+      sha256.add(piece.text);
+      write(gzip ? piece.gzip : piece.text);
     };
-    write(frame.before);
-    const std::size_t count = program.strips.size();
-    for (std::size_t first = 0; first < count; first += kStripsAtOnce) {
-      std::vector<std::string> texts(std::min(kStripsAtOnce, count - first));
-      tbb::parallel_for(std::size_t{0}, texts.size(), [&](std::size_t i) {
-        texts[i] = to_json(program.strips[first + i]);
-        (void)parse_program(frame.before + texts[i] + frame.after, "program.json");
-      });
-      for (std::size_t i = 0; i < texts.size(); ++i) {
-        write(first + i > 0 ? ",\n" : "");
-        write(texts[i]);
-      }
-    }
-    write(frame.after);
-    if (gzip) gzip->finish();
+    put(piece_of(frame.before));
+    std::size_t next = 0;
+    const auto take = [&](tbb::flow_control& control) {
+      if (next == program.strips.size()) control.stop();
+      return next++;
+    };
+    const auto make = [&](std::size_t i) {
+      std::string text = to_json(program.strips[i]);
+      (void)parse_program(frame.before + text + frame.after, "program.json");
+      return piece_of(i > 0 ? ",\n" + text : std::move(text));
+    };
+    using Mode = tbb::filter_mode;
+    tbb::parallel_pipeline(kStripsAtOnce, tbb::make_filter<void, std::size_t>(Mode::serial_in_order, take) &
+                                              tbb::make_filter<std::size_t, Piece>(Mode::parallel, make) &
+                                              tbb::make_filter<Piece, void>(Mode::serial_in_order, put));
+    put(piece_of(frame.after));
   };
   return {file, produce, false};
 }

@@ -4,9 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <stdexcept>
 #include <vector>
 
 #include "pipeline/report/report_plots.hpp"
@@ -23,14 +21,6 @@ std::string edges_text(const BoxSize& mm) {
 std::string letters(std::size_t i) {
   std::string text(1, static_cast<char>('A' + i % 26));
   return i < 26 ? text : letters(i / 26 - 1) + text;
-}
-
-bool same_box(const StockBox& a, const StockBox& b) {
-  constexpr double kSame_mm = 1e-4;  // far more than rounding, far less than a saw can tell
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (std::abs(a.at[k] - b.at[k]) > kSame_mm || std::abs(a.size[k] - b.size[k]) > kSame_mm) return false;
-  }
-  return true;
 }
 
 // Seen from above, the length to the right, the width to the back, the height up.
@@ -83,40 +73,26 @@ std::string foam_picture(const BoughtBlock& block, const Program& program) {
   return svg + "</svg>";
 }
 
-std::size_t number_of(const std::vector<StockBox>& parts, const StockBox& box) {
-  const auto found =
-      std::find_if(parts.begin(), parts.end(), [&](const StockBox& p) { return same_box(p, box); });
-  if (found == parts.end()) throw std::logic_error("cuts have to be of parts that are there");
-  return static_cast<std::size_t>(found - parts.begin());
-}
-
-std::string cuts_table(const BoughtBlock& block, const Program& program, double saw_mm, const Words& w) {
+std::string cuts_table(const BoughtBlock& block, const Program& program, const Words& w) {
   static constexpr std::array kAxes{"length", "width", "height"};
-  std::vector<StockBox> parts{{{0, 0, 0}, block.size}};
   std::string rows;
+  std::size_t parts = 1;
   for (std::size_t i = 0; i < block.cuts.size(); ++i) {
     const SawCut& cut = block.cuts[i];
     const auto axis = static_cast<std::size_t>(cut.axis);
-    const std::size_t part = number_of(parts, cut.of);
-    StockBox off = parts[part];
-    parts[part].size[axis] = cut.at;
-    off.at[axis] += cut.at + saw_mm;
-    off.size[axis] -= cut.at + saw_mm;
-    std::string gives = letters(part) + " " + edges_text(parts[part].size);
-    if (off.size[axis] > 0) {
-      parts.push_back(off);
-      // What reads as 0 mm is dust.
-      if (off.size[axis] >= 0.5) gives += ", " + letters(parts.size() - 1) + " " + edges_text(off.size);
-    }
+    BoxSize near = cut.of.size;
+    near[axis] = cut.at;
+    std::string gives = letters(cut.part) + " " + edges_text(near);
+    if (cut.leaves()) gives += ", " + letters(parts++) + " " + edges_text(cut.off.size);
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"l\"><b>{}</b></td><td class=\"l\">{}</td><td>{:.1f}</td><td "
         "class=\"l\">{}</td></tr>\n",
-        i + 1, letters(part), w(kAxes.at(axis)), cut.at, gives);
+        i + 1, letters(cut.part), w(kAxes.at(axis)), cut.at, gives);
   }
   std::string are;
   for (const NestedPiece& p : block.pieces) {
-    are += (are.empty() ? "" : ", ") + letters(number_of(parts, p.box)) + " = <b>" +
-           escaped(program.strips[p.piece].id) + "</b>";
+    are +=
+        (are.empty() ? "" : ", ") + letters(p.part) + " = <b>" + escaped(program.strips[p.piece].id) + "</b>";
   }
   std::string table;
   if (!rows.empty())
@@ -145,13 +121,12 @@ std::string foam_section(const Nesting& nesting, const Program& program, const W
           w("Every cut goes from face to face of its part, square to the edge named; it is measured from the "
             "end that keeps the part's letter, to the saw's near side.") +
           "</p>\n";
-  const double saw_mm = program.settings.stock.saw_mm;
   for (std::size_t i = 0; i < nesting.blocks.size(); ++i) {
     const BoughtBlock& block = nesting.blocks[i];
     html += fmt::format(
         "<div class=\"bought\"><h2>{} {}: {} mm</h2><div "
         "class=\"pictures\"><div>{}</div><div>{}</div></div></div>\n",
-        w("Foam"), i + 1, edges_text(block.size), cuts_table(block, program, saw_mm, w),
+        w("Foam"), i + 1, edges_text(block.size), cuts_table(block, program, w),
         foam_picture(block, program));
   }
   return html;

@@ -204,6 +204,8 @@ const char* way_text(SweepWay way) {
       return "calmer where the one before fails";
     case SweepWay::kTurned:
       return "planes turned on until the fit is nearer";
+    case SweepWay::kFaces:
+      return "all smooth faces together";
   }
   return "";
 }

@@ -383,6 +383,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"rows of blocks", "Reihen von Blöcken"},
     {"split where the one before fails", "geteilt, wo der davor nicht genügt"},
     {"calmer where the one before fails", "ruhiger, wo der davor nicht genügt"},
+    {"all smooth faces together", "alle glatten Flächen zusammen"},
     {"planes turned on until the fit is nearer", "Ebenen weitergedreht, bis die Passung näher ist"},
     {"a fan, in the middle", "ein Fächer, in der Mitte"},
     {"Planes by their normals; slice.direction gives one, slice.fan_axis an axis.",

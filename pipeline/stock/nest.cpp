@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <tuple>
 
@@ -35,36 +35,33 @@ bool fits(const BoxSize& size, const BoxSize& room) {
   return size[0] <= room[0] + kSame_mm && size[1] <= room[1] + kSame_mm && size[2] <= room[2] + kSame_mm;
 }
 
-// What is left of a part when a piece is sawn out of its corner by cuts square to three axes, one after the
-// other: each cut takes off all beyond it.
-struct Split {
-  std::vector<StockBox> left;
-  std::vector<SawCut> cuts;
-};
+// The cuts that free a piece from the corner of a part, square to three axes one after the other: each takes
+// off all beyond it.
+using Split = std::vector<SawCut>;
 
 Split split(const StockBox& part, const BoxSize& piece, const std::array<std::size_t, 3>& axes,
             double saw_mm) {
-  Split made;
+  Split cuts;
   StockBox rest = part;
   for (const std::size_t axis : axes) {
     const double beyond = rest.size[axis] - piece[axis];
     if (beyond <= kSame_mm) continue;
-    made.cuts.push_back({rest, static_cast<int>(axis), piece[axis]});
+    SawCut cut{0, rest, static_cast<int>(axis), piece[axis], {}};
     if (beyond - saw_mm > kSame_mm) {
-      StockBox off = rest;
-      off.at[axis] += piece[axis] + saw_mm;
-      off.size[axis] = beyond - saw_mm;
-      made.left.push_back(off);
+      cut.off = rest;
+      cut.off.at[axis] += piece[axis] + saw_mm;
+      cut.off.size[axis] = beyond - saw_mm;
     }
+    cuts.push_back(cut);
     rest.size[axis] = piece[axis];
   }
-  return made;
+  return cuts;
 }
 
 // Large offcuts are worth more than small ones of the same sum.
-double worth(const Split& made) {
+double worth(const Split& cuts) {
   double sum = 0;
-  for (const StockBox& box : made.left) sum += volume(box.size) * volume(box.size);
+  for (const SawCut& cut : cuts) sum += volume(cut.off.size) * volume(cut.off.size);
   return sum;
 }
 
@@ -79,8 +76,15 @@ Split best_split(const StockBox& part, const BoxSize& piece, double saw_mm) {
 
 // Stock on the way to be filled.
 struct Filling {
+  struct Part {
+    std::size_t number = 0;
+    StockBox box;
+  };
   BoughtBlock block;
-  std::vector<StockBox> left;
+  std::vector<Part> left;
+  std::size_t parts = 1;  // that have a number
+
+  explicit Filling(const BoxSize& size) : block{size, {}, {}}, left{{0, {{0, 0, 0}, size}}} {}
 };
 
 class Packer {
@@ -99,8 +103,7 @@ class Packer {
       const std::size_t piece = order[i];
       if (watch_ && i % kOften == 0) watch_();
       if (!place(filled, piece, flush)) {
-        filled.push_back({{size_for(piece, preferred), {}, {}}, {}});
-        filled.back().left.push_back({{0, 0, 0}, filled.back().block.size});
+        filled.emplace_back(size_for(piece, preferred));
         (void)place(filled, piece, flush);
       }
     }
@@ -130,7 +133,7 @@ class Packer {
     std::optional<Fit> best;
     for (std::size_t f = 0; f < filled.size(); ++f) {
       for (std::size_t l = 0; l < filled[f].left.size(); ++l) {
-        const BoxSize& room = filled[f].left[l].size;
+        const BoxSize& room = filled[f].left[l].box.size;
         for (std::size_t t = 0; t < kTurns.size(); ++t) {
           const BoxSize size = turned(pieces_[piece], kTurns[t]);
           if (!fits(size, room)) continue;
@@ -144,13 +147,15 @@ class Packer {
     if (!best) return false;
     const auto& [first, second, f, l, t] = *best;
     Filling& filling = filled[f];
-    const StockBox part = filling.left[l];
+    const Filling::Part part = filling.left[l];
     const BoxSize size = turned(pieces_[piece], kTurns[t]);
-    Split made = best_split(part, size, saw_mm_);
-    filling.block.pieces.push_back({piece, {part.at, size}});
-    filling.block.cuts.insert(filling.block.cuts.end(), made.cuts.begin(), made.cuts.end());
     filling.left.erase(filling.left.begin() + static_cast<std::ptrdiff_t>(l));
-    filling.left.insert(filling.left.end(), made.left.begin(), made.left.end());
+    for (SawCut& cut : best_split(part.box, size, saw_mm_)) {
+      cut.part = part.number;
+      if (cut.leaves()) filling.left.push_back({filling.parts++, cut.off});
+      filling.block.cuts.push_back(cut);
+    }
+    filling.block.pieces.push_back({piece, part.number, {part.box.at, size}});
     return true;
   }
 
@@ -158,7 +163,7 @@ class Packer {
   void shrink(Filling& filling, bool flush) const {
     for (const BoxSize& size : sizes_) {
       if (!(volume(size) < volume(filling.block.size))) continue;
-      std::vector<Filling> other{{{size, {}, {}}, {{{0, 0, 0}, size}}}};
+      std::vector<Filling> other{Filling(size)};
       const bool all = std::all_of(filling.block.pieces.begin(), filling.block.pieces.end(),
                                    [&](const NestedPiece& p) { return place(other, p.piece, flush); });
       if (all) filling = std::move(other.front());
@@ -169,21 +174,6 @@ class Packer {
   std::span<const BoxSize> sizes_;
   double saw_mm_;
   const std::function<void()>& watch_;
-};
-
-// Random numbers that are the same everywhere (splitmix64).
-class Random {
- public:
-  std::size_t below(std::size_t n) { return static_cast<std::size_t>(next() % n); }
-
- private:
-  std::uint64_t next() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_ = 1;
 };
 
 // Orders to fill stock in: by volume, longest edge and base, the largest first; then these with neighbours
@@ -204,12 +194,14 @@ std::vector<std::vector<std::size_t>> orders(std::span<const BoxSize> pieces, st
   // Some hundred for a few pieces, fewer for many: a roof's are packed within some seconds.
   constexpr std::size_t kWork = 48000, kMost = 120;
   const std::size_t more = std::min(kMost, kWork / std::max<std::size_t>(1, pieces.size() * ways));
-  Random random;
+  // Its numbers are the same everywhere, those of the library's distributions are not.
+  std::mt19937_64 random(1);
+  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   for (std::size_t i = 0; i < more && pieces.size() > 1; ++i) {
     std::vector<std::size_t> order = all[i % 3];
-    const std::size_t swaps = 1 + random.below(pieces.size());
+    const std::size_t swaps = 1 + below(pieces.size());
     for (std::size_t k = 0; k < swaps; ++k) {
-      const std::size_t at = random.below(pieces.size()), reach = 1 + random.below(4);
+      const std::size_t at = below(pieces.size()), reach = 1 + below(4);
       std::swap(order[at], order[std::min(order.size() - 1, at + reach)]);
     }
     all.push_back(std::move(order));

@@ -19,16 +19,22 @@ struct StockBox {
   BoxSize at{0, 0, 0}, size{0, 0, 0};
 };
 
-// One cut square to an axis of the stock, from face to face of the part that is left there.
+// One cut square to an axis of the stock, from face to face of the part that is left there. Parts are
+// numbered as they come: 0 is the stock; the near side of a cut keeps the number, what is left beyond has the
+// next one.
 struct SawCut {
-  StockBox of;    // the part that is cut
-  int axis = 0;   // 0 to 2
-  double at = 0;  // where the saw's near side is, from the part's own corner along the axis
+  std::size_t part = 0;  // that is cut
+  StockBox of;           // the part before the cut
+  int axis = 0;          // 0 to 2
+  double at = 0;         // where the saw's near side is, from the part's own corner along the axis
+  StockBox off;          // what is left beyond; without size where the saw takes it all
+  [[nodiscard]] bool leaves() const { return off.size[0] > 0; }
 };
 
 // A piece as it lies in its stock, its size in the stock's axes.
 struct NestedPiece {
   std::size_t piece = 0;
+  std::size_t part = 0;  // SawCut, once all cuts are made
   StockBox box;
 };
 

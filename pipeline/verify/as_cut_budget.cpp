@@ -9,10 +9,10 @@
 
 #include "elastica/blade/continuation.hpp"
 #include "elastica/blade/taut.hpp"
-#include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/as_cut.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/budget.hpp"
+#include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/hanging.hpp"
 #include "robot/pose/motion.hpp"
 
@@ -63,11 +63,12 @@ class HangingRib {
 class DroppedRibs {
  public:
   DroppedRibs(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
-      : blade_(program.blade), mesh_(design.mesh), to_design_(mesh_.vertices(), mesh_.triangles(), backend) {}
+      : blade_(program.blade), to_design_(design.mesh, program, backend) {}
 
-  // Of what lies on the design or no farther than `edge_mm` past its border, moved as the blade hangs.
-  [[nodiscard]] double deviation_mm(const Points& in_plane, const HangingRib& rib, const BladeSpeeds& speeds,
-                                    double edge_mm) const {
+  // Of what of a strip lies on its face of the design or no farther than `edge_mm` past its border, moved as
+  // the blade hangs.
+  [[nodiscard]] double deviation_mm(int strip, const Points& in_plane, const HangingRib& rib,
+                                    const BladeSpeeds& speeds, double edge_mm) const {
     double worst = 0;
     Points points;
     std::vector<Eigen::Vector3d> plane_normals;
@@ -76,13 +77,12 @@ class DroppedRibs {
       points.push_back(p + hang.shift_mm);
       plane_normals.push_back(hang.plane_normal);
     }
-    const std::vector<gpu::Nearest> nearest = to_design_.query(points);
+    const std::vector<DesignFaces::Foot> feet =
+        to_design_.feet(points, [strip](std::size_t) { return strip; });
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const auto& t = mesh_.triangles()[static_cast<std::size_t>(nearest[i].triangle)];
-      const auto at = [&](std::size_t k) { return mesh_.vertices()[static_cast<std::size_t>(t[k])]; };
-      const Eigen::Vector3d n = (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized();
+      const Eigen::Vector3d& n = feet[i].normal;
       // Across the design's plane: a rib may end a little beyond the border.
-      const Eigen::Vector3d d = points[i] - nearest[i].point;
+      const Eigen::Vector3d d = points[i] - feet[i].point;
       const double across = std::abs(n.dot(d));
       if ((d - n.dot(d) * n).norm() > edge_mm) continue;
       const double speed = speeds.empty() ? 0 : speeds.at(points[i]);
@@ -93,8 +93,7 @@ class DroppedRibs {
 
  private:
   const robot::Blade& blade_;
-  const surface::TriangleMesh& mesh_;
-  gpu::MeshDistance to_design_;
+  DesignFaces to_design_;
 };
 
 struct RibErrors {
@@ -115,9 +114,11 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
       for (const auto& q : elastica::sample(rib.elastica, kSamples))
         curve.push_back(rib.frame.point(q.x, q.y));
       const HangingRib hung(strip, static_cast<int>(&rib - strip.ribs.data()), program.blade);
+      const auto number = static_cast<int>(&strip - program.strips.data());
       errors.section_mm =
-          std::max(errors.section_mm, measure.deviation_mm(target, hung, speeds, options.edge_mm));
-      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(curve, hung, speeds, options.edge_mm));
+          std::max(errors.section_mm, measure.deviation_mm(number, target, hung, speeds, options.edge_mm));
+      errors.curve_mm =
+          std::max(errors.curve_mm, measure.deviation_mm(number, curve, hung, speeds, options.edge_mm));
       errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
     }
   }
@@ -236,7 +237,8 @@ AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStri
     add_motion_errors(program.strips[i], executed[i], program.settings.machine.clamps, motion);
   }
   const double joint = std::min(planned("joint_fit"), ribs.fit_mm);
-  budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh)},
+  budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh, crease_limits(program.settings.design.tolerance_mm,
+                                                                       program.blade))},
                      {"section", ribs.section_mm},
                      {"fit", ribs.fit_mm - joint},
                      {"joint_fit", joint},

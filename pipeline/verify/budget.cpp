@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/verify/design_faces.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -35,7 +37,8 @@ double interpolation_mm(const Program& program) {
 
 }  // namespace
 
-double mesh_chord_mm(const surface::TriangleMesh& mesh) {
+double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits) {
+  const std::vector<int> folds = surface::creases(mesh, limits);
   // The face of a corner, seen from the corner's edge.
   const auto side = [&](std::size_t corner) -> Side {
     const auto& t = mesh.triangles()[corner / 3];
@@ -50,6 +53,7 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh) {
   for (int c = 0; c < 3 * static_cast<int>(mesh.triangles().size()); ++c) {
     const int beyond = mesh.beyond(c);
     if (beyond < c) continue;  // none, or met from the other face
+    if (std::binary_search(folds.begin(), folds.end(), c)) continue;
     const Side p = side(static_cast<std::size_t>(c)), q = side(static_cast<std::size_t>(beyond));
     if (!(p.height > 0) || !(q.height > 0)) continue;
     const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));
@@ -69,7 +73,8 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
   }
-  return {{"mesh", mesh_chord_mm(design.mesh)},
+  return {{"mesh",
+           mesh_chord_mm(design.mesh, crease_limits(program.settings.design.tolerance_mm, program.blade))},
           {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
           {"joint_fit", std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},

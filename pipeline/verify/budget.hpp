@@ -8,6 +8,7 @@
 #include "pipeline/program/program.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "surface/read/design_surface.hpp"
+#include "surface/slice/creases.hpp"
 
 namespace hotblade::pipeline {
 
@@ -21,8 +22,8 @@ struct PoseErrors {
 };
 
 // Returns the height of the mesh's chords over the surface it stands for, from the angle between neighbouring
-// faces: 99% of the edges stay below; creases are the design's own.
-[[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh);
+// faces: 99% of the edges stay below. Creases within the limits are the design's own.
+[[nodiscard]] double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits);
 
 // Returns the budget's lines, name and mm, in this order: mesh, fit, joint_fit, between_ribs, interpolation,
 // quantisation, gravity_droop, gravity_in_plane, clamp_error.

@@ -17,6 +17,7 @@
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/verify/design_border.hpp"
+#include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/design_samples.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/mesh_view.hpp"
@@ -156,9 +157,7 @@ class CutMeasurement {
         program_(program),
         mesh_{design.mesh.vertices(), design.mesh.triangles()},
         options_(options) {
-    tbb::parallel_invoke([&] { border_.emplace(design.mesh); },
-                         [&] { to_design_.emplace(mesh_.vertices, mesh_.triangles, options_.backend); });
-    gpu::stop_point();
+    to_design_.emplace(design.mesh, program, options_.backend);
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
@@ -208,8 +207,9 @@ class CutMeasurement {
     const std::span<const Eigen::Vector3d> all(cut_.vertices);
     std::vector<Compared> compared;
     for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
-      const std::vector<gpu::Nearest> on_design =
-          to_design_->query(all.subspan(first, std::min(kAtOnce, all.size() - first)));
+      const std::vector<DesignFaces::Foot> on_design =
+          to_design_->feet(all.subspan(first, std::min(kAtOnce, all.size() - first)),
+                           [&](std::size_t i) { return cut_.strip_of_vertex[first + i]; });
       compared.resize(on_design.size());
       for_each_of(compared.size(),
                   [&](std::size_t i) { compared[i] = compare_with_design(first + i, on_design[i]); });
@@ -219,10 +219,10 @@ class CutMeasurement {
     report_.cut_samples = cut_.vertices.size();
   }
 
-  [[nodiscard]] Compared compare_with_design(std::size_t i, const gpu::Nearest& on_design) const {
+  [[nodiscard]] Compared compare_with_design(std::size_t i, const DesignFaces::Foot& on_design) const {
     Compared c{on_design.distance};
-    const Eigen::Vector3d n = facet(mesh_, on_design.triangle).normal();
-    if (border_->holds(on_design)) {
+    const Eigen::Vector3d& n = on_design.normal;
+    if (on_design.on_border) {
       const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
@@ -325,17 +325,18 @@ class CutMeasurement {
 
   void count_touches(const BladeTouches& touches) {
     if (touches.points.empty()) return;
-    const std::vector<gpu::Nearest> touched = to_design_->query(touches.points);
+    const std::vector<DesignFaces::Foot> touched =
+        to_design_->feet(touches.points, [&](std::size_t i) { return touches.strip_of_point[i]; });
     std::vector<Eigen::Vector3d> feet;
-    for (const gpu::Nearest& foot : touched) feet.push_back(foot.point);
+    for (const DesignFaces::Foot& foot : touched) feet.push_back(foot.point);
     const std::vector<gpu::Nearest> formed = part_->search().query(feet);
     for (std::size_t i = 0; i < feet.size(); ++i) {
       // Only what the same strip forms: another strip's part lies in another block.
       if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
         continue;
-      if (border_->holds(touched[i]) || part_->on_edge(formed[i])) continue;
+      if (touched[i].on_border || part_->on_edge(formed[i])) continue;
       const std::size_t vertex = part_->vertex_of(formed[i].triangle);
-      Eigen::Vector3d n = facet(mesh_, touched[i].triangle).normal();
+      Eigen::Vector3d n = touched[i].normal;
       if (n.dot(cut_.normals[vertex]) < 0) n = -n;
       const double above = n.dot(touches.points[i] - feet[i]);
       const double depth =
@@ -350,8 +351,7 @@ class CutMeasurement {
   const Program& program_;
   MeshView mesh_;  // the design's
   const VerifyOptions& options_;
-  std::optional<DesignBorder> border_;
-  std::optional<gpu::MeshDistance> to_design_;
+  std::optional<DesignFaces> to_design_;
   std::optional<CutPart> part_;  // of the cut; all of it where touches are asked for
   DeviationStatistics statistics_;
   VerifyReport report_;

@@ -13,6 +13,7 @@
 #include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/plan/arms/strip_start.hpp"
 #include "pipeline/plan/arms/strip_timing.hpp"
+#include "pipeline/plan/motion/round_poses.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/verify/verify.hpp"
@@ -181,6 +182,7 @@ void take(const Tried& tried, const robot::Cell& cell, Strip& strip) {
   strip.arms = arms;
   for (std::size_t i = 0; i < strip.poses.size(); ++i)
     strip.poses[i].joints = ClampJoints{plain(tried.a.joints[i]), plain(tried.b.joints[i])};
+  round_joints(strip.poses);
 }
 
 void warn_of(const Strip& strip, std::vector<std::string>& warnings) {

@@ -14,6 +14,7 @@
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_plane.hpp"
 #include "pipeline/plan/motion/refuser.hpp"
+#include "pipeline/plan/motion/round_poses.hpp"
 #include "pipeline/plan/motion/slow_feed.hpp"
 #include "pipeline/plan/motion/slower.hpp"
 #include "pipeline/plan/motion/timed_stretch.hpp"
@@ -219,6 +220,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
   find_margins(motion.poses);
   if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
   tell_clamps(motion.poses, settings.machine.clamps);
+  round_geometry(motion.poses);
   round_times(motion.poses);
   motion.facts.jerk_s = limit_jerk(motion.poses, settings.motion);
   mark_ribs(motion.poses, strip);
@@ -232,6 +234,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
            why_slow(slow, motion.poses, strip.planes.turns(), settings.motion));
   }
   check_blade(strip, settings, motion);
+  round_judgement(motion.poses);
   return motion;
 }
 

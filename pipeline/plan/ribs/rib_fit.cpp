@@ -28,19 +28,4 @@ void give_bezier(RibFit& fit, std::span<const Eigen::Vector2d> points, const Fit
   fit.lambda_residual = residual.value;
 }
 
-std::vector<Eigen::Vector2d> evenly_spaced(std::span<const Eigen::Vector2d> line, int n) {
-  std::vector<double> passed{0};
-  for (std::size_t i = 1; i < line.size(); ++i)
-    passed.push_back(passed.back() + (line[i] - line[i - 1]).norm());
-  std::vector<Eigen::Vector2d> points;
-  std::size_t k = 1;
-  for (int i = 0; i < n; ++i) {
-    const double wanted = passed.back() * i / (n - 1);
-    while (k + 1 < line.size() && passed[k] < wanted) ++k;
-    const double share = (wanted - passed[k - 1]) / (passed[k] - passed[k - 1]);
-    points.emplace_back(line[k - 1] + std::clamp(share, 0.0, 1.0) * (line[k] - line[k - 1]));
-  }
-  return points;
-}
-
 }  // namespace hotblade::pipeline

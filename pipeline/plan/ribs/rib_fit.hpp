@@ -46,7 +46,4 @@ inline constexpr double kMostTurnsRad = 100;
 // lambda-residual is above the threshold.
 void give_bezier(RibFit& fit, std::span<const Eigen::Vector2d> points, const FitSettings& settings);
 
-// Returns n points evenly spaced by arc length along a line of at least two points, no two neighbours equal.
-[[nodiscard]] std::vector<Eigen::Vector2d> evenly_spaced(std::span<const Eigen::Vector2d> line, int n);
-
 }  // namespace hotblade::pipeline

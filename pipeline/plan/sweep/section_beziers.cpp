@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "elastica/bezier/bezier.hpp"
+#include "elastica/fit/even_points.hpp"
 #include "gpu/backend/stop.hpp"
 #include "gpu/curve/lambda_residuals.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
@@ -75,7 +76,7 @@ std::vector<Piece> pieces_of(const std::vector<surface::Section>& sections,
       if (!(length >= kLeastMm)) continue;
       const int count = static_cast<int>(split) * (kPieceSamples - 1) + 1;
       const std::vector<Vector2d> points =
-          evenly_spaced(in_plane(whole, planes.normal(section.offset_mm)), count);
+          elastica::evenly_spaced(in_plane(whole, planes.normal(section.offset_mm)), count);
       for (std::size_t i = 0; i < split; ++i) {
         const auto from = points.begin() + static_cast<std::ptrdiff_t>(i) * (kPieceSamples - 1);
         const std::vector<Vector2d> own(from, from + kPieceSamples);

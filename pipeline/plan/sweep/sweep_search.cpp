@@ -397,6 +397,8 @@ const char* name(SweepWay way) {
       return "calmer";
     case SweepWay::kTurned:
       return "turned";
+    case SweepWay::kFaces:
+      return "faces";
   }
   return "";
 }

@@ -23,6 +23,7 @@ enum class SweepWay {
   kSplit,   // what failed of the try before, split at its place
   kCalmer,  // what failed of the try before, fitted more calmly
   kTurned,  // the planes of the try before, turned until its fit was nearer
+  kFaces,   // smooth faces that meet in creases, the plans of all together
 };
 [[nodiscard]] const char* name(SweepWay way);
 

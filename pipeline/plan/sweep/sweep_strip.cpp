@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "elastica/fit/even_points.hpp"
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -67,7 +68,7 @@ constexpr double kSampleMm = 10;
 
 // Evenly spaced by arc length along the polyline through the feet, and along the rib where the design has a
 // hole: there any chord would do, and count as a deviation. The rib's middle is where feet have s = 0.
-std::vector<Vector2d> even_points(const std::vector<Foot>& feet, const elastica::Elastica& rib) {
+std::vector<Vector2d> target_of(const std::vector<Foot>& feet, const elastica::Elastica& rib) {
   // Samples are farther apart where a section is steep, up to kMaxSlopeRad.
   constexpr double kHoleMm = 2.5 * kSampleMm;
   std::vector<Vector2d> line;
@@ -79,7 +80,7 @@ std::vector<Vector2d> even_points(const std::vector<Foot>& feet, const elastica:
     if (line.empty() || feet[i].q != line.back()) line.push_back(feet[i].q);
   }
   if (line.size() < 2) return {};
-  return evenly_spaced(line, kRibSamples);
+  return elastica::evenly_spaced(line, kRibSamples);
 }
 
 class StripMaker {
@@ -187,7 +188,7 @@ class StripMaker {
     rib.max_slope_rad = slopes_[k];
     rib.own = {0.5, 0.5};
     if (std::abs(offsets_[k] - offset_mm) <= kSamePlaneMm) {
-      rib.target = even_points(feet_[k], rib.elastica);
+      rib.target = target_of(feet_[k], rib.elastica);
       if (!rib.target.empty()) rib.own = part_of(feet_[k].front().s_mm, feet_[k].back().s_mm);
       for (const Foot& foot : feet_[k]) rib.deviation_mm = std::max(rib.deviation_mm, foot.away_mm);
     }

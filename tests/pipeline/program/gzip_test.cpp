@@ -50,19 +50,8 @@ TEST(Gzip, GivesTheTextBack) {
   }
 }
 
-TEST(Gzip, TheBytesDoNotDependOnThePieces) {
-  const std::string text = random_text(300'000, 20);
-  std::string bytes;
-  GzipWriter writer([&](std::string_view piece) { bytes += piece; });
-  std::mt19937 random(5);
-  for (std::string_view rest = text; !rest.empty();) {
-    const std::size_t piece = std::min<std::size_t>(rest.size(), random() % 5000);
-    writer.add(rest.substr(0, piece));
-    rest.remove_prefix(piece);
-  }
-  writer.finish();
-  EXPECT_TRUE(bytes == packed(text));
-  EXPECT_EQ(bytes.substr(4, 4), std::string(4, '\0'));  // no time
+TEST(Gzip, HoldsNoTime) {
+  EXPECT_EQ(packed(random_text(3000, 20)).substr(4, 4), std::string(4, '\0'));
 }
 
 TEST(Gzip, IsWhatOtherProgramsRead) {
@@ -113,11 +102,7 @@ TEST(Gzip, WithSomethingBehindItIsRefused) {
 }
 
 TEST(Gzip, MadeToFillTheMemoryIsRefused) {
-  std::string bytes;
-  GzipWriter writer([&](std::string_view piece) { bytes += piece; });
-  const std::string zeros(std::size_t{1} << 20, '0');
-  for (int i = 0; i < 65; ++i) writer.add(zeros);
-  writer.finish();
+  const std::string bytes = packed(std::string(std::size_t{65} << 20, '0'));
   EXPECT_LT(bytes.size(), 400'000U);
   EXPECT_THAT(refusal(bytes), HasSubstr("unpacks to more than 200 times its size"));
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 namespace hotblade::pipeline {
 namespace {
@@ -33,28 +34,28 @@ void expect_sawn(const Nesting& nesting, const std::vector<BoxSize>& pieces, dou
       return true;
     };
     for (const SawCut& cut : block.cuts) {
-      const auto found =
-          std::find_if(parts.begin(), parts.end(), [&](const auto& p) { return same(p, cut.of); });
-      ASSERT_NE(found, parts.end()) << "a cut through what is no longer in one part";
-      StockBox near = *found, off = *found;
+      ASSERT_LT(cut.part, parts.size());
+      ASSERT_TRUE(same(parts[cut.part], cut.of)) << "a cut through what is no longer in one part";
+      StockBox off = cut.of;
       const auto axis = static_cast<std::size_t>(cut.axis);
       ASSERT_GT(cut.at, 0);
-      ASSERT_LT(cut.at, near.size[axis]);
-      near.size[axis] = cut.at;
+      ASSERT_LT(cut.at, cut.of.size[axis]);
+      parts[cut.part].size[axis] = cut.at;
       off.at[axis] += cut.at + saw_mm;
       off.size[axis] -= cut.at + saw_mm;
-      parts.erase(found);
-      parts.push_back(near);
-      if (off.size[axis] > 1e-6) parts.push_back(off);
+      ASSERT_EQ(cut.leaves(), off.size[axis] > 1e-6);
+      if (!cut.leaves()) continue;
+      ASSERT_TRUE(same(off, cut.off));
+      parts.push_back(off);
     }
+    std::set<std::size_t> taken;
     for (const NestedPiece& p : block.pieces) {
       ++seen.at(p.piece);
       const BoxSize is = longest_first(p.box.size), should = longest_first(pieces[p.piece]);
       for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(is[k], should[k], 1e-9);
-      const auto found =
-          std::find_if(parts.begin(), parts.end(), [&](const auto& q) { return same(q, p.box); });
-      ASSERT_NE(found, parts.end()) << "piece " << p.piece << " does not come free";
-      parts.erase(found);
+      ASSERT_LT(p.part, parts.size());
+      EXPECT_TRUE(same(parts[p.part], p.box)) << "piece " << p.piece << " does not come free";
+      EXPECT_TRUE(taken.insert(p.part).second) << "two pieces are one part";
     }
   }
   for (const int times : seen) EXPECT_EQ(times, 1);

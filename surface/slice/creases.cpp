@@ -1,0 +1,313 @@
+#include "surface/slice/creases.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <stdexcept>
+#include <utility>
+
+namespace hotblade::surface {
+namespace {
+
+using Eigen::Vector3d;
+
+// A walk ends here: no strip's seam is farther from another crease that would matter.
+constexpr double kFarMm = 400;
+// Tolerances that the chords of a mesh may be off its smooth surface, as those of coarse shells are.
+constexpr double kChords = 4;
+// A surface keeps its direction as long as it turns by less than this share of the fold.
+constexpr double kKept = 0.25;
+// More facets within kFarMm than any design has that a walk should see through.
+constexpr int kMostFacets = 10'000;
+
+class Creases {
+ public:
+  Creases(const TriangleMesh& mesh, const CreaseLimits& limits) : mesh_(mesh), limits_(limits) {
+    normals_.reserve(mesh.triangles().size());
+    for (std::size_t f = 0; f < mesh.triangles().size(); ++f) {
+      const int corner = static_cast<int>(3 * f);
+      normals_.push_back((at(corner + 1) - at(corner)).cross(at(corner + 2) - at(corner)).stableNormalized());
+    }
+  }
+
+  [[nodiscard]] std::vector<int> run() const {
+    std::vector<int> found;
+    for (int corner = 0; corner < static_cast<int>(3 * normals_.size()); ++corner) {
+      const int other = mesh_.beyond(corner);
+      if (other > corner && is_crease(corner, other)) found.push_back(corner);
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] const Vector3d& at(int corner) const {
+    return mesh_.vertices()[static_cast<std::size_t>(vertex_at(mesh_, corner))];
+  }
+  [[nodiscard]] const Vector3d& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
+  [[nodiscard]] double turn(int face, int other) const {
+    const Vector3d &m = normal(face), &n = normal(other);
+    return std::atan2(m.cross(n).norm(), m.dot(n));
+  }
+
+  [[nodiscard]] bool is_crease(int corner, int other) const {
+    const double fold = turn(corner / 3, other / 3);
+    // The arc that is tangent to both sides misses the edge by this; a fit shares it out to both sides.
+    const double rounded_mm = 0.5 * limits_.least_radius_mm * (1 / std::cos(0.5 * fold) - 1);
+    if (!(rounded_mm > limits_.tolerance_mm)) return false;
+    // A chord's height over an arc that turns by the fold: below it an edge may stand for a bend.
+    const double wide_mm = 8 * kChords * limits_.tolerance_mm / fold;
+    return kept_mm(corner, kKept * fold, wide_mm) > wide_mm &&
+           kept_mm(other, kKept * fold, wide_mm) > wide_mm;
+  }
+
+  // How far the surface goes on from an edge into its triangle, square to it, and turns by less than
+  // `most_rad`; followed to beyond `enough_mm` only. Infinity where the surface ends before it turns.
+  [[nodiscard]] double kept_mm(int corner, double most_rad, double enough_mm) const {
+    const int first = corner / 3;
+    const Vector3d edge = at(next_corner(corner)) - at(corner);
+    Vector3d from = at(corner) + 0.5 * edge, along = normal(first).cross(edge).stableNormalized();
+    double passed = 0;
+    int entered = corner;
+    for (int facet = 0; facet < kMostFacets && passed <= std::min(enough_mm, kFarMm); ++facet) {
+      const auto [exit, way] = leaves(entered, from, along);
+      if (exit == TriangleMesh::kNone) return passed;
+      passed += way;
+      from += way * along;
+      const int next = mesh_.beyond(exit);
+      if (next == TriangleMesh::kNone) return std::numeric_limits<double>::infinity();
+      if (turn(first, next / 3) > most_rad) return passed;
+      // Straight on over the edge: the same along it, and into the next triangle.
+      const Vector3d over = (at(next_corner(next)) - at(next)).stableNormalized(),
+                     inward = normal(next / 3).cross(over);
+      const double share = std::clamp(along.dot(over), -1.0, 1.0);
+      along = share * over + std::sqrt(1 - share * share) * inward;
+      entered = next;
+    }
+    return passed;
+  }
+
+  struct Exit {
+    int corner = TriangleMesh::kNone;
+    double way_mm = 0;
+  };
+
+  // Where a line in a triangle, from a point of the edge `entered`, meets one of the other two edges.
+  [[nodiscard]] Exit leaves(int entered, const Vector3d& from, const Vector3d& along) const {
+    const Vector3d& n = normal(entered / 3);
+    Exit best;
+    for (int corner = next_corner(entered); corner != entered; corner = next_corner(corner)) {
+      const Vector3d edge = at(next_corner(corner)) - at(corner), out = edge.cross(n);
+      const double speed = along.dot(out);
+      if (!(speed > 0)) continue;
+      const double way = std::max(0.0, (at(corner) - from).dot(out) / speed);
+      if (best.corner == TriangleMesh::kNone || way < best.way_mm) best = {corner, way};
+    }
+    return best;
+  }
+
+  const TriangleMesh& mesh_;
+  const CreaseLimits& limits_;
+  std::vector<Vector3d> normals_;
+};
+
+// Creases that fade out inside a surface, as those of a groin vault do towards its crown, led on along the
+// mesh's edges until they meet.
+class Bridges {
+ public:
+  Bridges(const TriangleMesh& mesh, const std::vector<int>& creases) : mesh_(mesh) {
+    const std::size_t count = mesh.vertices().size();
+    beside_.resize(count);
+    for (int corner = 0; corner < static_cast<int>(3 * mesh.triangles().size()); ++corner) {
+      const int from = vertex_at(mesh, corner), to = vertex_at(mesh, next_corner(corner));
+      const int other = mesh.beyond(corner);
+      if (other == TriangleMesh::kNone || other > corner) {
+        beside_[static_cast<std::size_t>(from)].push_back({to, corner});
+        beside_[static_cast<std::size_t>(to)].push_back({from, corner});
+      }
+    }
+    border_.assign(count, false);
+    for (const int corner : mesh.border()) {
+      border_[static_cast<std::size_t>(vertex_at(mesh, corner))] = true;
+      border_[static_cast<std::size_t>(vertex_at(mesh, next_corner(corner)))] = true;
+    }
+    creases_.resize(count);
+    for (const int corner : creases) {
+      const int from = vertex_at(mesh, corner), to = vertex_at(mesh, next_corner(corner));
+      creases_[static_cast<std::size_t>(from)].push_back({to, corner});
+      creases_[static_cast<std::size_t>(to)].push_back({from, corner});
+    }
+  }
+
+  // Corners of the edges that join creases. All are led on at once, an edge at a time, so that they meet
+  // halfway.
+  [[nodiscard]] std::vector<int> run() const {
+    std::vector<Way> ways;
+    for (int v = 0; v < static_cast<int>(creases_.size()); ++v) {
+      if (creases_[static_cast<std::size_t>(v)].size() == 1 && !border_[static_cast<std::size_t>(v)])
+        ways.push_back(on_from(v));
+    }
+    struct Visit {
+      std::size_t way = 0, steps = 0;
+    };
+    std::map<int, Visit> visited;
+    std::vector<std::size_t> met(ways.size(), 0);  // steps until a way meets something
+    std::size_t longest = 0;
+    for (const Way& way : ways) longest = std::max(longest, way.size());
+    for (std::size_t step = 0; step < longest; ++step) {
+      for (std::size_t w = 0; w < ways.size(); ++w) {
+        if (met[w] > 0 || step >= ways[w].size()) continue;
+        const int to = ways[w][step].to;
+        const auto [before, fresh] = visited.try_emplace(to, Visit{w, step + 1});
+        if (fresh && !ends_at(to)) continue;
+        met[w] = step + 1;
+        if (!fresh && met[before->second.way] == 0) met[before->second.way] = before->second.steps;
+      }
+    }
+    std::vector<int> found;
+    for (std::size_t w = 0; w < ways.size(); ++w)
+      for (std::size_t step = 0; step < met[w]; ++step) found.push_back(ways[w][step].corner);
+    return found;
+  }
+
+ private:
+  struct Step {
+    int to = 0, corner = 0;  // the edge by one of its corners
+  };
+  using Way = std::vector<Step>;
+
+  [[nodiscard]] const Vector3d& at(int v) const { return mesh_.vertices()[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] bool ends_at(int v) const {
+    return border_[static_cast<std::size_t>(v)] || !creases_[static_cast<std::size_t>(v)].empty();
+  }
+
+  // Straight on from a crease's end for as long as the crease itself is: what faded farther back is another
+  // one.
+  [[nodiscard]] Way on_from(int end) const {
+    constexpr int kLook = 3;        // edges that tell the crease's direction
+    constexpr double kAhead = 0.7;  // cosine: edges within 45 degrees of it
+    constexpr double kBend = 0.5;   // of what an edge on the way turns the direction by
+    double length = 0;
+    int before = end, v = creases_[static_cast<std::size_t>(end)].front().to, back = v, edges = 1;
+    length += (at(v) - at(end)).norm();
+    while (creases_[static_cast<std::size_t>(v)].size() == 2 && v != end) {
+      const auto& two = creases_[static_cast<std::size_t>(v)];
+      const int next = two[0].to == before ? two[1].to : two[0].to;
+      length += (at(next) - at(v)).norm();
+      before = std::exchange(v, next);
+      if (++edges <= kLook) back = v;
+    }
+    Vector3d along = (at(end) - at(back)).stableNormalized();
+    Way way;
+    double gone = 0;
+    for (v = end; gone < length;) {
+      Step best;
+      double ahead = kAhead;
+      for (const Step& step : beside_[static_cast<std::size_t>(v)]) {
+        const double cosine = along.dot((at(step.to) - at(v)).stableNormalized());
+        if (cosine <= ahead) continue;
+        ahead = cosine;
+        best = step;
+      }
+      if (!(ahead > kAhead)) break;
+      gone += (at(best.to) - at(v)).norm();
+      along = (along + kBend * (at(best.to) - at(v)).stableNormalized()).stableNormalized();
+      way.push_back(best);
+      v = best.to;
+      if (ends_at(v)) break;
+    }
+    return way;
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<std::vector<Step>> beside_, creases_;  // of each vertex: its edges, those that are creases
+  std::vector<bool> border_;
+};
+
+// Numbers of the pieces that hang together without the edges that are cut.
+struct Pieces {
+  std::vector<int> of_triangle;
+  int count = 0;
+};
+
+Pieces pieces(const TriangleMesh& mesh, const std::vector<bool>& cut) {
+  Pieces found{std::vector<int>(mesh.triangles().size(), -1), 0};
+  std::vector<int> open;
+  for (std::size_t seed = 0; seed < found.of_triangle.size(); ++seed) {
+    if (found.of_triangle[seed] >= 0) continue;
+    open.assign(1, static_cast<int>(seed));
+    found.of_triangle[seed] = found.count;
+    while (!open.empty()) {
+      const int face = open.back();
+      open.pop_back();
+      for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+        const int other = mesh.beyond(corner);
+        if (other == TriangleMesh::kNone || cut[static_cast<std::size_t>(corner)]) continue;
+        int& piece = found.of_triangle[static_cast<std::size_t>(other / 3)];
+        if (piece >= 0) continue;
+        piece = found.count;
+        open.push_back(other / 3);
+      }
+    }
+    ++found.count;
+  }
+  return found;
+}
+
+TriangleMesh piece_of(const TriangleMesh& mesh, const std::vector<int>& triangles) {
+  TriangleSoup soup;
+  std::vector<int> vertices;
+  for (const int f : triangles) {
+    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
+    vertices.insert(vertices.end(), t.begin(), t.end());
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  const auto number = [&](int v) {
+    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+  };
+  for (const int v : vertices) soup.vertices.push_back(mesh.vertices()[static_cast<std::size_t>(v)]);
+  for (const int f : triangles) {
+    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
+    soup.triangles.push_back({number(t[0]), number(t[1]), number(t[2])});
+  }
+  return TriangleMesh(std::move(soup));
+}
+
+}  // namespace
+
+std::vector<int> creases(const TriangleMesh& mesh, const CreaseLimits& limits) {
+  if (!(limits.tolerance_mm > 0) || !(limits.least_radius_mm > 0))
+    throw std::logic_error("creases: limits have to be above 0");
+  return Creases(mesh, limits).run();
+}
+
+std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
+                                       std::vector<int>* face_of_triangle) {
+  if (face_of_triangle) face_of_triangle->assign(mesh.triangles().size(), 0);
+  std::vector<int> found = creases(mesh, limits);
+  if (found.empty()) return {mesh};
+  const std::vector<int> bridges = Bridges(mesh, found).run();
+  found.insert(found.end(), bridges.begin(), bridges.end());
+  std::vector<bool> cut(3 * mesh.triangles().size(), false);
+  const int before = pieces(mesh, cut).count;
+  for (const int corner : found) {
+    cut[static_cast<std::size_t>(corner)] = true;
+    if (const int other = mesh.beyond(corner); other != TriangleMesh::kNone)
+      cut[static_cast<std::size_t>(other)] = true;
+  }
+  const Pieces parted = pieces(mesh, cut);
+  if (parted.count == before) return {mesh};
+  if (face_of_triangle) *face_of_triangle = parted.of_triangle;
+  std::vector<std::vector<int>> triangles(static_cast<std::size_t>(parted.count));
+  for (std::size_t f = 0; f < parted.of_triangle.size(); ++f)
+    triangles[static_cast<std::size_t>(parted.of_triangle[f])].push_back(static_cast<int>(f));
+  std::vector<TriangleMesh> faces;
+  for (const std::vector<int>& own : triangles) faces.push_back(piece_of(mesh, own));
+  return faces;
+}
+
+}  // namespace hotblade::surface

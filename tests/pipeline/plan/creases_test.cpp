@@ -1,0 +1,145 @@
+// Designs with creases, as folded plates, hipped roofs and vaults side by side have them.
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "pipeline/plan/forecast.hpp"
+#include "pipeline/plan/plan.hpp"
+#include "pipeline/verify/design_faces.hpp"
+#include "pipeline/verify/verify.hpp"
+#include "surface/slice/creases.hpp"
+#include "tests/paths.hpp"
+#include "tests/pipeline/plan_design.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Vector3d;
+
+Settings back() {
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = Keep::kBack;
+  return settings;
+}
+
+// Two plates that rise from x = `at` of 600, by this slope.
+surface::DesignSurface fold(double slope, double at = 0.5) {
+  return grid_design("fold", 30, 10, [&](double u, double v) {
+    return Vector3d(600 * u, 400 * v, slope * 600 * std::abs(u - at));
+  });
+}
+
+// A row of arcs, each with its crown in the middle.
+surface::DesignSurface scallops(double bent) {
+  return grid_design("scallops", 60, 20, [&](double u, double v) {
+    return Vector3d(1000 * u + bent * std::sin(M_PI * v), 600 * v, 150 * std::abs(std::sin(2 * M_PI * u)));
+  });
+}
+
+std::size_t faces_of(const surface::DesignSurface& design, const Settings& settings) {
+  return surface::smooth_faces(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade))
+      .size();
+}
+
+void expect_passes(const PlanResult& result, std::size_t strips, double most_mm) {
+  for (const Refusal& r : result.refusals) ADD_FAILURE() << describe(r);
+  EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed);
+  EXPECT_LE(result.strips.size(), strips);
+  EXPECT_LE(result.verification.deviation.max, most_mm);
+  EXPECT_EQ(result.verification.uncut_mm2, 0);
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const std::string& id = result.strips[i].id;
+    EXPECT_EQ(id, "S" + std::string(i < 9 ? "00" : "0") + std::to_string(i + 1));
+    EXPECT_EQ(result.program.strips[i].id, id);
+    EXPECT_EQ(result.program.strips[i].ribs.front().id, id + "R001");
+  }
+}
+
+TEST(PlanCreases, FoldedPlatesAreAStripEach) {
+  for (const double slope : {0.3, 1.2}) {
+    const PlanResult result = plan(fold(slope, 0.4), back(), {});
+    expect_passes(result, 2, 0.01);
+    EXPECT_EQ(result.decisions.back().way, SweepWay::kFaces);
+    EXPECT_TRUE(result.decisions.back().taken);
+    EXPECT_EQ(std::count_if(result.decisions.begin(), result.decisions.end(),
+                            [](const Decision& d) { return d.taken; }),
+              1);
+    // The fold is no chord of a coarse mesh.
+    EXPECT_LT(result.program.verification.budget_mm.front().second, 1e-9);
+    EXPECT_TRUE(std::none_of(result.warnings.begin(), result.warnings.end(), [](const std::string& line) {
+      return line.find("facets") != std::string::npos;
+    }));
+  }
+}
+
+TEST(PlanCreases, AnUprightCornerIsTwoWalls) {
+  const surface::DesignSurface walls = grid_design("walls", 40, 10, [](double u, double v) {
+    return u < 0.5 ? Vector3d(300 - 600 * u, 0, 400 * v) : Vector3d(0, 600 * (u - 0.5), 400 * v);
+  });
+  expect_passes(plan(walls, back(), {}), 2, 0.01);
+}
+
+TEST(PlanCreases, ArcsSideBySideMeetInStraightAndInBentCreases) {
+  for (const double bent : {0.0, 60.0}) {
+    const surface::DesignSurface design = scallops(bent);
+    const PlanResult result = plan(design, back(), {});
+    expect_passes(result, bent > 0 ? 4 : 2, 0.4);
+    // What verify says of the finished program alone.
+    VerifyOptions options;
+    const VerifyReport again = verify(result.program, design, options);
+    EXPECT_EQ(again.deviation.max, result.verification.deviation.max);
+  }
+}
+
+TEST(PlanCreases, AFaceThatNoBladeFollowsIsRefusedByItsStrip) {
+  // The second plate has dents of a radius of some mm.
+  const surface::DesignSurface design = grid_design("dents", 80, 30, [](double u, double v) {
+    const double dent = u > 0.55 ? 8 * std::sin(60 * u) * std::sin(40 * v) : 0;
+    return Vector3d(600 * u, 400 * v, 0.8 * 600 * std::abs(u - 0.5) + dent);
+  });
+  ASSERT_EQ(faces_of(design, back()), 2U);
+  const PlanResult result = plan(design, back(), {});
+  ASSERT_FALSE(result.refusals.empty());
+  for (const Refusal& r : result.refusals) EXPECT_NE(r.strip, "S001") << describe(r);
+}
+
+// Each strip is compared with the face that it forms: past the crease it cuts foam of its own block.
+TEST(DesignFaces, AStripEndsAtTheCreasesOfItsFace) {
+  const surface::DesignSurface design = fold(0.5);
+  const Program program = plan(design, back(), {}).program;
+  const DesignFaces faces(design.mesh, program, gpu::Backend::kCpu);
+  ASSERT_EQ(faces.count(), 2U);
+  ASSERT_EQ(program.strips.size(), 2U);
+  EXPECT_NE(faces.face_of(0), faces.face_of(1));
+  // On the plate beyond the crease, 20 mm from it.
+  const std::vector<Vector3d> point{{320, 200, 0.5 * 20}};
+  const double slant = std::sqrt(1 + 0.5 * 0.5);
+  for (const int strip : {0, 1}) {
+    const DesignFaces::Foot foot = faces.feet(point, [&](std::size_t) { return strip; }).front();
+    const bool own = faces.face_of(strip) == faces.face_of(1);
+    EXPECT_EQ(foot.on_border, !own);
+    EXPECT_NEAR(foot.distance, own ? 0 : 20 * slant, 1e-9);
+    EXPECT_NEAR(std::abs(foot.normal.z()), 1 / slant, 1e-9);
+  }
+}
+
+TEST(DesignFaces, OfTheSamplesAndPanelsAreOneEach) {
+  for (const char* name : {"barrel_vault", "s_wall", "hypar", "bump", "saddle", "vase", "window", "branch",
+                           "ragged", "wave_wall", "corner", "petal"}) {
+    const std::string base = hotblade::testing::source_dir() + "/samples/" + name;
+    const Settings settings = resolve({{base + ".toml"}, {}, {}});
+    EXPECT_EQ(faces_of(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings), 1U) << name;
+  }
+}
+
+TEST(Forecast, TellsTheFacesThatCreasesPart) {
+  EXPECT_EQ(forecast(fold(0.5), back()).faces, 2U);
+  EXPECT_EQ(forecast(fold(0.05), back()).faces, 1U);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline

@@ -1,0 +1,204 @@
+#include "surface/slice/creases.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+namespace hotblade::surface {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr CreaseLimits kLimits{1, 110};
+
+// A grid of cells over [0, 1] x [0, 1], each of two triangles.
+TriangleSoup grid(int columns, int rows, const std::function<Vector3d(double, double)>& at) {
+  TriangleSoup soup;
+  for (int i = 0; i <= columns; ++i)
+    for (int j = 0; j <= rows; ++j)
+      soup.vertices.push_back(at(static_cast<double>(i) / columns, static_cast<double>(j) / rows));
+  for (int i = 0; i < columns; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      const int k = i * (rows + 1) + j;
+      soup.triangles.push_back({k, k + rows + 1, k + rows + 2});
+      soup.triangles.push_back({k, k + rows + 2, k + 1});
+    }
+  }
+  return soup;
+}
+
+// Two plates that meet at x = 600 `share`, each rising by `slope` away from it.
+TriangleSoup folded(double slope, int columns = 60, double share = 0.5) {
+  return grid(columns, 20, [&](double u, double v) {
+    return Vector3d(600 * u, 400 * v, slope * 600 * std::abs(u - share));
+  });
+}
+
+TEST(Creases, PartPlatesWhereTheyFold) {
+  for (const int columns : {2, 6, 60, 600}) {
+    const TriangleMesh mesh(folded(0.5, columns));
+    const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits);
+    ASSERT_EQ(faces.size(), 2U) << columns;
+    EXPECT_EQ(faces[0].triangles().size(), mesh.triangles().size() / 2);
+    EXPECT_EQ(faces[1].triangles().size(), mesh.triangles().size() / 2);
+    for (const Vector3d& p : faces[0].vertices()) EXPECT_LE(p.x(), 300 + 1e-9);
+    for (const Vector3d& p : faces[1].vertices()) EXPECT_GE(p.x(), 300 - 1e-9);
+    EXPECT_EQ(creases(mesh, kLimits).size(), 20U);
+  }
+}
+
+TEST(Creases, TellWhichFaceATriangleIsOf) {
+  const TriangleMesh mesh(folded(0.5));
+  std::vector<int> face_of;
+  (void)smooth_faces(mesh, kLimits, &face_of);
+  ASSERT_EQ(face_of.size(), mesh.triangles().size());
+  for (std::size_t f = 0; f < face_of.size(); ++f) {
+    double x = 0;
+    for (const int v : mesh.triangles()[f]) x += mesh.vertices()[static_cast<std::size_t>(v)].x() / 3;
+    EXPECT_EQ(face_of[f], x > 300 ? 1 : 0);
+  }
+}
+
+// 110 mm rounds a fold of 4 degrees by 0.03 mm, and a fold of 20 by 0.8 mm to either side.
+TEST(Creases, AreNoneWhereABladeRoundsThem) {
+  for (const double slope : {0.03, 0.15}) {
+    const TriangleMesh mesh(folded(slope));
+    EXPECT_TRUE(creases(mesh, kLimits).empty()) << slope;
+    const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits);
+    ASSERT_EQ(faces.size(), 1U);
+    EXPECT_EQ(faces[0].triangles().size(), mesh.triangles().size());
+  }
+  EXPECT_EQ(smooth_faces(TriangleMesh(folded(0.15)), {0.3, 110}).size(), 2U);
+  EXPECT_EQ(smooth_faces(TriangleMesh(folded(0.5)), {40, 110}).size(), 1U);
+}
+
+// A mesh of a smooth surface folds at all of its edges.
+TEST(Creases, AreNotTheChordsOfArcs) {
+  for (const int columns : {8, 16, 60, 400}) {
+    const TriangleMesh arc(grid(columns, 20, [](double u, double v) {
+      const double angle = std::numbers::pi * (u - 0.5);
+      return Vector3d(80 * std::sin(angle), 400 * v, 80 * std::cos(angle));
+    }));
+    EXPECT_TRUE(creases(arc, kLimits).empty()) << columns;
+    const TriangleMesh dome(grid(columns, columns, [](double u, double v) {
+      return Vector3d(300 * u, 300 * v, 60 * std::sin(3 * u) * std::cos(3 * v));
+    }));
+    EXPECT_TRUE(creases(dome, kLimits).empty()) << columns;
+  }
+}
+
+TEST(Creases, AreNotInNoise) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0, 4);
+  const TriangleMesh mesh(
+      grid(60, 60, [&](double u, double v) { return Vector3d(600 * u, 600 * v, noise(random)); }));
+  EXPECT_EQ(smooth_faces(mesh, kLimits).size(), 1U);
+}
+
+// A triangle in n parts along each edge.
+void add_triangle(TriangleSoup& soup, const Vector3d& a, const Vector3d& b, const Vector3d& c, int n) {
+  const auto number = [&](int i, int j) {
+    const Vector3d p = a + i * (b - a) / n + j * (c - a) / n;
+    const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
+                                    [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
+    const auto k = static_cast<int>(known - soup.vertices.begin());
+    if (known == soup.vertices.end()) soup.vertices.push_back(p);
+    return k;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; i + j < n; ++j) {
+      soup.triangles.push_back({number(i, j), number(i + 1, j), number(i, j + 1)});
+      if (i + j + 1 < n) soup.triangles.push_back({number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)});
+    }
+  }
+}
+
+TEST(Creases, OfAHippedRoofMeetInItsPoint) {
+  const std::array<Vector3d, 4> corners{Vector3d(0, 0, 0), Vector3d(800, 0, 0), Vector3d(800, 800, 0),
+                                        Vector3d(0, 800, 0)};
+  for (const int n : {1, 12}) {
+    TriangleSoup roof;
+    for (std::size_t i = 0; i < 4; ++i)
+      add_triangle(roof, corners[i], corners[(i + 1) % 4], Vector3d(400, 400, 250), n);
+    const std::vector<TriangleMesh> faces = smooth_faces(TriangleMesh(roof), kLimits);
+    ASSERT_EQ(faces.size(), 4U) << n;
+    for (const TriangleMesh& face : faces)
+      EXPECT_EQ(face.triangles().size(), static_cast<std::size_t>(n * n));
+  }
+}
+
+// Four sectors of a square vault over 2 `half`, whose mesh has the diagonals as edges; the height is that of
+// an arch over the smaller (groin) or the larger (cloister) distance from the middle lines.
+TriangleMesh vault(bool groin, int n, double half, double radius) {
+  TriangleSoup soup;
+  const auto arch = [&](double at) { return std::sqrt(radius * radius - at * at); };
+  const auto number = [&](int i, int j, int quarter) {
+    const double x = half * i / n, y = i > 0 ? x * (2.0 * j / i - 1) : 0,
+                 turn = quarter * std::numbers::pi / 2;
+    const Vector3d p(std::cos(turn) * x - std::sin(turn) * y, std::sin(turn) * x + std::cos(turn) * y,
+                     arch(groin ? y : x));
+    const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
+                                    [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
+    const auto k = static_cast<int>(known - soup.vertices.begin());
+    if (known == soup.vertices.end()) soup.vertices.push_back(p);
+    return k;
+  };
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    for (int i = 1; i <= n; ++i) {
+      for (int j = 0; j < i; ++j) {
+        soup.triangles.push_back(
+            {number(i - 1, std::min(j, i - 1), quarter), number(i, j, quarter), number(i, j + 1, quarter)});
+        if (j < i - 1)
+          soup.triangles.push_back(
+              {number(i - 1, j, quarter), number(i, j + 1, quarter), number(i - 1, j + 1, quarter)});
+      }
+    }
+  }
+  return TriangleMesh(std::move(soup));
+}
+
+TEST(Creases, ThatFadeTowardsACrownMeetThere) {
+  for (const bool groin : {true, false}) {
+    for (const int n : {8, 24}) {
+      const TriangleMesh mesh = vault(groin, n, 500, 600);
+      const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits);
+      ASSERT_EQ(faces.size(), 4U) << groin << " " << n;
+      for (const TriangleMesh& face : faces)
+        EXPECT_EQ(face.triangles().size(), mesh.triangles().size() / 4) << groin << " " << n;
+    }
+  }
+}
+
+// A slit that ends inside the surface parts nothing.
+TEST(Creases, ThatEndInsidePartNothing) {
+  const TriangleMesh dart(grid(60, 20, [](double u, double v) {
+    return Vector3d(600 * u, 400 * v, 300 * std::max(0.0, v - 0.5) * std::abs(u - 0.5));
+  }));
+  EXPECT_FALSE(creases(dart, {0.5, 110}).empty());
+  EXPECT_EQ(smooth_faces(dart, {0.5, 110}).size(), 1U);
+}
+
+TEST(Creases, DoNotDependOnWhereTheMeshLiesOrHowItIsNumbered) {
+  TriangleSoup soup = folded(0.7, 30, 0.4);
+  std::reverse(soup.triangles.begin(), soup.triangles.end());
+  const Eigen::Quaterniond turn = Eigen::Quaterniond(0.3, 0.5, -0.2, 0.9).normalized();
+  for (Vector3d& p : soup.vertices) p = turn * p + Vector3d(1e6, -3e5, 20);
+  EXPECT_EQ(smooth_faces(TriangleMesh(soup), kLimits).size(), 2U);
+}
+
+TEST(Creases, RefuseLimitsThatAreNone) {
+  const TriangleMesh mesh(folded(0.5, 2));
+  EXPECT_THROW((void)creases(mesh, {0, 100}), std::logic_error);
+  EXPECT_THROW((void)creases(mesh, {1, -1}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace hotblade::surface
