@@ -208,7 +208,9 @@ void judge(const Settings& settings, PlanResult& result) {
     result.refusals.back().capped = v.capped;
     result.refusals.back().at = at;
   }
-  if (v.uncut_share() > settings.design.max_uncut_share) {
+  // Without strips all is uncut: what stands before says why.
+  if (v.uncut_share() > settings.design.max_uncut_share &&
+      !(result.program.strips.empty() && !result.refusals.empty())) {
     result.refusals.push_back(
         {"design", "", Limit::kUncutShare, 100 * v.uncut_share(), 100 * settings.design.max_uncut_share});
   }
@@ -309,7 +311,8 @@ class Nearest {
     PlanResult shown = verified_ ? std::move(*verified_) : result;
     if (!verified_ && rank_) plan_swept(swept_, design, settings, hooks, watch, shown);
     if (!rank_) {
-      shown.refusals = {leaning_refusal(settings)};
+      // Without anything to try no part was found, which the judgement says.
+      if (waste_side(design.mesh, settings.design.keep) == 0) shown.refusals = {leaning_refusal(settings)};
       pose_and_verify({}, design, settings, hooks, watch, shown);
       judge(settings, shown);
     }

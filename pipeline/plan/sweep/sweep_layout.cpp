@@ -123,6 +123,15 @@ SweepPart SweepLayouts::part_behind(const RibAxes& axes, std::vector<SweepSeam> 
   return part;
 }
 
+bool SweepLayouts::meets_design(const SweepPart& part) const {
+  const auto inside = [&](const Vector3d& p) {
+    return std::all_of(part.seams.begin(), part.seams.end(),
+                       [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
+  };
+  const std::vector<Vector3d>& points = part.surface->points;
+  return std::any_of(points.begin(), points.end(), inside) || !fitter_.measured(part).extent.isEmpty();
+}
+
 std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes,
                                               const SweepGrid& grid) const {
   const RibAxes whole = axes(planes);
@@ -138,7 +147,10 @@ std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes
       if (s < along.size()) seams.push_back(seam_across_sweep(whole, along[s], 1));
       if (r > 0) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r - 1], -1));
       if (r < across.size()) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r], 1));
-      parts.push_back(part_behind(whole, std::move(seams)));
+      SweepPart part = part_behind(whole, std::move(seams));
+      // A triangle's grid has cells without design.
+      if (grid.count() > 1 && !meets_design(part)) continue;
+      parts.push_back(std::move(part));
       parts.back().rib_splits =
           static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, least.along_ribs));
     }

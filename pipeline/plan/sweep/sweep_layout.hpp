@@ -80,6 +80,8 @@ class SweepLayouts {
   // The design's extents along the sweep and along the ribs.
   [[nodiscard]] Eigen::AlignedBox<double, 2> extent_of(const RibAxes& axes) const;
   [[nodiscard]] SweepGrid least_grid(const Eigen::AlignedBox<double, 2>& extent) const;
+  // Whether any of the design lies behind the part's seams.
+  [[nodiscard]] bool meets_design(const SweepPart& part) const;
   [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
                                                 const SweepGrid& grid) const;
   [[nodiscard]] double blocks_in(const surface::PlaneFamily& planes) const;

@@ -114,9 +114,9 @@ TEST(Calibration, AStraightBladeIsRefused) {
 
 TEST(Calibration, AScanThatTellsNothingWritesNothing) {
   ScanRehearsal how;
-  how.noise_mm = 4;
+  how.noise_mm = 3;
   how.points = 400;
-  how.seen = 0.05;
+  how.seen = 0.3;
   how.moved = false;
   const MeasuredCut scan = scan_of(panel_program(), planned_errors(panel_program()), how);
   const std::string said = refusal(panel_program(), scan, ScanPlacement::kNear);

@@ -95,6 +95,15 @@ TEST(PlanCreases, ArcsSideBySideMeetInStraightAndInBentCreases) {
   }
 }
 
+// A quarter of a groin vault of 3 m: a triangle, of which a grid of parts has cells without any design.
+TEST(Plan, TrianglesThatTakeSeveralBlocksAreCut) {
+  const surface::DesignSurface design = grid_design("sector", 40, 40, [](double u, double v) {
+    const double x = 1500 * u, y = x * (2 * v - 1);
+    return Vector3d(x, y, std::sqrt(1800 * 1800 - y * y));
+  });
+  expect_passes(plan(design, back(), {}), 7, 1);
+}
+
 TEST(PlanCreases, AFaceThatNoBladeFollowsIsRefusedByItsStrip) {
   // The second plate has dents of a radius of some mm.
   const surface::DesignSurface design = grid_design("dents", 80, 30, [](double u, double v) {
