@@ -12,6 +12,7 @@
 #include "pipeline/batch/index_page.hpp"
 #include "pipeline/batch/plan_facts.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -46,10 +47,43 @@ void write_cut_list(const BatchDirectory& directory, const CutList& list) {
   write_file_atomically(directory.path() / "cut_list.html", cut_page(name_of(directory), list), true);
 }
 
+// The foam of a cut list, by the settings of its jobs' plans.
+FoamList foam_of(const BatchDirectory& directory, const BatchFacts& all, const CutList& list,
+                 const GatherHooks& hooks) {
+  std::map<std::size_t, const Job*> jobs;  // by number
+  for (const Job& job : all.table.jobs) jobs.emplace(job.number, &job);
+  std::map<std::string, SoldFoam> sold;  // by the settings' hash
+  const auto sold_for = [&](std::size_t number) {
+    const std::string& sha256 = all.planned.at(jobs.at(number)->key).settings_sha256;
+    auto found = sold.find(sha256);
+    if (found == sold.end()) {
+      const StockSettings stock = resolve({{directory.settings(sha256)}, {}, {}}).stock;
+      found = sold.emplace(sha256, SoldFoam{stock.sizes_mm, stock.saw_mm}).first;
+    }
+    return found->second;
+  };
+  return foam_list(list, sold_for, [&hooks] {
+    if (hooks.stop && hooks.stop()) throw Error(ErrorKind::kInterrupted, "interrupted: no foam was listed");
+  });
+}
+
+void write_foam(const BatchDirectory& directory, const FoamList& foam, const CutList& list) {
+  const fs::path table = directory.path() / "foam.csv", page = directory.path() / "foam.html";
+  if (foam.empty()) {
+    // What an earlier gathering said holds no more.
+    std::error_code none_there;
+    fs::remove(table, none_there);
+    fs::remove(page, none_there);
+    return;
+  }
+  write_file_atomically(table, foam_table(foam, list), true);
+  write_file_atomically(page, foam_page(name_of(directory), foam, list), true);
+}
+
 class Gatherer {
  public:
   Gatherer(const BatchDirectory& directory, bool partial, const GatherHooks& hooks)
-      : directory_(directory), all_(read_facts(directory, partial, hooks)) {
+      : directory_(directory), hooks_(hooks), all_(read_facts(directory, partial, hooks)) {
     name_given_lines(directory, all_);
   }
 
@@ -59,7 +93,9 @@ class Gatherer {
     const std::vector<JobFacts> rows = all_.rows();
     write_file_atomically(directory_.path() / "index.html", index_page(name_of(directory_), all_.table, rows),
                           true);
-    write_cut_list(directory_, cut_list(rows, kWholeMm));
+    const CutList list = cut_list(rows, kWholeMm);
+    write_cut_list(directory_, list);
+    write_foam(directory_, foam_of(directory_, all_, list, hooks_), list);
     return {all_.table.jobs.size(), all_.missing};
   }
 
@@ -139,6 +175,7 @@ class Gatherer {
   }
 
   const BatchDirectory& directory_;
+  const GatherHooks& hooks_;
   BatchFacts all_;
 };
 
@@ -151,8 +188,10 @@ GatherReport gather(const BatchDirectory& directory, bool partial, const GatherH
 StockReport list_stock(const BatchDirectory& directory, bool partial, double step_mm,
                        const GatherHooks& hooks) {
   const BatchFacts all = read_facts(directory, partial, hooks);
-  StockReport report{cut_list(all.rows(), step_mm), all.missing};
+  StockReport report{cut_list(all.rows(), step_mm), {}, all.missing};
+  report.foam = foam_of(directory, all, report.list, hooks);
   write_cut_list(directory, report.list);
+  write_foam(directory, report.foam, report.list);
   return report;
 }
 

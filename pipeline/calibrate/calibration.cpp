@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 
 #include "pipeline/calibrate/registration.hpp"
@@ -103,15 +104,16 @@ std::vector<Placement> sides_of(const std::vector<Placement>& found) {
 
 // Which of the sides a scan was taken from: the one that what the cell is off by explains best. Sides that
 // are explained as well are told, as only the caller can know.
-Eigen::Isometry3d side_of(const StripScan& given, const MeasuredCut& scan,
+Eigen::Isometry3d side_of(const Program& program, const StripScan& given, const MeasuredCut& scan,
                           const std::vector<Placement>& sides) {
   if (sides.size() == 1) return sides.front().scan_to_design;
   constexpr int kSideRounds = 12;  // enough to see which side comes down to the noise
+  constexpr double kSideSampleMm = 2 * kCutSampleMm;
+  StripScan from{thinned_to(program, scan.strip, kSideSampleMm), given.points, {}, kSideSampleMm};
   std::optional<Estimate> best;
   Eigen::Isometry3d from_there = Eigen::Isometry3d::Identity();
   std::vector<Estimate> all;
   for (const Placement& side : sides) {
-    StripScan from = given;
     from.scan_to_design = side.scan_to_design;
     try {
       all.push_back(estimate({from}, {.most_rounds = kSideRounds}));
@@ -138,6 +140,29 @@ Eigen::Isometry3d side_of(const StripScan& given, const MeasuredCut& scan,
   return from_there;
 }
 
+// The place of a scan that stands near its own. What is drawn far off had little to hold it by, and stays;
+// one that does not lie on the cut where it stands is of another place.
+Eigen::Isometry3d near_place(const CutMesh& cut, const StripScan& given, const MeasuredCut& scan) {
+  constexpr int kRounds = 60;
+  constexpr double kMostMm = 60, kMostRad = std::numbers::pi / 6, kLeastShare = 0.25;
+  const Eigen::Isometry3d stands = Eigen::Isometry3d::Identity(),
+                          drawn = drawn_to(cut, given.points, stands, kRounds).scan_to_design;
+  const Eigen::Vector3d middle =
+      std::accumulate(given.points.begin(), given.points.end(), Eigen::Vector3d::Zero().eval()) /
+      static_cast<double>(given.points.size());
+  const double moved_mm = (drawn * middle - middle).norm();
+  if (moved_mm <= kMostMm && turn_rad(stands, drawn) <= kMostRad) return drawn;
+  const std::vector<double> distances = cut.distances(given.points);
+  const auto on = std::count_if(distances.begin(), distances.end(), [](double d) { return d <= kMostMm; });
+  if (static_cast<double>(on) < kLeastShare * static_cast<double>(distances.size()))
+    refuse_scan(
+        scan,
+        fmt::format("lies elsewhere than the cut ({} of {} points within {:g} mm of it; it fits {:.4g} mm "
+                    "away): turn it as the design lies, or say --placement search",
+                    on, distances.size(), kMostMm, moved_mm));
+  return stands;
+}
+
 StripScan placed_scan(const Program& program, const MeasuredCut& scan, ScanPlacement placement) {
   expect_bent(program, scan);
   StripScan given{thinned_to(program, scan.strip, kCutSampleMm), some_of(scan.points, kMostScanPoints),
@@ -146,11 +171,10 @@ StripScan placed_scan(const Program& program, const MeasuredCut& scan, ScanPlace
   expect_size(scan, size_of(scan.points), size_of(cut.surface().vertices));
   if (placement == ScanPlacement::kFixed) return given;
   if (placement == ScanPlacement::kNear) {
-    constexpr int kRounds = 60;
-    given.scan_to_design = drawn_to(cut, given.points, given.scan_to_design, kRounds).scan_to_design;
+    given.scan_to_design = near_place(cut, given, scan);
     return given;
   }
-  given.scan_to_design = side_of(given, scan, sides_of(placements(cut, given.points)));
+  given.scan_to_design = side_of(program, given, scan, sides_of(placements(cut, given.points)));
   return given;
 }
 

@@ -210,7 +210,8 @@ std::string to_json(const Calibration& calibration, const ErrorVector* truth) {
     for (const Blend::Part& part : blend.parts) parts[std::string(info_of(part.error).key)] = part.share;
     json["untold"].push_back({{"left", blend.left}, {"parts", std::move(parts)}, {"text", blend.describe()}});
   }
-  return json.dump(2);
+  // A file's name may be no UTF-8.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace hotblade::pipeline

@@ -30,11 +30,13 @@ double difference_step(std::size_t error) {
   return kShare * info_of(error).expected;
 }
 
-// A cut and how its vertices move with each of the numbers.
-class MovingCut {
- public:
-  MovingCut(const Program& program, const ErrorVector& errors, const ErrorVector& expected)
-      : mesh_(cut_with(program, errors, kCutSampleMm)), moves_(kCellErrors) {
+// How the vertices of a cut move with each of the numbers, near some of them.
+struct CutMoves {
+  ErrorVector at = ErrorVector::Zero();
+  std::vector<std::vector<Eigen::Vector3d>> moves;  // by number; empty where one was not asked for
+
+  CutMoves(const StripScan& scan, const ErrorVector& errors, const ErrorVector& expected)
+      : at(errors), moves(kCellErrors) {
     tbb::parallel_for(std::size_t{0}, kCellErrors, [&](std::size_t k) {
       const auto i = static_cast<Eigen::Index>(k);
       if (!(expected[i] > 0)) return;
@@ -43,31 +45,26 @@ class MovingCut {
       more[i] += step;
       // The band's slowing has an end at 0: there, one side tells.
       if (k != kSlowingIndex || errors[i] >= step) less[i] -= step;
-      const SweptSurface up = cut_with(program, more, kCutSampleMm),
-                         down = cut_with(program, less, kCutSampleMm);
-      moves_[k].resize(up.vertices.size());
+      const SweptSurface up = cut_with(scan.program, more, scan.sample_mm),
+                         down = cut_with(scan.program, less, scan.sample_mm);
+      moves[k].resize(up.vertices.size());
       for (std::size_t v = 0; v < up.vertices.size(); ++v)
-        moves_[k][v] = (up.vertices[v] - down.vertices[v]) / (more[i] - less[i]);
+        moves[k][v] = (up.vertices[v] - down.vertices[v]) / (more[i] - less[i]);
     });
   }
 
-  [[nodiscard]] const CutMesh& mesh() const { return mesh_; }
   // By how much the surface rises under a point with each of the numbers.
   [[nodiscard]] ErrorVector rise(const Foot& foot) const {
     ErrorVector rise = ErrorVector::Zero();
     for (std::size_t k = 0; k < kCellErrors; ++k) {
-      if (moves_[k].empty()) continue;
+      if (moves[k].empty()) continue;
       Eigen::Vector3d move = Eigen::Vector3d::Zero();
       for (std::size_t c = 0; c < 3; ++c)
-        move += foot.weights[c] * moves_[k][static_cast<std::size_t>(foot.corners[c])];
+        move += foot.weights[c] * moves[k][static_cast<std::size_t>(foot.corners[c])];
       rise[static_cast<Eigen::Index>(k)] = foot.normal.dot(move);
     }
     return rise;
   }
-
- private:
-  CutMesh mesh_;
-  std::vector<std::vector<Eigen::Vector3d>> moves_;
 };
 
 // A point with a say.
@@ -103,12 +100,13 @@ double noise_of(const std::vector<Rows>& all) {
   return sizes.empty() ? 0 : std::max(kLeastNoiseMm, kSdOfMedian * median_of(std::move(sizes)));
 }
 
-// A point has a say that lies on the cut and not far off, or, where says are given, that has one.
-Rows rows_of(const MovingCut& cut, const StripScan& scan, const Eigen::Isometry3d& place, double reach_mm,
-             const std::vector<double>* says) {
+// A point has a say that lies on the cut and not far off, or, where says are given, that has one. Without
+// moves nothing rises: the cut stands as it is.
+Rows rows_of(const CutMesh& cut, const CutMoves* moves, const StripScan& scan, const Eigen::Isometry3d& place,
+             double reach_mm, const std::vector<double>* says) {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3d& p : scan.points) points.push_back(place * p);
-  const std::vector<Foot> feet = cut.mesh().feet(points);
+  const std::vector<Foot> feet = cut.feet(points);
   Rows out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (says ? !((*says)[i] > 0) : feet[i].beside) {
@@ -116,8 +114,8 @@ Rows rows_of(const MovingCut& cut, const StripScan& scan, const Eigen::Isometry3
     } else if (!says && std::abs(feet[i].height_mm) > reach_mm) {
       ++out.far;
     } else {
-      out.rows.push_back(
-          {i, points[i], feet[i].height_mm, says ? (*says)[i] : 1, cut.rise(feet[i]), Vector6::Zero()});
+      out.rows.push_back({i, points[i], feet[i].height_mm, says ? (*says)[i] : 1,
+                          moves ? moves->rise(feet[i]) : ErrorVector::Zero(), Vector6::Zero()});
       out.rows.back().drift.tail<3>() = feet[i].normal;
       out.centre += points[i];
     }
@@ -258,7 +256,7 @@ void find_blends(const ErrorMatrix& told, Estimate& out) {
 class Estimator {
  public:
   Estimator(const std::vector<StripScan>& scans, const EstimateOptions& options)
-      : scans_(scans), options_(options) {
+      : scans_(scans), options_(options), moves_(scans.size()) {
     out_.planned = out_.value = planned_errors(scans.front().program);
     for (std::size_t i = 0; i < kCellErrors; ++i)
       out_.expected[static_cast<Eigen::Index>(i)] = info_of(i).expected;
@@ -288,6 +286,8 @@ class Estimator {
     const auto i = static_cast<Eigen::Index>(error);
     out_.expected[i] = 0;
     out_.value[i] = out_.planned[i];
+    for (std::optional<CutMoves>& moves : moves_)
+      if (moves) moves->moves[error].clear();
   }
 
   // From here on every point keeps the say that it has: points that come and go at the edges of a cut that
@@ -299,13 +299,26 @@ class Estimator {
     }
   }
 
+  // The moves of a cut, found anew where the numbers have gone a part of what they are expected to be off by:
+  // each number's take two cuts, and change slowly.
+  const CutMoves* moves_near(std::size_t s) {
+    constexpr double kStale = 0.3;
+    if (!(out_.expected.maxCoeff() > 0)) return nullptr;
+    double gone = 0;
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kCellErrors) && moves_[s]; ++i)
+      if (out_.expected[i] > 0)
+        gone = std::max(gone, std::abs(out_.value[i] - moves_[s]->at[i]) / out_.expected[i]);
+    if (!moves_[s] || gone > kStale) moves_[s].emplace(scans_[s], out_.value, out_.expected);
+    return &*moves_[s];
+  }
+
   void look(double reach_mm) {
     all_.clear();
     if (says_.empty()) out_.far = out_.beside = 0;
     for (std::size_t s = 0; s < scans_.size(); ++s) {
-      const MovingCut cut(scans_[s].program, out_.value, out_.expected);
-      all_.push_back(
-          rows_of(cut, scans_[s], out_.scan_to_design[s], reach_mm, says_.empty() ? nullptr : &says_[s]));
+      const CutMesh cut(cut_with(scans_[s].program, out_.value, scans_[s].sample_mm));
+      all_.push_back(rows_of(cut, moves_near(s), scans_[s], out_.scan_to_design[s], reach_mm,
+                             says_.empty() ? nullptr : &says_[s]));
       if (!says_.empty()) continue;
       out_.far += all_.back().far;
       out_.beside += all_.back().beside;
@@ -450,6 +463,7 @@ class Estimator {
 
   void conclude() {
     says_.clear();
+    for (std::optional<CutMoves>& moves : moves_) moves.reset();
     look(kFarMm);
     out_.after = misfit_of(all_, reach());
     out_.correlation = correlation_of(all_);
@@ -459,6 +473,7 @@ class Estimator {
 
   const std::vector<StripScan>& scans_;
   EstimateOptions options_;
+  std::vector<std::optional<CutMoves>> moves_;  // by scan
   std::vector<Rows> all_;
   std::vector<std::vector<double>> says_;  // by scan and point, once they are kept
   Estimate out_;

@@ -20,16 +20,18 @@ namespace hotblade::pipeline {
 
 using ErrorMatrix = Eigen::Matrix<double, kCellErrors, kCellErrors>;
 
-// One strip's cut as it was measured.
-struct StripScan {
-  Program program;  // of this strip alone, thinned_to(kCutSampleMm)
-  std::vector<Eigen::Vector3d> points;
-  Eigen::Isometry3d scan_to_design = Eigen::Isometry3d::Identity();  // a placement near its own
-};
-
 // The surfaces that scans are held against have vertices about so far apart; between them they are smooth
 // (cut_mesh.hpp).
 inline constexpr double kCutSampleMm = 10;
+
+// One strip's cut as it was measured.
+struct StripScan {
+  Program program;  // of this strip alone, thinned_to(sample_mm)
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Isometry3d scan_to_design = Eigen::Isometry3d::Identity();  // a placement near its own
+  double sample_mm = kCutSampleMm;
+};
+
 // So many points of a scan are looked at; more say nothing new at this sample.
 inline constexpr std::size_t kMostScanPoints = 8000;
 

@@ -3,8 +3,10 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "pipeline/calibrate/calibration.hpp"
 #include "pipeline/calibrate/scan_file.hpp"
@@ -52,6 +54,10 @@ MeasuredCut measured_cut(const std::string& given, const Program& program, const
   if (named != ids.end()) {
     cut.strip = static_cast<std::size_t>(named - ids.begin());
     cut.file = given.substr(equals + 1);
+  } else if (equals != std::string::npos && !fs::exists(given)) {
+    throw Error(ErrorKind::kBadSettings,
+                fmt::format("--scan {}: names no strip of the program ({}): say --scan {}=FILE", given,
+                            fmt::join(ids, ", "), ids.front()));
   } else if (ids.size() > 1) {
     throw Error(ErrorKind::kBadSettings,
                 fmt::format("--scan {}: names no strip (of {}): say which it is of, as --scan {}=FILE", given,
@@ -61,10 +67,39 @@ MeasuredCut measured_cut(const std::string& given, const Program& program, const
   return cut;
 }
 
-// The program with the poses that were executed, where a log says so.
-Program executed_program(const CalibrateArguments& arguments) {
-  if (arguments.log.empty()) return read_program(arguments.program);
-  const StripJobs work = read_strip_jobs(arguments.program, true);
+// A scan that counts twice would be trusted twice.
+void expect_each_once(const std::vector<MeasuredCut>& cuts) {
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (cuts[i].points == cuts[j].points)
+        throw Error(ErrorKind::kBadSettings, "--scan " + cuts[i].file + ": has the points of " +
+                                                 cuts[j].file + ": give each scan once");
+    }
+  }
+}
+
+// Only those strips were cut that are scanned.
+StripJobs scanned_strips(StripJobs work, const std::vector<MeasuredCut>& cuts) {
+  StripJobs scanned;
+  scanned.program = std::move(work.program);
+  std::vector<Strip> strips = std::exchange(scanned.program.strips, {});
+  for (std::size_t s = 0; s < strips.size(); ++s) {
+    const bool is = std::any_of(cuts.begin(), cuts.end(), [&](const MeasuredCut& c) { return c.strip == s; });
+    if (!is) continue;
+    scanned.program.strips.push_back(std::move(strips[s]));
+    scanned.jobs.push_back(std::move(work.jobs[s]));
+  }
+  return scanned;
+}
+
+// The program with the poses that were executed of the strips that are scanned, and the scans by its strips.
+Program executed_program(const CalibrateArguments& arguments, std::vector<MeasuredCut>& cuts) {
+  StripJobs work = read_strip_jobs(arguments.program, true);
+  const std::vector<std::string> all = strip_ids(work.program);
+  work = scanned_strips(std::move(work), cuts);
+  const std::vector<std::string> ids = strip_ids(work.program);
+  for (MeasuredCut& cut : cuts)
+    cut.strip = static_cast<std::size_t>(std::find(ids.begin(), ids.end(), all[cut.strip]) - ids.begin());
   return as_executed(work.program, read_executed(work, arguments.log));
 }
 
@@ -84,6 +119,9 @@ std::vector<MeasuredCut> rehearsed(const CalibrateArguments& arguments, const Pr
 }
 
 void expect_what_goes_together(const CalibrateArguments& arguments) {
+  if (arguments.rehearse && !arguments.log.empty())
+    throw Error(ErrorKind::kBadSettings,
+                "--log: is not taken with --rehearse: a rehearsed cut goes as it was planned");
   if (!arguments.rehearse && !(arguments.assignments.empty() && arguments.save_scan.empty()))
     throw Error(ErrorKind::kBadSettings,
                 std::string(arguments.assignments.empty() ? "--save-scan" : "--set") +
@@ -102,7 +140,7 @@ Exit calibrate_cell(const CalibrateArguments& arguments, const Console& console)
   const fs::path output = arguments.output.empty() ? kDefaultOutput : arguments.output;
   if (writes) expect_writable(output, arguments.force);
   if (!arguments.save_scan.empty()) expect_writable(arguments.save_scan, arguments.force);
-  const Program program = executed_program(arguments);
+  Program program = read_program(arguments.program);
   console.report_progress("read", 0.1);
   ErrorVector truth = ErrorVector::Zero();
   std::vector<MeasuredCut> scans;
@@ -113,6 +151,8 @@ Exit calibrate_cell(const CalibrateArguments& arguments, const Console& console)
   }
   for (const std::string& given : arguments.scans)
     scans.push_back(measured_cut(given, program, arguments.units));
+  expect_each_once(scans);
+  if (!arguments.log.empty()) program = executed_program(arguments, scans);
   console.report_progress("register", 0.2);
   const Calibration calibration = calibrate(program, scans, placement_named(arguments.placement));
   if (writes) write_file_atomically(output, calibration_toml(program, calibration), arguments.force);

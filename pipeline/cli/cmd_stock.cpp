@@ -46,6 +46,19 @@ std::string table(const batch::StockReport& report, const fs::path& directory) {
   heading("blocks by size, mm");
   for (const auto& [size, sum] : list.sizes)
     text += sum_text(fmt::format("{:g} x {:g} x {:g}", size[0], size[1], size[2]), sum);
+  const batch::FoamList& foam = report.foam;
+  if (!foam.bought.empty()) {
+    text += fmt::format(
+        "foam to buy: {} blocks, {:.3f} m3 ({:.3f} with each panel nested alone, {:.3f} with a piece for "
+        "each)\n",
+        foam.bought.size(), foam.bought_m3, foam.by_panel_m3, foam.each_m3);
+    for (const auto& [size, count] : foam.sizes)
+      text +=
+          fmt::format("  {:24} {:6}\n", fmt::format("{:g} x {:g} x {:g}", size[0], size[1], size[2]), count);
+  }
+  if (!foam.too_large.empty())
+    text += fmt::format("blocks that no size of stock.sizes_mm holds: {}\n", foam.too_large.size());
+  if (!foam.empty()) text += fmt::format("sawing {}\n", (directory / "foam.html").string());
   return text + fmt::format("order of cutting {}\npage to print {}\n", (directory / "cut_list.csv").string(),
                             (directory / "cut_list.html").string());
 }
@@ -53,6 +66,14 @@ std::string table(const batch::StockReport& report, const fs::path& directory) {
 Json sum_json(const batch::BlockSum& sum) {
   return {
       {"blocks", sum.blocks}, {"foam_m3", sum.foam_m3}, {"machine_s", sum.machine_s}, {"cut_s", sum.cut_s}};
+}
+
+Json foam_json(const batch::FoamList& foam, const batch::CutList& list) {
+  Json buy = Json::array(), too_large = Json::array();
+  for (const auto& [size, count] : foam.sizes) buy.push_back({{"size_mm", size}, {"blocks", count}});
+  for (const std::size_t block : foam.too_large) too_large.push_back(list.blocks[block].id);
+  return {{"bought_m3", foam.bought_m3}, {"pieces_m3", foam.pieces_m3}, {"by_panel_m3", foam.by_panel_m3},
+          {"each_m3", foam.each_m3},     {"buy", std::move(buy)},       {"too_large", std::move(too_large)}};
 }
 
 std::string json_text(const batch::StockReport& report) {
@@ -71,6 +92,7 @@ std::string json_text(const batch::StockReport& report) {
   }
   Json json{{"panels", list.panels},       {"not_cut", list.not_cut},     {"missing", report.missing},
             {"total", sum_json(list.all)}, {"blades", std::move(blades)}, {"sizes", std::move(sizes)}};
+  if (!report.foam.empty()) json["foam"] = foam_json(report.foam, list);
   return json.dump(2) + "\n";
 }
 
@@ -101,7 +123,8 @@ void add_stock(CLI::App& app, const Console& console, Action& action) {
   list->add_flag("--partial", arguments->partial, "Also while jobs are without a result");
   list->add_flag("--json", arguments->as_json, "Print JSON instead of tables");
   list->footer(
-      "Writes cut_list.csv and cut_list.html, as `batch gather` does.\n"
+      "Writes cut_list.csv and cut_list.html, as `batch gather` does, and foam.csv and foam.html where the "
+      "settings have stock.sizes_mm.\n"
       "Example: hotblade stock list facade --step-mm 50");
   list->callback([arguments, &console, &action] {
     action = [arguments, &console] { return list_stock_of(*arguments, console); };

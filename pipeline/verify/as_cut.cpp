@@ -60,7 +60,34 @@ std::optional<std::array<double, 2>> foam_between(const BladePose& from, const B
   return share < 0.5 ? from.foam : to.foam;
 }
 
-ExecutedStrip executed_strip(const Strip& planned, const robot::ClampOffset& clamp_a,
+// Poses of the path farther apart than this leave a part of the cut untold; a log has one every 10 ms.
+constexpr double kMostGapS = 1;
+// A shape that ends farther from its clamp is none of it. Clamps that are off hold it out of its plane by
+// less.
+constexpr double kMostEndMm = 5;
+
+// What a log tells of a pose has to be whole: its shape ends where clamp B holds it, and while foam is formed
+// the next pose follows soon.
+void expect_whole(const Strip& planned, const ExecutedStrip& strip, const BladePose& pose, const Pose& held_b,
+                  double path_s, const std::filesystem::path& log) {
+  const elastica::CurvePoint end = elastica::point_at(pose.blade, pose.blade.length);
+  const double off_mm = (pose.frame.point(end.x, end.y) - held_b.p).norm();
+  if (!(off_mm <= kMostEndMm))
+    refuse(log,
+           fmt::format(
+               "strip {} at {:.2f} s: the blade's shape ends {:.3g} mm from clamp B (limit {} mm): the log "
+               "is damaged",
+               planned.id, pose.t, off_mm, kMostEndMm));
+  if (!pose.foam || strip.poses.empty() || !strip.poses.back().foam) return;
+  if (path_s - strip.path_s.back() > kMostGapS)
+    refuse(log,
+           fmt::format(
+               "strip {}: no pose from {:.2f} to {:.2f} s of the path (at most {} s): a part of the cut is "
+               "not told of",
+               planned.id, strip.path_s.back(), path_s, kMostGapS));
+}
+
+ExecutedStrip executed_strip(const Strip& planned, const robot::ClampOffsets& clamps,
                              const std::vector<LoggedPose>& logged, const std::filesystem::path& log) {
   ExecutedStrip strip;
   for (const LoggedPose& l : logged) {
@@ -81,12 +108,13 @@ ExecutedStrip executed_strip(const Strip& planned, const robot::ClampOffset& cla
     pose.a = to_design(planned.design_to_cell, l.a);
     pose.b = to_design(planned.design_to_cell, l.b);
     // The log's shapes start where clamp A holds the blade.
-    const Pose from_a = robot::held(pose.a, clamp_a);
+    const Pose from_a = robot::held(pose.a, clamps.a);
     pose.frame = {from_a.p, from_a.q * Eigen::Vector3d::UnitX(), from_a.q * Eigen::Vector3d::UnitY()};
     pose.blade = *l.blade;
     const std::size_t next = std::min<std::size_t>(l.sequence + 1, planned.poses.size() - 1);
     const BladePose &from = planned.poses[l.sequence], &to = planned.poses[next];
     if (l.heat) pose.foam = foam_between(from, to, share_of_step(from, to, l.path_s));
+    expect_whole(planned, strip, pose, robot::held(pose.b, clamps.b), l.path_s, log);
     strip.poses.push_back(std::move(pose));
     strip.after.push_back(l.sequence);
     strip.path_s.push_back(l.path_s);
@@ -187,6 +215,8 @@ double melt_speed_mm(const Program& program, const Program& cut) {
 }  // namespace
 
 std::vector<ExecutedStrip> read_executed(const StripJobs& work, const std::filesystem::path& log_file) {
+  if (std::error_code ignored; std::filesystem::is_directory(log_file, ignored))
+    throw Error(ErrorKind::kFile, log_file.string() + ": is a directory: give the execution log");
   try {
     const auto logged = robot::read_execution_log(log_file);
     for (const robot::Job& job : work.jobs) require_proof(job, logged, log_file);
@@ -196,7 +226,7 @@ std::vector<ExecutedStrip> read_executed(const StripJobs& work, const std::files
       const auto found = poses.find(work.jobs[i].id);
       if (found == poses.end() || found->second.empty())
         refuse(log_file, "strip " + work.jobs[i].strip + " has no poses: the log was kept without them");
-      executed.push_back(executed_strip(work.program.strips[i], work.program.settings.machine.clamps.a,
+      executed.push_back(executed_strip(work.program.strips[i], work.program.settings.machine.clamps,
                                         found->second, log_file));
     }
     return executed;

@@ -65,7 +65,7 @@ pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/
 pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/advice pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
-pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program
+pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program pipeline/stock
 pipeline/cli: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify pipeline/calibrate pipeline/plan/arms pipeline/plan pipeline/advice pipeline/run pipeline/preview pipeline/export pipeline/report/json pipeline/report pipeline/study pipeline/batch
 '
 

@@ -61,7 +61,7 @@ class StandInBatch {
  public:
   // `chunk_minutes` of plans that are thought to take 1.5 s.
   explicit StandInBatch(const std::vector<int>& heights, double chunk_minutes = 10,
-                        const std::filesystem::path& place = {})
+                        const std::filesystem::path& place = {}, std::vector<std::string> settings = {})
       : directory_((place.empty() ? files_.path() : place) / "batch") {
     std::ofstream(program()) << kStandIn;
     ::chmod(program().c_str(), 0755);
@@ -72,6 +72,7 @@ class StandInBatch {
     asked_.split = "group";
     asked_.units = "mm";
     asked_.chunk_minutes = chunk_minutes;
+    asked_.assignments = std::move(settings);
     chunks_ = init_batch(directory_, asked_, false, {}).batch.chunks;
   }
 
