@@ -89,8 +89,12 @@ class Planner {
     const std::vector<pipeline::Suggestion> suggested = suggestions(warnings);
     const bool may_try = tried_ == Tried::kAll || (tried_ == Tried::kShape && !suggested.empty());
     const double planned = may_try ? 0.5 : 1;
-    pipeline::PlanResult result = pipeline::plan(design_.surface, settings_, hooks(tell, 0, planned));
-    if (cell_) hold_in_cell(design_.surface, *cell_, gpu::Backend::kCpu, result);
+    const double posed = cell_ ? planned / 2 : planned;
+    pipeline::PlanResult result = pipeline::plan(design_.surface, settings_, hooks(tell, 0, posed));
+    if (cell_) {
+      tell("arms", posed);
+      hold_in_cell(design_.surface, *cell_, gpu::Backend::kCpu, result);
+    }
     if (std::string text = surface::self_crossings_text(design_.surface); !text.empty())
       warnings.push_back(std::move(text));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());

@@ -1,5 +1,7 @@
 import json
 import re
+import signal
+import time
 
 import numpy as np
 import pytest
@@ -74,6 +76,29 @@ def test_joints_of_another_time_are_told(held, bump):
     assert not check.joints_hold
     with pytest.raises(hb.OverTolerance, match="joints"):
         check.check()
+
+
+def test_an_interrupt_ends_the_search_for_arms(bump):
+    for after in (0.0, 0.2, 0.4):
+        asked = []
+
+        def stop(stage, share):
+            if stage == "arms":
+                signal.setitimer(signal.ITIMER_REAL, after + 0.01)
+
+        def ring(*_):
+            asked.append(time.process_time())
+            raise KeyboardInterrupt
+
+        before = signal.signal(signal.SIGALRM, ring)
+        try:
+            with pytest.raises(KeyboardInterrupt):
+                hb.plan(bump[0], bump[1], 1, stop, cell="two_kr50", remedies="none")
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+        # Of one processor: what others take of it says nothing.
+        assert time.process_time() - asked[0] < 0.3
 
 
 def test_a_plan_that_no_arm_serves_is_refused(bump, samples, program, tmp_path):

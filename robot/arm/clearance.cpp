@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
 
@@ -43,8 +44,9 @@ void set_way(Pair& pair) {
 // All bodies of a path, and the pairs that have to keep apart.
 class Scene {
  public:
-  Scene(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path)
-      : cell_(cell), path_(path) {
+  Scene(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
+        const std::function<void()>& between)
+      : cell_(cell), path_(path), between_(between) {
     for (std::size_t arm = 0; arm < arms_.size(); ++arm) arms_[arm] = arm_bodies(cell, arm, path);
     for (const auto& a : arms_[0]) {
       for (const auto& b : arms_[1]) add(PairKind::kArms, *a, *b, cell.clearances.arms_mm);
@@ -65,6 +67,7 @@ class Scene {
 
  private:
   void add(PairKind kind, const MovingBody& a, const MovingBody& b, double clearance_mm) {
+    between_();
     pairs_.push_back({kind, &a, &b, clearance_mm});
     set_way(pairs_.back());
   }
@@ -132,6 +135,7 @@ class Scene {
 
   const Cell& cell_;
   const CellPath& path_;
+  const std::function<void()>& between_;
   std::array<Bodies, 2> arms_;
   Bodies standing_;
   std::map<std::array<std::size_t, 2>, std::unique_ptr<MovingBody>>
@@ -141,7 +145,8 @@ class Scene {
 
 class Prover {
  public:
-  Prover(const Scene& scene, const CellPath& path) : scene_(scene), poses_(path.t.size()) {}
+  Prover(const Scene& scene, const CellPath& path, const std::function<void()>& between)
+      : scene_(scene), poses_(path.t.size()), between_(between) {}
 
   // Distances at some poses.
   void look(std::size_t step) {
@@ -164,6 +169,7 @@ class Prover {
 
  private:
   [[nodiscard]] double distance(const Pair& pair, std::size_t pose, double share, double capped_mm) {
+    between_();
     const PlacedSolid a = pair.a->placed(pose, share), b = pair.b->placed(pose, share);
     ++found_.asked;
     return distance_mm(a.solid, a.at, b.solid, b.at, capped_mm);
@@ -279,6 +285,7 @@ class Prover {
 
   const Scene& scene_;
   std::size_t poses_;
+  const std::function<void()>& between_;
   Clearance found_;
 };
 
@@ -306,9 +313,10 @@ const char* name(PairKind kind) {
   return "";
 }
 
-Clearance prove_clear(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path) {
-  const Scene scene(cell, standing, path);
-  Prover prover(scene, path);
+Clearance prove_clear(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
+                      const std::function<void()>& between) {
+  const Scene scene(cell, standing, path, between);
+  Prover prover(scene, path, between);
   prover.look(kFirstLook);  // which is all that most places that are not clear take
   prover.prove();
   return prover.take();
@@ -316,8 +324,9 @@ Clearance prove_clear(const Cell& cell, const std::vector<Standing>& standing, c
 
 Clearance sampled_clearance(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
                             std::size_t step) {
-  const Scene scene(cell, standing, path);
-  Prover prover(scene, path);
+  const std::function<void()> between = [] {};
+  const Scene scene(cell, standing, path, between);
+  Prover prover(scene, path, between);
   prover.look(step);
   return prover.take();
 }

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -84,9 +85,11 @@ struct Clearance {
 // Returns what is proved, up to the first pair that is not clear. Pairs: all bodies of one arm with all of
 // the other; links 1 to 6 and tool with block, plinth, obstacles and (from link 2 on) the table; links and
 // tools with the blade, of which a tool's own end is left out; links of an arm that are two joints apart or
-// more, but for the tool and link 4, and for links of the wrist that touch at joint angles of zero.
-[[nodiscard]] Clearance prove_clear(const Cell& cell, const std::vector<Standing>& standing,
-                                    const CellPath& path);
+// more, but for the tool and link 4, and for links of the wrist that touch at joint angles of zero. `between`
+// is called between distances, every few ms: what it throws ends the proof.
+[[nodiscard]] Clearance prove_clear(
+    const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
+    const std::function<void()>& between = [] {});
 
 // The same distances at every `step`th pose and at the last, all of them asked, nothing proved between.
 [[nodiscard]] Clearance sampled_clearance(const Cell& cell, const std::vector<Standing>& standing,

@@ -1,5 +1,5 @@
 """Designs that another maker's program wrote, read by hotblade: check_inputs.py CHECK HOTBLADE SAMPLES FOLDER
-  formats    a sample as STL, PLY, glTF and GLB of assimp is the same surface
+  formats    every sample as STL, PLY, glTF and GLB of assimp, and as STL and PLY of VTK, is the same surface
   plan       and gives the same plan
   convert    a documented conversion of another format gives the same surface
   step       the documented line for gmsh turns a STEP file into its surface, in mm; exit code 77 without gmsh
@@ -38,6 +38,23 @@ def converted(source, name, code):
     return target
 
 
+def written_by_vtk(source, name, writer, **how):
+    """A file that a writer of VTK made of an OBJ."""
+    import vtk
+    reader = vtk.vtkOBJReader()
+    reader.SetFileName(str(source))
+    reader.Update()
+    target = folder / name
+    made = getattr(vtk, writer)()
+    made.SetFileName(str(target))
+    made.SetFileType(how["type"])
+    if "order" in how:
+        made.SetDataByteOrder(how["order"])
+    made.SetInputData(reader.GetOutput())
+    expect(made.Write() == 1, f"VTK writes {name}")
+    return target
+
+
 def checked(file, *options):
     ended = run("check", file, *options, "--json")
     expect(ended.returncode == 0, f"check {file.name}: {ended.stderr}")
@@ -56,14 +73,22 @@ def expect_same(file, met, wanted):
 
 
 FORMATS = [("text.stl", "stl"), ("binary.stl", "stlb"), ("text.ply", "ply"), ("binary.ply", "plyb")]
+ASCII, BINARY, LITTLE, BIG = 1, 2, 0, 1
+VTK_FORMATS = [("vtk_text.stl", "vtkSTLWriter", {"type": ASCII}), ("vtk_binary.stl", "vtkSTLWriter", {"type": BINARY}),
+               ("vtk_text.ply", "vtkPLYWriter", {"type": ASCII}),
+               ("vtk_little.ply", "vtkPLYWriter", {"type": BINARY, "order": LITTLE}),
+               ("vtk_big.ply", "vtkPLYWriter", {"type": BINARY, "order": BIG})]
 SCENES = [("one.glb", "glb2"), ("beside.gltf", "gltf2")]
 
 if check == "formats":
-    for sample in ("hypar", "barrel_vault", "petal", "wave_wall"):
-        obj = samples / f"{sample}.obj"
+    for obj in sorted(samples.glob("*.obj")):
+        sample = obj.stem
         wanted, as_scene = checked(obj, "--units", "mm"), checked(obj, "--units", "m", "--up", "y")
         for name, code in FORMATS:
             file = converted(obj, f"{sample}_{name}", code)
+            expect_same(file, checked(file, "--units", "mm"), wanted)
+        for name, writer, how in VTK_FORMATS:
+            file = written_by_vtk(obj, f"{sample}_{name}", writer, **how)
             expect_same(file, checked(file, "--units", "mm"), wanted)
         for name, code in SCENES:
             file = converted(obj, f"{sample}_{name}", code)
@@ -80,8 +105,10 @@ elif check == "plan":
         return json.loads(program.read_text())
 
     wanted = planned(obj)
-    for name, code in FORMATS:
-        met = planned(converted(obj, name, code))
+    files = [converted(obj, name, code) for name, code in FORMATS]
+    files += [written_by_vtk(obj, name, writer, **how) for name, writer, how in VTK_FORMATS]
+    for file in files:
+        name, met = file.name, planned(file)
         expect(len(met["strips"]) == len(wanted["strips"]), f"{name}: {len(met['strips'])} strips")
         for strip, other in zip(met["strips"], wanted["strips"]):
             expect(len(strip["poses"]) == len(other["poses"]), f"{name}: {len(strip['poses'])} poses")

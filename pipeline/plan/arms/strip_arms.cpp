@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::pipeline {
 namespace {
 
@@ -149,6 +151,7 @@ ArmChoice choose_branch(const Strip& strip, const robot::Cell& cell, const ArmPl
     const std::vector<Isometry3d> path = flanges(strip, hold, clamp_b);
     const auto branches = robot::follow_branches(arm.model.arm, path);
     for (std::size_t branch = 0; branch < robot::kBranches; ++branch) {
+      gpu::stop_point();
       const std::size_t poses = branches[branch].size();
       ArmChoice choice =
           poses < path.size() ? judge.unreachable(path, poses) : judge.judge(branches[branch], branch, flip);

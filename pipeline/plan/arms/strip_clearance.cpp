@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "elastica/curve/elastica.hpp"
+#include "gpu/backend/stop.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -141,7 +142,7 @@ robot::CellPath cell_path(const Strip& strip, const robot::BladeSection& blade, 
 
 robot::Clearance prove_clear(const Strip& strip, const robot::BladeSection& blade, const robot::Cell& cell,
                              const HeldJoints& held) {
-  return robot::prove_clear(cell, surroundings(strip, cell), cell_path(strip, blade, held));
+  return robot::prove_clear(cell, surroundings(strip, cell), cell_path(strip, blade, held), gpu::stop_point);
 }
 
 std::string describe(const robot::Contact& contact, const Strip& strip) {

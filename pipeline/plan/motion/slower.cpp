@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/motion/rate_bounds.hpp"
 #include "pipeline/plan/motion/smooth_law.hpp"
 #include "robot/pose/rates.hpp"
@@ -279,6 +280,7 @@ Slower slower(std::vector<double> t, std::span<const LimitedWay> moving) {
     result.joints_s += std::max(0.0, law.abrupt_s() - (t[law.part().to] - t[law.part().from]));
   constexpr int kLocalTries = 60, kTries = 400;
   for (int i = 0; i < kTries; ++i) {
+    gpu::stop_point();
     for (const PartLaw& law : laws) law.time(t, step_s);
     result.t = times(t.front(), step_s);
     const std::vector<Use> all = all_uses(result.t, moving);
