@@ -258,7 +258,7 @@ AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& exe
     for (const BladePose& pose : executed[i].poses) report.hot_poses += pose.heat ? 1 : 0;
   }
   report.touch_samples = touches.points.size();
-  report.cut = measure(swept_surface(cut, options.sample_mm), touches, program, design, options);
+  report.cut = measure(cut, touches, design, options);
   if (report.cut.worst_strip >= 0) {
     const Strip& worst = program.strips[static_cast<std::size_t>(report.cut.worst_strip)];
     report.strip = worst.id;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -59,22 +60,35 @@ class FaceRows {
 }  // namespace
 
 DesignSampler::DesignSampler(const MeshView& mesh, double sample_mm)
-    : mesh_(mesh), sample_mm_(sample_mm), first_(mesh.triangles.size() / kRun + 2, 0) {
+    : mesh_(mesh),
+      sample_mm_(sample_mm),
+      boxes_(mesh.triangles.size() / kRun + 1),
+      first_(boxes_.size() + 1, 0) {
   if (!(sample_mm > 0)) throw std::logic_error("DesignSampler: sample_mm must be positive");
-  tbb::parallel_for(std::size_t{0}, first_.size() - 1, [&](std::size_t run) {
+  tbb::parallel_for(std::size_t{0}, boxes_.size(), [&](std::size_t run) {
     const std::size_t end = std::min(mesh_.triangles.size(), (run + 1) * kRun);
-    for (std::size_t t = run * kRun; t < end; ++t)
-      first_[run + 1] += FaceRows(facet(mesh_, static_cast<int>(t)), sample_mm_).count();
+    for (std::size_t t = run * kRun; t < end; ++t) {
+      const Facet face = facet(mesh_, static_cast<int>(t));
+      for (const Eigen::Vector3d& corner : {face.a, face.b, face.c}) boxes_[run].extend(corner);
+      first_[run + 1] += FaceRows(face, sample_mm_).count();
+    }
   });
   gpu::stop_point();
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
 }
 
-void DesignSampler::each(std::size_t at_once, const std::function<void(const DesignSamples&)>& use) const {
+void DesignSampler::each(std::size_t at_once, const Use& use) const {
+  constexpr double kAll = std::numeric_limits<double>::max();
+  each_in({Eigen::Vector3d::Constant(-kAll), Eigen::Vector3d::Constant(kAll)}, at_once, use);
+}
+
+void DesignSampler::each_in(const Eigen::AlignedBox3d& box, std::size_t at_once, const Use& use) const {
   DesignSamples samples;
-  const std::size_t runs = first_.size() - 1;
+  const std::size_t runs = boxes_.size();
   for (std::size_t from = 0, to = 0; from < runs; from = to) {
-    while (to < runs && first_[to] - first_[from] < std::max<std::size_t>(1, at_once)) ++to;
+    to = from + 1;
+    if (!box.intersects(boxes_[from])) continue;
+    while (to < runs && first_[to] - first_[from] < at_once && box.intersects(boxes_[to])) ++to;
     samples.points.resize(first_[to] - first_[from]);
     samples.areas.resize(samples.points.size());
     tbb::parallel_for(from, to, [&](std::size_t run) {
@@ -88,7 +102,7 @@ void DesignSampler::each(std::size_t at_once, const std::function<void(const Des
       }
     });
     gpu::stop_point();
-    if (!samples.points.empty()) use(samples);
+    if (!samples.points.empty()) use(first_[from], samples);
   }
 }
 

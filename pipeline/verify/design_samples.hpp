@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <functional>
 #include <vector>
@@ -24,13 +25,18 @@ class DesignSampler {
 
   [[nodiscard]] std::size_t count() const { return first_.back(); }
 
-  // Calls use(samples) for all, in the order of the faces, `at_once` of them or a few more at a time: memory.
-  // They are made on all cores allowed, and the same whatever their number.
-  void each(std::size_t at_once, const std::function<void(const DesignSamples&)>& use) const;
+  // Calls use(first, samples) for all, in the order of the faces, `at_once` of them or a few more at a time:
+  // memory. `first` is the number of samples before them. They are made on all cores allowed, and the same
+  // whatever their number.
+  using Use = std::function<void(std::size_t first, const DesignSamples& samples)>;
+  void each(std::size_t at_once, const Use& use) const;
+  // The same, but runs of faces without any sample in the box may be left out.
+  void each_in(const Eigen::AlignedBox3d& box, std::size_t at_once, const Use& use) const;
 
  private:
   MeshView mesh_;
   double sample_mm_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of each run of faces
   std::vector<std::size_t> first_;  // sample of each run of faces, and the number of all behind the last
 };
 

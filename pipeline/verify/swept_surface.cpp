@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -63,7 +64,7 @@ std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
   return rows;
 }
 
-// A strip's rows and where its part of the surface begins.
+// A strip's rows and where its part of its run's surface begins.
 struct StripGrid {
   std::vector<const BladePose*> rows;
   std::size_t columns = 0;
@@ -227,6 +228,31 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_triangles(grid, from, to, out); });
 }
 
+// How much of a surface some strips are.
+struct Counts {
+  std::size_t vertices = 0, triangles = 0;
+
+  // Gives the strip its place behind what was counted.
+  void add(StripGrid& grid) {
+    grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
+    grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
+  }
+};
+
+SweptSurface surface_of(const Counts& counts) {
+  SweptSurface out;
+  out.vertices.resize(counts.vertices);
+  out.plane_normals.resize(counts.vertices);
+  out.speeds_mm_s.resize(counts.vertices);
+  out.normals.resize(counts.vertices);
+  out.strip_of_vertex.resize(counts.vertices);
+  out.pose_of_vertex.resize(counts.vertices);
+  out.curvature_per_mm.resize(counts.vertices);
+  out.sides_of_vertex.resize(counts.vertices);
+  out.triangles.resize(counts.triangles);
+  return out;
+}
+
 }  // namespace
 
 double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
@@ -235,30 +261,27 @@ double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
 }
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
+  SweptSurface all;
+  each_swept_surface(program, sample_mm, std::numeric_limits<std::size_t>::max(),
+                     [&](SweptSurface surface) { all = std::move(surface); });
+  return all;
+}
+
+void each_swept_surface(const Program& program, double sample_mm, std::size_t vertices,
+                        const std::function<void(SweptSurface)>& use) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
   std::vector<StripGrid> grids(program.strips.size());
   tbb::parallel_for(std::size_t{0}, grids.size(),
                     [&](std::size_t i) { grids[i] = strip_grid(program.strips[i], sample_mm); });
   gpu::stop_point();
-  std::size_t vertices = 0, triangles = 0;
-  for (StripGrid& grid : grids) {
-    grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
-    grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
+  for (std::size_t first = 0, last = 0; first < grids.size(); first = last) {
+    Counts counts;
+    while (last < grids.size() && counts.vertices < vertices) counts.add(grids[last++]);
+    SweptSurface run = surface_of(counts);
+    tbb::parallel_for(first, last, [&](std::size_t i) { add_strip(program, i, grids[i], run); });
+    gpu::stop_point();
+    use(std::move(run));
   }
-  SweptSurface out;
-  out.vertices.resize(vertices);
-  out.plane_normals.resize(vertices);
-  out.speeds_mm_s.resize(vertices);
-  out.normals.resize(vertices);
-  out.strip_of_vertex.resize(vertices);
-  out.pose_of_vertex.resize(vertices);
-  out.curvature_per_mm.resize(vertices);
-  out.sides_of_vertex.resize(vertices);
-  out.triangles.resize(triangles);
-  tbb::parallel_for(std::size_t{0}, grids.size(),
-                    [&](std::size_t i) { add_strip(program, i, grids[i], out); });
-  gpu::stop_point();
-  return out;
 }
 
 }  // namespace hotblade::pipeline

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "pipeline/program/program.hpp"
@@ -34,5 +36,10 @@ struct SweptSurface {
 // along and across the blade. Waste is on the left of the blade, A to B, in its frame (docs/program.md).
 // Throws std::logic_error when sample_mm is not positive.
 [[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);
+
+// Calls use(surface) for one run of whole strips after the other, in the program's order: memory. A run ends
+// with the strip that brings it to `vertices` or more. Together the runs are swept_surface(). Throws as that.
+void each_swept_surface(const Program& program, double sample_mm, std::size_t vertices,
+                        const std::function<void(SweptSurface)>& use);
 
 }  // namespace hotblade::pipeline

@@ -73,7 +73,7 @@ std::vector<BranchReport> follow_branches(const Program& program, double min_mar
 // stay bounded.
 constexpr double kMostSamples = 8e6;
 // Samples that are measured at once: their answers take six times the memory of what stays of them.
-constexpr std::size_t kAtOnce = 1 << 19;
+constexpr std::size_t kAtOnce = 1 << 18;
 
 // Calls work(i) for 0 .. count on all cores allowed.
 template <typename Work>
@@ -90,84 +90,80 @@ double bounded(double sample_mm, double area_mm2) {
   return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
 }
 
-// A run of whole strips of a cut, and what finds the nearest of their points. Refers to the cut.
+// Strips of a cut, and what finds the nearest of their points. Refers to them.
 class CutPart {
  public:
-  // Vertices [first, last) of the cut; `near_mm` as of NearCells.
-  CutPart(const SweptSurface& cut, std::size_t first, std::size_t last, double near_mm, gpu::Backend backend)
-      : cut_(cut),
-        first_(first),
-        vertices_(std::span(cut.vertices).subspan(first, last - first)),
-        some_(last - first < cut.vertices.size() ? within(cut, first, last) : Triangles{}),
-        triangles_(last - first < cut.vertices.size() ? std::span<const std::array<int, 3>>(some_)
-                                                      : cut.triangles) {
-    tbb::parallel_invoke([&] { cells_.emplace(vertices_, near_mm); },
-                         [&] { search_.emplace(vertices_, triangles_, backend); });
+  // `near_mm` as of NearCells.
+  CutPart(const SweptSurface& cut, double near_mm, gpu::Backend backend) : cut_(cut) {
+    tbb::parallel_invoke([&] { cells_.emplace(cut.vertices, near_mm); },
+                         [&] { search_.emplace(cut.vertices, cut.triangles, backend); });
     gpu::stop_point();
+    for (const Eigen::Vector3d& p : cut.vertices) near_.extend(p);
+    near_.min().array() -= near_mm;
+    near_.max().array() += near_mm;
   }
   CutPart(const CutPart&) = delete;
   CutPart& operator=(const CutPart&) = delete;
 
+  // Points farther off than `near_mm` may lie outside.
+  [[nodiscard]] const Eigen::AlignedBox3d& near() const { return near_; }
   [[nodiscard]] const NearCells& cells() const { return *cells_; }
   [[nodiscard]] const gpu::MeshDistance& search() const { return *search_; }
-  // Of the cut.
   [[nodiscard]] std::size_t vertex_of(int triangle) const {
-    return first_ + static_cast<std::size_t>(triangles_[static_cast<std::size_t>(triangle)][0]);
+    return static_cast<std::size_t>(cut_.triangles[static_cast<std::size_t>(triangle)][0]);
   }
   [[nodiscard]] int strip_of(int triangle) const { return cut_.strip_of_vertex[vertex_of(triangle)]; }
   // Does the nearest point lie on the strips' edge?
   [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) const {
-    const auto sides = [&](int v) { return cut_.sides_of_vertex[first_ + static_cast<std::size_t>(v)]; };
+    const auto sides = [&](int v) { return cut_.sides_of_vertex[static_cast<std::size_t>(v)]; };
     return lies_on(
-        {vertices_, triangles_}, nearest, [&](int v) { return sides(v) != 0; },
+        {cut_.vertices, cut_.triangles}, nearest, [&](int v) { return sides(v) != 0; },
         [&](int corner) {
-          const auto& t = triangles_[static_cast<std::size_t>(corner / 3)];
+          const auto& t = cut_.triangles[static_cast<std::size_t>(corner / 3)];
           const auto i = static_cast<std::size_t>(corner % 3);
           return (sides(t[i]) & sides(t[(i + 1) % 3])) != 0;
         });
   }
 
  private:
-  using Triangles = std::vector<std::array<int, 3>>;
-
-  static Triangles within(const SweptSurface& cut, std::size_t first, std::size_t last) {
-    Triangles triangles;
-    const auto base = static_cast<int>(first), end = static_cast<int>(last);
-    for (const auto& t : cut.triangles) {
-      if (t[0] >= base && t[0] < end) triangles.push_back({t[0] - base, t[1] - base, t[2] - base});
-    }
-    return triangles;
-  }
-
   const SweptSurface& cut_;
-  std::size_t first_;
-  std::span<const Eigen::Vector3d> vertices_;
-  Triangles some_;  // of the cut, where the part is not all of it
-  std::span<const std::array<int, 3>> triangles_;
+  Eigen::AlignedBox3d near_;
   std::optional<NearCells> cells_;
   std::optional<gpu::MeshDistance> search_;
 };
 
-// One comparison of a cut with the design: its steps and what they share.
+// One comparison of a cut with the design: its steps and what they share. The cut comes in runs of whole
+// strips, each of which is given up when it has been measured.
 class CutMeasurement {
  public:
-  CutMeasurement(SweptSurface cut, const Program& program, const surface::DesignSurface& design,
-                 const VerifyOptions& options)
-      : cut_(std::move(cut)),
-        program_(program),
+  CutMeasurement(const Program& program, const surface::DesignSurface& design, const VerifyOptions& options)
+      : program_(program),
         mesh_{design.mesh.vertices(), design.mesh.triangles()},
-        options_(options) {
-    to_design_.emplace(design.mesh, program, options_.backend);
+        options_(options),
+        to_design_(design.mesh, program, options_.backend),
+        sample_mm_(bounded(options.sample_mm, design.health.area_mm2)),
+        sampler_(mesh_, sample_mm_),
+        nearest_(sampler_.count()) {
     report_.area_mm2 = design.health.area_mm2;
+    report_.design_samples = sampler_.count();
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
 
-  VerifyReport run(const BladeTouches& touches) {
-    cut_to_design();
-    // The trees are large: only touches need all at once, and the cut's planes.
-    if (touches.points.empty()) forget_what_cut_the_design();
-    design_to_cut(touches.points.empty() ? options_.cut_vertices_at_once : cut_.vertices.size());
-    count_touches(touches);
+  void add(const SweptSurface& cut, const BladeTouches& touches) {
+    cut_to_design(cut);
+    // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
+    // little.
+    constexpr double kLeastCellMm = 100;
+    const CutPart part(cut, std::max(kLeastCellMm, far() + 2 * sample_mm_), options_.backend);
+    design_to_cut(part);
+    report_.to_cut = part.search().used();
+    count_touches(cut, part, touches);
+  }
+
+  // What is told of all that was added.
+  VerifyReport take() {
+    count_design();
+    for (const Touched& t : touched_) add(t.depth, t.at, t.strip);
     report_.deviation = statistics_.result();
     report_.histogram = statistics_.histogram(options_.tolerance_mm);
     constexpr std::array kPercents{50.0, 90.0, 95.0, 99.0, 99.9, 100.0};
@@ -203,55 +199,48 @@ class CutMeasurement {
     bool beyond = false;  // past the design's edge
   };
 
-  void cut_to_design() {
-    const std::span<const Eigen::Vector3d> all(cut_.vertices);
+  void cut_to_design(const SweptSurface& cut) {
+    const std::span<const Eigen::Vector3d> all(cut.vertices);
     std::vector<Compared> compared;
     for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
       const std::vector<DesignFaces::Foot> on_design =
-          to_design_->feet(all.subspan(first, std::min(kAtOnce, all.size() - first)),
-                           [&](std::size_t i) { return cut_.strip_of_vertex[first + i]; });
+          to_design_.feet(all.subspan(first, std::min(kAtOnce, all.size() - first)),
+                          [&](std::size_t i) { return cut.strip_of_vertex[first + i]; });
       compared.resize(on_design.size());
       for_each_of(compared.size(),
-                  [&](std::size_t i) { compared[i] = compare_with_design(first + i, on_design[i]); });
-      for (std::size_t i = 0; i < compared.size(); ++i) count(first + i, compared[i]);
+                  [&](std::size_t i) { compared[i] = compare_with_design(cut, first + i, on_design[i]); });
+      for (std::size_t i = 0; i < compared.size(); ++i) count(cut, first + i, compared[i]);
     }
-    report_.to_design = to_design_->used();
-    report_.cut_samples = cut_.vertices.size();
+    report_.to_design = to_design_.used();
+    report_.cut_samples += cut.vertices.size();
   }
 
-  [[nodiscard]] Compared compare_with_design(std::size_t i, const DesignFaces::Foot& on_design) const {
+  [[nodiscard]] Compared compare_with_design(const SweptSurface& cut, std::size_t i,
+                                             const DesignFaces::Foot& on_design) const {
     Compared c{on_design.distance};
     const Eigen::Vector3d& n = on_design.normal;
     if (on_design.on_border) {
-      const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
+      const Eigen::Vector3d d = cut.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
-    const double speed = cut_.speeds_mm_s[i];
-    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed);
-    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed);
+    const double speed = cut.speeds_mm_s[i];
+    const double by_cut = half_band_mm(program_.blade, cut.normals[i], cut.plane_normals[i], speed);
+    const double by_design = half_band_mm(program_.blade, n, cut.plane_normals[i], speed);
     c.half_band = std::abs(by_cut - by_design);
     return c;
   }
 
-  void count(std::size_t i, const Compared& c) {
+  void count(const SweptSurface& cut, std::size_t i, const Compared& c) {
     if (c.beyond) {
       ++report_.beyond_samples;
       return;
     }
-    const int strip = cut_.strip_of_vertex[i];
+    const int strip = cut.strip_of_vertex[i];
     report_.half_band_mm = std::max(report_.half_band_mm, c.half_band);
-    add(c.distance, cut_.vertices[i], strip);
+    add(c.distance, cut.vertices[i], strip);
     double& largest = report_.strip_max_mm[static_cast<std::size_t>(strip)];
     largest = std::max(largest, c.distance);
-  }
-
-  void forget_what_cut_the_design() {
-    to_design_.reset();
-    for (auto* list : {&cut_.normals, &cut_.plane_normals}) std::vector<Eigen::Vector3d>().swap(*list);
-    std::vector<double>().swap(cut_.speeds_mm_s);
-    std::vector<double>().swap(cut_.curvature_per_mm);
-    std::vector<int>().swap(cut_.pose_of_vertex);
   }
 
   // What of the cut is nearest to a design sample.
@@ -261,29 +250,37 @@ class CutMeasurement {
     bool uncut = true;  // too far, or past the cut's edge
   };
 
-  // The cut's vertices are searched so many at a time, whole strips.
-  void design_to_cut(std::size_t at_once) {
-    const double sample_mm = bounded(options_.sample_mm, report_.area_mm2);
-    const DesignSampler sampler(mesh_, sample_mm);
-    report_.design_samples = sampler.count();
-    std::vector<NearestCut> nearest(sampler.count());
-    for (std::size_t first = 0, last = 0; first < cut_.vertices.size(); first = last) {
-      last = end_of_part(first, at_once);
-      // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
-      // little.
-      constexpr double kLeastCellMm = 100;
-      part_.emplace(cut_, first, last, std::max(kLeastCellMm, far() + 2 * sample_mm), options_.backend);
-      std::size_t at = 0;
-      sampler.each(kAtOnce, [&](const DesignSamples& samples) {
-        compare_with_part(samples.points, std::span(nearest).subspan(at, samples.points.size()));
-        at += samples.points.size();
-      });
-      report_.to_cut = part_->search().used();
+  void design_to_cut(const CutPart& part) {
+    sampler_.each_in(part.near(), kAtOnce, [&](std::size_t first, const DesignSamples& samples) {
+      compare_with_part(part, samples.points, std::span(nearest_).subspan(first, samples.points.size()));
+    });
+  }
+
+  void compare_with_part(const CutPart& part, std::span<const Eigen::Vector3d> points,
+                         std::span<NearestCut> nearest) const {
+    std::vector<char> held(points.size());
+    part.cells().hold(points, held);
+    std::vector<std::size_t> index;
+    std::vector<Eigen::Vector3d> asked;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!held[i]) continue;
+      index.push_back(i);
+      asked.push_back(points[i]);
     }
-    std::size_t at = 0;
-    sampler.each(kAtOnce, [&](const DesignSamples& samples) {
+    const std::vector<gpu::Nearest> found = part.search().query(asked);
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      NearestCut& best = nearest[index[k]];
+      const double distance = found[k].distance;
+      if (distance >= best.distance) continue;
+      best = {distance, part.strip_of(found[k].triangle),
+              distance > far() || (distance > near() && part.on_edge(found[k]))};
+    }
+  }
+
+  void count_design() {
+    sampler_.each(kAtOnce, [&](std::size_t first, const DesignSamples& samples) {
       for (std::size_t i = 0; i < samples.points.size(); ++i) {
-        const NearestCut& found = nearest[at++];
+        const NearestCut& found = nearest_[first + i];
         if (found.uncut) {
           report_.uncut_mm2 += samples.areas[i];
         } else {
@@ -293,66 +290,53 @@ class CutMeasurement {
     });
   }
 
-  // Behind `at_once` vertices or more, at the end of a strip.
-  [[nodiscard]] std::size_t end_of_part(std::size_t first, std::size_t at_once) const {
-    std::size_t last = std::min(cut_.vertices.size(), first + at_once);
-    while (last < cut_.vertices.size() && cut_.strip_of_vertex[last] == cut_.strip_of_vertex[last - 1])
-      ++last;
-    return last;
-  }
-
-  void compare_with_part(std::span<const Eigen::Vector3d> points, std::span<NearestCut> nearest) {
-    std::vector<char> held(points.size());
-    part_->cells().hold(points, held);
+  void count_touches(const SweptSurface& cut, const CutPart& part, const BladeTouches& touches) {
+    const int first_strip = cut.strip_of_vertex.front(), last_strip = cut.strip_of_vertex.back();
     std::vector<std::size_t> index;
-    std::vector<Eigen::Vector3d> asked;
-    index.reserve(points.size());
-    asked.reserve(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!held[i]) continue;
+    std::vector<Eigen::Vector3d> points;
+    for (std::size_t i = 0; i < touches.points.size(); ++i) {
+      if (touches.strip_of_point[i] < first_strip || touches.strip_of_point[i] > last_strip) continue;
       index.push_back(i);
-      asked.push_back(points[i]);
+      points.push_back(touches.points[i]);
     }
-    const std::vector<gpu::Nearest> found = part_->search().query(asked);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      NearestCut& best = nearest[index[k]];
-      const double distance = found[k].distance;
-      if (distance >= best.distance) continue;
-      best = {distance, part_->strip_of(found[k].triangle),
-              distance > far() || (distance > near() && part_->on_edge(found[k]))};
-    }
-  }
-
-  void count_touches(const BladeTouches& touches) {
-    if (touches.points.empty()) return;
-    const std::vector<DesignFaces::Foot> touched =
-        to_design_->feet(touches.points, [&](std::size_t i) { return touches.strip_of_point[i]; });
+    if (index.empty()) return;
+    const auto strip_of = [&](std::size_t k) { return touches.strip_of_point[index[k]]; };
+    const std::vector<DesignFaces::Foot> touched = to_design_.feet(points, strip_of);
     std::vector<Eigen::Vector3d> feet;
     for (const DesignFaces::Foot& foot : touched) feet.push_back(foot.point);
-    const std::vector<gpu::Nearest> formed = part_->search().query(feet);
-    for (std::size_t i = 0; i < feet.size(); ++i) {
+    const std::vector<gpu::Nearest> formed = part.search().query(feet);
+    for (std::size_t k = 0; k < feet.size(); ++k) {
       // Only what the same strip forms: another strip's part lies in another block.
-      if (part_->strip_of(formed[i].triangle) != touches.strip_of_point[i] || formed[i].distance > near())
-        continue;
-      if (touched[i].on_border || part_->on_edge(formed[i])) continue;
-      const std::size_t vertex = part_->vertex_of(formed[i].triangle);
-      Eigen::Vector3d n = touched[i].normal;
-      if (n.dot(cut_.normals[vertex]) < 0) n = -n;
-      const double above = n.dot(touches.points[i] - feet[i]);
+      if (part.strip_of(formed[k].triangle) != strip_of(k) || formed[k].distance > near()) continue;
+      if (touched[k].on_border || part.on_edge(formed[k])) continue;
+      const std::size_t vertex = part.vertex_of(formed[k].triangle);
+      Eigen::Vector3d n = touched[k].normal;
+      if (n.dot(cut.normals[vertex]) < 0) n = -n;
+      const double above = n.dot(points[k] - feet[k]);
       const double depth =
-          half_band_mm(program_.blade, n, touches.plane_normals[i], touches.speeds_mm_s[i]) - above;
+          half_band_mm(program_.blade, n, touches.plane_normals[index[k]], touches.speeds_mm_s[index[k]]) -
+          above;
       if (!(depth > 0)) continue;
       report_.gouge_mm = std::max(report_.gouge_mm, depth);
-      add(depth, feet[i], touches.strip_of_point[i]);
+      touched_.push_back({depth, feet[k], strip_of(k)});
     }
   }
 
-  SweptSurface cut_;
+  // A touch that reaches into the kept side.
+  struct Touched {
+    double depth = 0;
+    Eigen::Vector3d at;
+    int strip = -1;
+  };
+
   const Program& program_;
   MeshView mesh_;  // the design's
   const VerifyOptions& options_;
-  std::optional<DesignFaces> to_design_;
-  std::optional<CutPart> part_;  // of the cut; all of it where touches are asked for
+  DesignFaces to_design_;
+  double sample_mm_;
+  DesignSampler sampler_;
+  std::vector<NearestCut> nearest_;  // by design sample
+  std::vector<Touched> touched_;
   DeviationStatistics statistics_;
   VerifyReport report_;
   double worst_ = 0;
@@ -364,13 +348,38 @@ bool VerifyReport::holds() const {
   return std::all_of(branches.begin(), branches.end(), [](const BranchReport& b) { return b.held(); });
 }
 
-VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
-                     const surface::DesignSurface& design, const VerifyOptions& options) {
-  if (!cut.triangles.empty()) return CutMeasurement(std::move(cut), program, design, options).run(touches);
+namespace {
+
+// Of runs of a cut, given by each(use), which calls use(run) for one after the other.
+template <typename Each>
+VerifyReport measure_runs(const Each& each, const BladeTouches& touches, const Program& program,
+                          const surface::DesignSurface& design, const VerifyOptions& options) {
+  std::optional<CutMeasurement> measurement;
+  each([&](const SweptSurface& run) {
+    if (run.triangles.empty()) return;
+    if (!measurement) measurement.emplace(program, design, options);
+    measurement->add(run, touches);
+  });
+  if (measurement) return measurement->take();
   VerifyReport report;
   report.area_mm2 = report.uncut_mm2 = design.health.area_mm2;
   report.strip_max_mm.assign(program.strips.size(), 0.0);
   return report;
+}
+
+}  // namespace
+
+VerifyReport measure(const SweptSurface& cut, const Program& program, const surface::DesignSurface& design,
+                     const VerifyOptions& options) {
+  return measure_runs([&](const auto& use) { use(cut); }, {}, program, design, options);
+}
+
+VerifyReport measure(const Program& cut, const BladeTouches& touches, const surface::DesignSurface& design,
+                     const VerifyOptions& options) {
+  const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
+  return measure_runs(
+      [&](const auto& use) { each_swept_surface(cut, sample_mm, options.cut_vertices_at_once, use); },
+      touches, cut, design, options);
 }
 
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
@@ -383,10 +392,7 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
                        [&] { mismatch_mm = clamp_mismatch_mm(program); },
                        [&] { ribs = check_ribs(program, options.tolerance_mm, options.backend); },
-                       [&] {
-                         const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
-                         report = measure(swept_surface(program, sample_mm), {}, program, design, options);
-                       });
+                       [&] { report = measure(program, {}, design, options); });
   gpu::stop_point();
   report.branches = std::move(branches);
   report.ribs = std::move(ribs);

@@ -33,9 +33,9 @@ struct VerifyOptions {
   double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
-  // Vertices of the cut that are searched at once, whole strips: memory, 500 bytes a vertex. Values depend on
-  // it by rounding only.
-  std::size_t cut_vertices_at_once = 1 << 20;
+  // Vertices of the cut that are made and searched at once, whole strips: memory, 600 bytes a vertex. Values
+  // depend on it by rounding only.
+  std::size_t cut_vertices_at_once = 1 << 18;
 };
 
 // Where a hot blade is in foam without forming the design: points of its centre line.
@@ -74,10 +74,14 @@ struct VerifyReport {
 // More is a program whose clamps and blade do not belong together; less is rounding.
 inline constexpr double kClampMismatchMm = 1e-3;
 
-// Measures a cut surface against the design: everything of verify() but the shapes and the clamps. A touch
-// counts, by the edge of its melted band, where it reaches into the kept side of what its own strip forms; on
-// the waste side it does no harm. What is no longer needed of a large cut is given up on the way.
-[[nodiscard]] VerifyReport measure(SweptSurface cut, const BladeTouches& touches, const Program& program,
+// Measures what a program cuts against the design: everything of verify() but the shapes and the clamps. A
+// touch counts, by the edge of its melted band, where it reaches into the kept side of what its own strip
+// forms; on the waste side it does no harm.
+[[nodiscard]] VerifyReport measure(const Program& cut, const BladeTouches& touches,
+                                   const surface::DesignSurface& design, const VerifyOptions& options);
+
+// The same of a surface, with the strips and the blade of a program.
+[[nodiscard]] VerifyReport measure(const SweptSurface& cut, const Program& program,
                                    const surface::DesignSurface& design, const VerifyOptions& options);
 
 // Measures what a program cuts against the design, and finds its blades again from their clamps.

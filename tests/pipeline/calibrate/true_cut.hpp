@@ -29,7 +29,7 @@ inline double true_deviation_mm(const Program& program, const ErrorVector& truth
   for (Eigen::Vector3d& n : cut.plane_normals) n = fit.linear() * n;
   VerifyOptions options;
   options.edge_mm = 1;
-  return measure(std::move(cut), {}, program, design, options).strip_max_mm.at(0);
+  return measure(cut, program, design, options).strip_max_mm.at(0);
 }
 
 }  // namespace hotblade::pipeline::testing

@@ -34,7 +34,8 @@ Faces random_faces(int count) {
 
 DesignSamples all_of(const DesignSampler& sampler, std::size_t at_once) {
   DesignSamples all;
-  sampler.each(at_once, [&](const DesignSamples& some) {
+  sampler.each(at_once, [&](std::size_t first, const DesignSamples& some) {
+    EXPECT_EQ(first, all.points.size());
     all.points.insert(all.points.end(), some.points.begin(), some.points.end());
     all.areas.insert(all.areas.end(), some.areas.begin(), some.areas.end());
   });
@@ -50,6 +51,31 @@ TEST(DesignSampler, StandsForTheWholeArea) {
   EXPECT_EQ(samples.points.size(), sampler.count());
   for (const double share : samples.areas) sampled += share;
   EXPECT_NEAR(sampled, area, 1e-9 * area);
+}
+
+TEST(DesignSampler, MakesAllSamplesInABoxAtTheirPlaces) {
+  const Faces faces = random_faces(3000);
+  const DesignSampler sampler(faces.view(), 2);
+  const DesignSamples all = all_of(sampler, 100);
+  const Eigen::AlignedBox3d box(Eigen::Vector3d(100000, -1000, -1), Eigen::Vector3d(140000, 1000, 1));
+  std::vector<char> made(all.points.size(), 0);
+  sampler.each_in(box, 1000, [&](std::size_t first, const DesignSamples& some) {
+    for (std::size_t i = 0; i < some.points.size(); ++i) {
+      EXPECT_EQ(some.points[i], all.points[first + i]);
+      EXPECT_EQ(some.areas[i], all.areas[first + i]);
+      made[first + i] = 1;
+    }
+  });
+  std::size_t inside = 0, left_out = 0;
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    if (box.contains(all.points[i])) {
+      ++inside;
+      EXPECT_TRUE(made[i]);
+    }
+    left_out += made[i] ? 0 : 1;
+  }
+  EXPECT_GT(inside, 100U);
+  EXPECT_GT(left_out, all.points.size() / 2);
 }
 
 TEST(DesignSampler, LeavesNoPlaceOfAFaceFartherThanTheSpacing) {
@@ -86,7 +112,7 @@ TEST(DesignSampler, IsTheSameHoweverManyComeAtOnceAndOnAnyNumberOfThreads) {
 TEST(DesignSampler, OfNoFacesHasNoSamples) {
   const DesignSampler sampler({}, 1);
   EXPECT_EQ(sampler.count(), 0u);
-  sampler.each(10, [](const DesignSamples&) { ADD_FAILURE(); });
+  sampler.each(10, [](std::size_t, const DesignSamples&) { ADD_FAILURE(); });
   EXPECT_THROW(DesignSampler({}, 0), std::logic_error);
 }
 
