@@ -28,7 +28,7 @@ struct SweepPoint {
 
 class SweepCurve {
  public:
-  // Reaches `reach_mm` > 0 to both sides of the middle in steps of about 20 mm.
+  // Reaches `reach_mm` > 0 to both sides of the middle in steps of 20 to 60 mm.
   SweepCurve(const Bend& bend, double reach_mm);
   // The part of it around a place, from the middle on: as far as Newton's way from there to a nearest point
   // may lead.
