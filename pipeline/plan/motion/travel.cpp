@@ -102,22 +102,25 @@ std::size_t points_of(const elastica::Elastica& blade) {
   return static_cast<std::size_t>(std::ceil(blade.length / kApart_mm)) + 1;
 }
 
-// blade_clearance_mm of blade `i` by its points.
-double clearance_mm(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
-                    const Block& block, double width_mm) {
+// Of blade `i` by its points. A point of the blade is at most half a step from one of these, along the blade;
+// so is the nearest of the points between both edges, because the distance to a box is convex. A point that
+// is farther off vouches for the points beside it.
+bool is_clear(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
+              const Block& block, double width_mm, double clearance_mm) {
   const Vector3d across = width_mm / 2 * frame.normal();
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < points.points; ++k) {
+  const double apart = length / static_cast<double>(points.points - 1), least = clearance_mm + 0.5 * apart;
+  for (std::size_t k = 0; k < points.points;) {
     const Vector2d p = points.at(i, k);
-    for (const double side : {-1.0, 1.0})
-      least = std::min(least, block.distance_mm(frame.point(p.x(), p.y()) + side * across));
+    const Vector3d middle = frame.point(p.x(), p.y());
+    const double away =
+        std::min(block.distance_mm(middle + across), block.distance_mm(middle - across)) - least;
+    if (!(away >= 0)) return false;
+    k += 1 + static_cast<std::size_t>(away / apart);
   }
-  // A point of the blade is at most half a step from one of these, along the blade; so is the nearest of the
-  // points between both edges, because the distance to a box is convex.
-  return std::max(0.0, least - 0.5 * length / static_cast<double>(points.points - 1));
+  return true;
 }
 
-double clearance_on(const Stretch& travel, const StripPlan& strip, double width_mm) {
+bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, double clearance_mm) {
   std::vector<double> shares;
   for (int i = 0; i <= travel.samples; ++i) shares.push_back(static_cast<double>(i) / travel.samples);
   const std::vector<BladeShape> shapes = shapes_at(travel, shares);
@@ -128,21 +131,21 @@ double clearance_on(const Stretch& travel, const StripPlan& strip, double width_
     whole.push_back({0, shape.blade.length});
   }
   const elastica::PartPoints points = elastica::sample_parts(blades, whole, points_of(blades.front()));
-  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    least = std::min(least, clearance_mm(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm),
-                                         strip.block, width_mm));
+    if (!is_clear(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm), strip.block, width_mm,
+                  clearance_mm))
+      return false;
   }
-  return least;
+  return true;
 }
 
 }  // namespace
 
-double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame, const Block& block,
-                          double width_mm) {
+bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block, double width_mm,
+              double clearance_mm) {
   const elastica::Part whole{0, blade.length};
-  return clearance_mm(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length,
-                      frame, block, width_mm);
+  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length, frame,
+                  block, width_mm, clearance_mm);
 }
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,
@@ -166,8 +169,7 @@ std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& fro
         way.curve = curve;
         way.length = elastica::length(curve);
         const Stretch travel{StripPhase::kTravel, false, 200, [way](double u) { return way.place(u); }};
-        if (clearance_on(travel, strip, settings.blade.width_mm) >= settings.stock.clearance_mm)
-          return travel;
+        if (is_clear(travel, strip, settings.blade.width_mm, settings.stock.clearance_mm)) return travel;
       }
     }
   }

@@ -19,9 +19,9 @@ namespace hotblade::pipeline {
 [[nodiscard]] std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from,
                                                  const BladeShape& home, const Settings& settings);
 
-// Returns a lower bound of the blade's distance from the block, its width across the plane included, mm: the
-// least of points of the blade at most 2 mm apart, less what lies between them.
-[[nodiscard]] double blade_clearance_mm(const elastica::Elastica& blade, const Frame& frame,
-                                        const Block& block, double width_mm);
+// Returns true only where the blade, its width across the plane included, stays `clearance_mm` away from the
+// block; false where it does not, and where it does by less than 1 mm.
+[[nodiscard]] bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block,
+                            double width_mm, double clearance_mm);
 
 }  // namespace hotblade::pipeline

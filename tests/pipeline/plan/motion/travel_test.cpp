@@ -85,16 +85,30 @@ TEST(Travel, KeepsTheWholeBladeClearOfTheStockInTheSectorsOfARing) {
   expect_clear_way_home(ring.program, 150);
 }
 
-TEST(BladeClearance, IsALowerBoundOfTheDistance) {
-  // A straight blade 100 mm above a block: what lies between the points is taken off.
+TEST(IsClear, SaysSoOnlyOfABladeThatIs) {
   Block stock;
   stock.frame = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   stock.size_mm = {500, 300, 200};
   const Frame plane{{0, 150, 300}, {1, 0, 0}, {0, 0, 1}};
-  const double found = blade_clearance_mm({-100, 0, 0, 0, 0, 0, 700}, plane, stock, 8);
-  EXPECT_LE(found, 100);
-  EXPECT_GE(found, 98.9);
-  EXPECT_EQ(blade_clearance_mm({-100, -150, 0, 0, 0, 0, 700}, plane, stock, 8), 0);
+  // A straight blade 100 mm above the block.
+  const auto above = [&](double clearance_mm) {
+    return is_clear({-100, 0, 0, 0, 0, 0, 700}, plane, stock, 8, clearance_mm);
+  };
+  EXPECT_TRUE(above(98.9));
+  EXPECT_FALSE(above(100.001));
+  EXPECT_TRUE(is_clear({-100, 1e5, 0, 0, 0, 0, 700}, plane, stock, 8, 100));
+  EXPECT_FALSE(is_clear({-100, -150, 0, 0, 0, 0, 700}, plane, stock, 8, 0)) << "through the block";
+  // One that comes near only with a few millimetres of its length: a slender bow, down to 20 mm above.
+  const elastica::Elastica bow{-100, 100, -0.5, 1 / 700., 0, 0, 700};
+  double least = 1e9;
+  for (double s = 0; s <= 700; s += 0.01) {
+    const elastica::CurvePoint p = elastica::point_at(bow, s);
+    for (const double side : {-4.0, 4.0})
+      least = std::min(least, stock.distance_mm(plane.point(p.x, p.y) + side * plane.normal()));
+  }
+  EXPECT_GT(least, 20);
+  EXPECT_TRUE(is_clear(bow, plane, stock, 8, least - 1.1));
+  EXPECT_FALSE(is_clear(bow, plane, stock, 8, least + 0.01));
 }
 
 }  // namespace
