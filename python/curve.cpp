@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 
 #include "elastica/arcs/arcs.hpp"
 #include "elastica/bezier/curve_distance.hpp"
@@ -124,31 +123,6 @@ py::tuple residual(const py::object& bezier) {
                         number(r.bound), name(r.status));
 }
 
-// A block's rows and columns stay in the nearest cache together. Columns are a cache line longer than a
-// block, so that they do not fall on each other there.
-constexpr std::size_t kBlock = 128, kLine = 8;
-using Columns = std::array<std::array<double, kBlock + kLine>, 8>;
-
-// Writes n rows of eight numbers as columns, two rows at a time.
-void transpose(const double* rows, std::size_t n, Columns& columns) {
-  using Two = double __attribute__((vector_size(2 * sizeof(double))));
-  using Order = std::int64_t __attribute__((vector_size(2 * sizeof(std::int64_t))));
-  std::size_t i = 0;
-  for (; i + 2 <= n; i += 2) {
-    for (std::size_t k = 0; k < 8; k += 2) {
-      Two upper, lower;
-      std::memcpy(&upper, rows + 8 * i + k, sizeof(Two));
-      std::memcpy(&lower, rows + 8 * i + 8 + k, sizeof(Two));
-      const Two left = __builtin_shuffle(upper, lower, Order{0, 2});
-      const Two right = __builtin_shuffle(upper, lower, Order{1, 3});
-      std::memcpy(&columns[k][i], &left, sizeof(Two));
-      std::memcpy(&columns[k + 1][i], &right, sizeof(Two));
-    }
-  }
-  for (; i < n; ++i)
-    for (std::size_t k = 0; k < 8; ++k) columns[k][i] = rows[8 * i + k];
-}
-
 py::tuple residuals(const py::object& beziers) {
   const Numbers array = numbers(beziers, "beziers", {kAny, 4, 2});
   const py::ssize_t count = array.shape(0);
@@ -160,19 +134,13 @@ py::tuple residuals(const py::object& beziers) {
   auto* s = reinterpret_cast<elastica::ResidualStatus*>(status.mutable_data());
   {
     const py::gil_scoped_release release;
-    // Splitting a batch into blocks, and those among threads, changes no bit.
-    constexpr std::size_t kBlocksAtOnce = 8;
-    const auto all = static_cast<std::size_t>(count), blocks = (all + kBlock - 1) / kBlock;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, kBlocksAtOnce), [&](const auto& range) {
-      Columns column;
-      for (std::size_t block = range.begin(); block < range.end(); ++block) {
-        const std::size_t first = block * kBlock, n = std::min(kBlock, all - first);
-        transpose(from + 8 * first, n, column);
-        const auto span = [&](std::size_t k) { return std::span<const double>(column[k].data(), n); };
-        elastica::lambda_residuals(
-            elastica::BezierBatch{span(0), span(1), span(2), span(3), span(4), span(5), span(6), span(7)},
-            elastica::ResidualBatch{{e + first, n}, {s + first, n}, {b + first, n}});
-      }
+    // Splitting a batch among threads changes no bit.
+    constexpr std::size_t kAtOnce = 4096;
+    const auto all = static_cast<std::size_t>(count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, all, kAtOnce), [&](const auto& range) {
+      const std::size_t first = range.begin(), n = range.size();
+      elastica::lambda_residuals(elastica::BezierRows{{from + 8 * first, 8 * n}},
+                                 elastica::ResidualBatch{{e + first, n}, {s + first, n}, {b + first, n}});
     });
   }
   return py::make_tuple(value, bound, status);

@@ -68,6 +68,18 @@ void lambda_residuals(const BezierBatch& c, const ResidualBatch& out, Simd simd)
   kernels(simd).curves(lanes, n);
 }
 
+void lambda_residuals(const BezierRows& c, const ResidualBatch& out, Simd simd) {
+  constexpr std::size_t kNumbers = 8;
+  const std::size_t n = common_size({out.e.size(), out.status.size(), bound_size(out)});
+  if (c.points.size() != kNumbers * n) throw std::logic_error("residual batch: spans of different sizes");
+  ResidualLanes lanes{};
+  lanes.in[0] = c.points.data();
+  lanes.e = out.e.data();
+  lanes.bound = bound_data(out);
+  lanes.status = reinterpret_cast<std::uint8_t*>(out.status.data());
+  kernels(simd).rows(lanes, n);
+}
+
 void lambda_residuals(const EdgeBatch& c, const ResidualBatch& out, Simd simd) {
   const std::size_t n = common_size(
       {c.a1.size(), c.a2.size(), c.l1.size(), c.l2.size(), out.e.size(), out.status.size(), bound_size(out)});

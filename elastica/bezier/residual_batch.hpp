@@ -20,6 +20,11 @@ struct BezierBatch {
   std::span<const double> x0, y0, x1, y1, x2, y2, x3, y3;
 };
 
+// The same as rows, x0 y0 .. x3 y3 of one curve and then of the next: 8 n numbers.
+struct BezierRows {
+  std::span<const double> points;
+};
+
 // Curves in standard position (elastica/bezier/standard_position.hpp): end edges of lengths l1, l2 (chords)
 // in directions a1, a2 (rad, |a| up to 1e6).
 struct EdgeBatch {
@@ -34,8 +39,9 @@ struct ResidualBatch {
   std::span<double> bound{};
 };
 
-// Writes e and status of every curve.
+// Writes e and status of every curve; of rows the same bits as of columns.
 void lambda_residuals(const BezierBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
+void lambda_residuals(const BezierRows& curves, const ResidualBatch& out, Simd simd = best_simd());
 void lambda_residuals(const EdgeBatch& curves, const ResidualBatch& out, Simd simd = best_simd());
 
 // Writes de/dl1 and de/dl2 as well, the exact derivatives of the quadrature; both are 0 where e is 0.

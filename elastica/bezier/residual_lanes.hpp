@@ -8,7 +8,7 @@
 namespace hotblade::elastica {
 
 struct ResidualLanes {
-  // x0 y0 .. x3 y3, or a1 a2 l1 l2.
+  // x0 y0 .. x3 y3, or a1 a2 l1 l2; of rows the first alone, x0 y0 .. x3 y3 of a curve after the other's.
   const double* in[8];
   double* e;
   double* bound;  // or null
@@ -19,11 +19,12 @@ struct ResidualLanes {
 
 struct ResidualKernels {
   void (*curves)(const ResidualLanes& batch, size_t n);
+  void (*rows)(const ResidualLanes& batch, size_t n);
   void (*edges)(const ResidualLanes& batch, size_t n);
   void (*gradients)(const ResidualLanes& batch, size_t n);
 };
 
-// All three are the baseline where the target is not x86-64.
+// All are the baseline where the target is not x86-64.
 extern const ResidualKernels kResidualBaseline, kResidualAvx2, kResidualAvx512;
 
 }  // namespace hotblade::elastica

@@ -150,6 +150,29 @@ TEST_P(EverySimd, GivesTheSameBytesHoweverTheBatchIsSplit) {
   }
 }
 
+TEST_P(EverySimd, GivesTheSameBytesOfRowsAsOfColumns) {
+  std::vector<Bezier> beziers = random_beziers(1000, 3);
+  beziers[17].fill(Eigen::Vector2d(1, 2));                                   // a cusp
+  beziers[30][2].x() = std::numeric_limits<double>::infinity();              // not finite
+  for (int k = 0; k < 4; ++k) beziers[31][k] = Eigen::Vector2d(k, 2.0 * k);  // straight
+  for (const std::size_t n : {0, 1, 2, 3, 5, 7, 8, 9, 31, 32, 33, 1000}) {
+    Curves curves;
+    std::vector<double> rows;
+    for (std::size_t i = 0; i < n; ++i) {
+      curves.add(beziers[i]);
+      for (const auto& p : beziers[i]) rows.insert(rows.end(), {p.x(), p.y()});
+    }
+    Results of_columns(n), of_rows(n);
+    std::vector<double> bounds(n, -1), bounds_of_rows(n, -1);
+    lambda_residuals(curves.part(0, n), {of_columns.e, of_columns.status, bounds}, GetParam());
+    lambda_residuals(BezierRows{rows}, {of_rows.e, of_rows.status, bounds_of_rows}, GetParam());
+    const std::size_t bytes = n * sizeof(double);
+    EXPECT_EQ(std::memcmp(of_rows.e.data(), of_columns.e.data(), bytes), 0) << n;
+    EXPECT_EQ(std::memcmp(bounds_of_rows.data(), bounds.data(), bytes), 0) << n;
+    EXPECT_EQ(of_rows.status, of_columns.status) << n;
+  }
+}
+
 TEST_P(EverySimd, GivesDegenerateCurvesTheScalarsStatus) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   using Point = Eigen::Vector2d;
@@ -260,6 +283,8 @@ TEST(ResidualBatch, RefusesSpansOfDifferentSizes) {
   for (const Bezier& b : random_beziers(3, 6)) curves.add(b);
   Results r(2);
   EXPECT_THROW(lambda_residuals(curves.part(0, 3), r.out()), std::logic_error);
+  const std::vector<double> rows(17);
+  EXPECT_THROW(lambda_residuals(BezierRows{rows}, r.out()), std::logic_error);
 }
 
 }  // namespace
