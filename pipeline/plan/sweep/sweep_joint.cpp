@@ -332,11 +332,17 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
     if (part.data.sections.empty()) throw std::logic_error("a sweep needs a section");
     unknowns.emplace_back(part);
   }
-  for (Unknowns& u : unknowns) {
-    const SweepProblem problem(u.part->data, u.part->options, u.part->start);
-    const SweepEvaluation own = problem.evaluate(problem.pack(u.part->start), problem.first_feet());
-    u.scale_mm = std::max(own.max_mm, u.part->wanted_mm);
-    auto foot = own.feet.begin();
+  std::vector<SweepEvaluation> own(unknowns.size());
+  tbb::parallel_for(std::size_t{0}, unknowns.size(), [&](std::size_t i) {
+    const JointPart& part = *unknowns[i].part;
+    const SweepProblem problem(part.data, part.options, part.start);
+    own[i] = problem.evaluate(problem.pack(part.start), problem.first_feet());
+  });
+  gpu::stop_point();
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    Unknowns& u = unknowns[i];
+    u.scale_mm = std::max(own[i].max_mm, u.part->wanted_mm);
+    auto foot = own[i].feet.begin();
     for (const SweepSection& section : u.part->data.sections) {
       auto made = std::make_unique<SectionTerms>();
       made->unknowns = &u;

@@ -228,6 +228,9 @@ class Search {
     for (std::size_t i = 0; i < tried.failed.size(); ++i) {
       const PartPlan& plan = tried.plans[i];
       if (!tried.failed[i] || tried.too_far[i] || !plan.strip) continue;
+      // A calmer blade hangs as far.
+      const std::optional<Refusal>& refusal = tried.joined[i].refusal;
+      if (refusal && refusal->limit == Limit::kSag) continue;
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);
