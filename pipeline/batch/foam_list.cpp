@@ -95,30 +95,43 @@ std::string to_buy(const FoamList& foam) {
   return text + "</tbody></table>\n";
 }
 
-// One bought block: its cuts in order, and what it is sawn into.
+// The cuts in order. Parts are named as they come, as on the sheet of a plan's report.
+std::string cuts_text(const BoughtBlock& block) {
+  constexpr std::array<const char*, 3> kEdges{"length", "width", "height"};
+  std::string text =
+      "<table><thead><tr><th>done</th><th>part</th><th>square to its</th><th class=\"n\">at mm</th><th>gives "
+      "mm</th></tr></thead>\n<tbody>\n";
+  std::size_t parts = 1;
+  for (const SawCut& cut : block.cuts) {
+    const auto axis = static_cast<std::size_t>(cut.axis);
+    StockBox near = cut.of;
+    near.size[axis] = cut.at;
+    std::string gives = part_name(cut.part) + " " + box_text(near);
+    if (cut.leaves()) gives += ", " + part_name(parts++) + " " + box_text(cut.off);
+    text += fmt::format(
+        "<tr><td class=\"done\">☐</td><td class=\"id\">{}</td><td>{}</td><td "
+        "class=\"n\">{}</td><td>{}</td></tr>\n",
+        part_name(cut.part), kEdges.at(axis), mm_text(cut.at), gives);
+  }
+  return text + "</tbody></table>\n";
+}
+
+// One bought block: its cuts, and what it is sawn into.
 std::string bought_text(std::size_t number, const BoughtFoam& bought, const CutList& list) {
-  constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
   std::string text =
       fmt::format("<h2>Foam {}: {} mm</h2>\n", number, box_text({{0, 0, 0}, bought.block.size}));
-  if (!bought.block.cuts.empty()) {
-    text +=
-        "<table><thead><tr><th>done</th><th>saw the part at x, y, z</th><th>of mm</th><th>square "
-        "to</th><th class=\"n\">at mm from its near end</th></tr></thead>\n<tbody>\n";
-    for (const SawCut& cut : bought.block.cuts)
-      text += fmt::format(
-          "<tr><td class=\"done\">☐</td><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td></tr>\n",
-          place_text(cut.of), box_text(cut.of), kAxes.at(static_cast<std::size_t>(cut.axis)),
-          mm_text(cut.at));
-    text += "</tbody></table>\n";
-  }
+  if (!bought.block.cuts.empty()) text += cuts_text(bought.block);
   text +=
-      "<table><thead><tr><th>id</th><th>panel</th><th>strip</th><th>at x, y, z</th><th>mm</th></tr></thead>\n"
-      "<tbody>\n";
+      "<table><thead><tr><th>part</th><th>id</th><th>panel</th><th>strip</th><th>at x, y, "
+      "z</th><th>mm</th></tr>"
+      "</thead>\n<tbody>\n";
   for (const NestedPiece& piece : bought.block.pieces) {
     const CutBlock& block = list.blocks[piece.piece];
-    text += fmt::format("<tr><td class=\"id\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-                        html_text(block.id), html_text(block.panel), html_text(block.strip),
-                        place_text(piece.box), box_text(piece.box));
+    text += fmt::format(
+        "<tr><td class=\"id\">{}</td><td "
+        "class=\"id\">{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+        part_name(piece.part), html_text(block.id), html_text(block.panel), html_text(block.strip),
+        place_text(piece.box), box_text(piece.box));
   }
   return text + "</tbody></table>\n";
 }
@@ -172,10 +185,11 @@ std::string foam_page(const std::string& name, const FoamList& foam, const CutLi
   text += "<title>" + title + "</title></head>\n<body>\n<h1>" + title + "</h1>\n";
   text += fmt::format(
       "<p>{:.3f} m³ in {} blocks, for {:.3f} m³ of panels' blocks; {:.3f} m³ with each panel's nested alone, "
-      "{:.3f} m³ with "
-      "a piece of foam for each. Foam is named and measured from one corner, x along the first edge; near "
-      "its end "
-      "at 0. Mark every piece with its id.</p>\n",
+      "{:.3f} m³ with a piece of foam for each. Every cut goes from face to face of its part, square to the "
+      "edge "
+      "named; it is measured from the end that keeps the part's letter, to the saw's near side. Places are "
+      "from "
+      "the foam's one corner, x along its length. Mark every piece with its id.</p>\n",
       foam.bought_m3, foam.bought.size(), foam.pieces_m3, foam.by_panel_m3, foam.each_m3);
   if (!foam.too_large.empty()) {
     text += "<p><b>No size that is sold holds:";

@@ -17,12 +17,6 @@ std::string edges_text(const BoxSize& mm) {
   return fmt::format("{:.0f} x {:.0f} x {:.0f}", mm[0], mm[1], mm[2]);
 }
 
-// A, B, ... Z, AA, AB, ...
-std::string letters(std::size_t i) {
-  std::string text(1, static_cast<char>('A' + i % 26));
-  return i < 26 ? text : letters(i / 26 - 1) + text;
-}
-
 // Seen from above, the length to the right, the width to the back, the height up.
 Eigen::Vector2d on_paper(const BoxSize& p) {
   constexpr double kBack = 0.35;
@@ -82,17 +76,17 @@ std::string cuts_table(const BoughtBlock& block, const Program& program, const W
     const auto axis = static_cast<std::size_t>(cut.axis);
     BoxSize near = cut.of.size;
     near[axis] = cut.at;
-    std::string gives = letters(cut.part) + " " + edges_text(near);
-    if (cut.leaves()) gives += ", " + letters(parts++) + " " + edges_text(cut.off.size);
+    std::string gives = part_name(cut.part) + " " + edges_text(near);
+    if (cut.leaves()) gives += ", " + part_name(parts++) + " " + edges_text(cut.off.size);
     rows += fmt::format(
         "<tr><td>{}</td><td class=\"l\"><b>{}</b></td><td class=\"l\">{}</td><td>{:.1f}</td><td "
         "class=\"l\">{}</td></tr>\n",
-        i + 1, letters(cut.part), w(kAxes.at(axis)), cut.at, gives);
+        i + 1, part_name(cut.part), w(kAxes.at(axis)), cut.at, gives);
   }
   std::string are;
   for (const NestedPiece& p : block.pieces) {
-    are +=
-        (are.empty() ? "" : ", ") + letters(p.part) + " = <b>" + escaped(program.strips[p.piece].id) + "</b>";
+    are += (are.empty() ? "" : ", ") + part_name(p.part) + " = <b>" + escaped(program.strips[p.piece].id) +
+           "</b>";
   }
   std::string table;
   if (!rows.empty())

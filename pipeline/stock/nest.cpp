@@ -219,6 +219,12 @@ void check(std::span<const BoxSize> boxes) {
 
 }  // namespace
 
+std::string part_name(std::size_t part) {
+  constexpr std::size_t kLetters = 26;
+  std::string name(1, static_cast<char>('A' + part % kLetters));
+  return part < kLetters ? name : part_name(part / kLetters - 1) + name;
+}
+
 bool holds(const BoxSize& size, const BoxSize& piece) {
   return fits(sorted(piece), sorted(size));
 }

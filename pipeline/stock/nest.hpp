@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace hotblade::pipeline {
@@ -51,6 +52,9 @@ struct Nesting {
   double pieces_mm3 = 0;
   double apart_mm3 = 0;  // what would be bought with a block of its own for every piece
 };
+
+// Returns how a part is called on the sheets to saw by: A, B, ... Z, AA, AB, ...
+[[nodiscard]] std::string part_name(std::size_t part);
 
 // Returns whether the size holds the piece, turned any way.
 [[nodiscard]] bool holds(const BoxSize& size, const BoxSize& piece);

@@ -76,6 +76,24 @@ TEST(FoamList, PanelsShareTheFoamThatEachAloneWouldWaste) {
   EXPECT_THAT(foam.sizes, ElementsAre(Pair(BlockSize{2500, 1250, 600}, 1U)));
 }
 
+TEST(FoamList, ThePageNamesThePartThatEachPieceIsAndEveryCut) {
+  const CutList list = blocks({{900, 400, 200}, {900, 240, 200}});
+  const FoamList foam = foam_of(list);
+  const std::string page = foam_page("facade", foam, list);
+  std::size_t cuts = 0;
+  for (const BoughtFoam& bought : foam.bought) {
+    for (const NestedPiece& piece : bought.block.pieces) {
+      EXPECT_THAT(page, HasSubstr("<tr><td class=\"id\">" + part_name(piece.part) + "</td><td class=\"id\">" +
+                                  list.blocks[piece.piece].id + "</td>"));
+    }
+    cuts += bought.block.cuts.size();
+  }
+  std::size_t boxes = 0;
+  for (std::size_t at = page.find("☐"); at != std::string::npos; at = page.find("☐", at + 1)) ++boxes;
+  EXPECT_GT(cuts, 0U);
+  EXPECT_EQ(boxes, cuts);
+}
+
 TEST(FoamList, WhatNoSizeHoldsIsNamedAndJobsThatSayNothingAreLeftOut) {
   CutList list = blocks({{900, 400, 200}, {3000, 400, 200}, {900, 400, 200}});
   const FoamList foam = foam_list(list, [](std::size_t job) { return job == 3 ? SoldFoam{} : kSold; });

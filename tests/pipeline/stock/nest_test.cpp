@@ -153,5 +153,13 @@ TEST(Nest, RefusesWhatNoStockHolds) {
   EXPECT_TRUE(nest({}, std::vector<BoxSize>{{600, 600, 600}}, 0).blocks.empty());
 }
 
+TEST(Nest, PartsAreNamedByLetters) {
+  EXPECT_EQ(part_name(0), "A");
+  EXPECT_EQ(part_name(25), "Z");
+  EXPECT_EQ(part_name(26), "AA");
+  EXPECT_EQ(part_name(27), "AB");
+  EXPECT_EQ(part_name(26 + 26 * 26), "AAA");
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
