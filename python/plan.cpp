@@ -143,7 +143,7 @@ class Planner {
       if (cell_) hold_in_cell(same, *cell_, gpu::Backend::kCpu, again);
     };
     int trial = 0;
-    const double each = (1 - from) / pipeline::kMostTrials;
+    const double each = (1 - from) / pipeline::kMostPlans;
     result.remedies = try_changes(settings_, changes, [&](const Settings& changed) {
       const double begun = from + each * trial++;
       return plan_again(read, changed, hooks(tell, begun, begun + each), false, judge);

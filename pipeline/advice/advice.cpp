@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "pipeline/advice/remedies.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -24,39 +24,43 @@ bool refused_for(const PlanResult& result, Limit limit) {
 }
 
 SettingsChange change_of(const Suggestion& suggestion) {
-  return {suggestion.assignments, "", suggestion.why, [assignments = suggestion.assignments](Settings& s) {
+  return {suggestion.assignments,
+          "",
+          suggestion.why,
+          [assignments = suggestion.assignments](Settings& s) {
             s = with_assignments(std::move(s), assignments);
-          }};
+          },
+          {}};
 }
 
 // A change of the refused plan's own settings.
 SettingsChange change_of(const Settings& settings, const Remedy& remedy) {
-  return {{assignment_of(settings, remedy)}, "", remedy.why, [remedy](Settings& s) {
-            s = with_remedy(std::move(s), remedy);
-          }};
+  return {{assignment_of(settings, remedy)},
+          "",
+          remedy.why,
+          [remedy](Settings& s) { s = with_remedy(std::move(s), remedy); },
+          remedy};
 }
 
 // Planes that were given, left to the search.
 std::vector<SettingsChange> changes_of_planes(const SliceSettings& slice) {
   std::vector<SettingsChange> changes;
-  const std::string why = "the planes that were given: others may do";
+  const std::string why = say(Saying::kPlanesGiven);
   const auto search = [](Settings& s) {
     s.slice.direction.reset();
     s.slice.fan_axis.reset();
   };
-  if (slice.direction) changes.push_back({{}, "slice.direction", why, search});
-  if (slice.fan_axis) changes.push_back({{}, "slice.fan_axis", why, search});
+  if (slice.direction) changes.push_back({{}, "slice.direction", why, search, {}});
+  if (slice.fan_axis) changes.push_back({{}, "slice.fan_axis", why, search, {}});
   return changes;
 }
 
 // The number of one setting, as the plan that was refused with another asks for; absent where it does not.
 std::optional<SettingsChange> next_number(const SettingsChange& change, const Settings& settings,
                                           const PlanResult& again) {
-  if (change.assignments.size() != 1) return std::nullopt;
-  const std::string& assignment = change.assignments.front();
-  const std::string key = assignment.substr(0, assignment.find('='));
+  if (!change.remedy) return std::nullopt;
   for (const Remedy& remedy : remedies(again)) {
-    if (remedy.setting == key) return change_of(settings, remedy);
+    if (remedy.setting == change.remedy->setting) return change_of(settings, remedy);
   }
   return std::nullopt;
 }
@@ -68,8 +72,82 @@ TriedRemedy tried(const SettingsChange& change, const PlanResult& result) {
           result.program.verification.deviation_mm.max,
           result.program.verification.tolerance_mm,
           result.strips.size(),
-          name(verdict_of(result.program).color)};
+          name(verdict_of(result.program).color),
+          {}};
 }
+
+// Plans of a job with other settings, so many in all.
+class Trials {
+ public:
+  Trials(const Settings& settings, const PlanAgain& plan_again)
+      : settings_(settings), plan_again_(plan_again) {}
+
+  // Returns the change with which the job passes, or the next number that the plan asks for, of a number the
+  // smallest such change; absent where none passes.
+  std::optional<TriedRemedy> pass(SettingsChange change) {
+    constexpr int kMostNumbers = 3;
+    double fails = change.remedy ? change.remedy->fails : 0;
+    for (int step = 0; step < kMostNumbers && tried_ < kMostTrials; ++step) {
+      ++tried_;
+      const std::optional<PlanResult> again = with(change);
+      if (!again) return std::nullopt;
+      if (again->refusals.empty())
+        return change.remedy ? narrowed(*change.remedy, fails, tried(change, *again)) : tried(change, *again);
+      std::optional<SettingsChange> next = next_number(change, settings_, *again);
+      if (!next) return std::nullopt;
+      fails = change.remedy->value;
+      change = std::move(*next);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  // Absent where the settings do not go together, or leave nothing of the design.
+  std::optional<PlanResult> with(const SettingsChange& change) {
+    Settings changed = settings_;
+    try {
+      change.apply(changed);
+      return plan_again_(changed);
+    } catch (const Error& error) {
+      if (error.kind == ErrorKind::kInterrupted) throw;
+      return std::nullopt;
+    } catch (const surface::MeshError&) {
+      return std::nullopt;  // no face looks that way
+    }
+  }
+
+  // Goes from a number that passed towards one that did not, by one step, two, four: a number that was
+  // computed is often the smallest that passes, and a plan that is refused takes the longest. Behind the
+  // first that does not pass, the way between is halved.
+  TriedRemedy narrowed(const Remedy& remedy, double fails, TriedRemedy best) {
+    const std::size_t all = steps_between(remedy, fails);
+    std::size_t passes_at = 0, fails_at = all, stride = 1;
+    const auto value_at = [&](std::size_t step) {
+      return step == all ? fails : at_step(remedy, fails, step).value;
+    };
+    for (int tries = 0; tries < kMostSteps && fails_at - passes_at > 1 && narrowing_ < kMostNarrowing;
+         ++tries) {
+      const bool beyond = passes_at + stride >= fails_at;
+      const std::size_t next = passes_at + (beyond ? (fails_at - passes_at) / 2 : stride);
+      const SettingsChange change = change_of(settings_, at_step(remedy, fails, next));
+      ++narrowing_;
+      const std::optional<PlanResult> again = with(change);
+      if (again && again->refusals.empty()) {
+        best = tried(change, *again);
+        passes_at = next;
+        stride *= 2;
+      } else {
+        fails_at = next;
+      }
+    }
+    best.narrowed = TriedRemedy::Narrowed{value_at(passes_at), value_at(fails_at), remedy.unit};
+    return best;
+  }
+
+  const Settings& settings_;
+  const PlanAgain& plan_again_;
+  int tried_ = 0, narrowing_ = 0;
+};
 
 std::string as_option(const std::string& assignment) {
   for (const auto& [key, flag] : {std::pair{"design.units=", "--units "}, std::pair{"design.up=", "--up "},
@@ -98,7 +176,7 @@ std::vector<SettingsChange> likely_changes(const PlanResult& refused,
   if (refused_for(refused, Limit::kLean) && along_z) {
     for (const Keep other : {Keep::kBack, Keep::kFront}) {
       SettingsChange change =
-          change_of({{fmt::format("design.keep={}", name(other))}, "the surface leans past the vertical"});
+          change_of({{fmt::format("design.keep={}", name(other))}, say(Saying::kLeansPastVertical)});
       const bool known = std::any_of(changes.begin(), changes.end(), [&](const SettingsChange& c) {
         return c.assignments == change.assignments;
       });
@@ -111,47 +189,33 @@ std::vector<SettingsChange> likely_changes(const PlanResult& refused,
 
 std::vector<TriedRemedy> try_changes(const Settings& settings, const std::vector<SettingsChange>& changes,
                                      const PlanAgain& plan_again) {
-  constexpr int kMostSteps = 3;
+  Trials trials(settings, plan_again);
   std::vector<TriedRemedy> passed;
-  int trials = 0;
-  for (SettingsChange change : changes) {
-    for (int step = 0; step < kMostSteps && trials < kMostTrials; ++step) {
-      Settings changed = settings;
-      ++trials;
-      PlanResult again;
-      try {
-        change.apply(changed);
-        again = plan_again(changed);
-      } catch (const Error& error) {
-        if (error.kind == ErrorKind::kInterrupted) throw;
-        break;  // settings that do not go together, or a design that they leave nothing of
-      } catch (const surface::MeshError&) {
-        break;  // no face looks that way
-      }
-      if (again.refusals.empty()) {
-        passed.push_back(tried(change, again));
-        break;
-      }
-      const std::optional<SettingsChange> next = next_number(change, settings, again);
-      if (!next) break;
-      change = *next;
-    }
+  for (const SettingsChange& change : changes) {
+    if (auto found = trials.pass(change)) passed.push_back(std::move(*found));
   }
   return passed;
 }
 
 std::string as_options(const TriedRemedy& remedy) {
-  if (!remedy.without.empty()) return "without " + remedy.without;
+  if (!remedy.without.empty()) return say(Saying::kWithout, {remedy.without});
   std::string text;
   for (const std::string& assignment : remedy.assignments)
     text += (text.empty() ? "" : " ") + as_option(assignment);
   return text;
 }
 
+std::string describe(const TriedRemedy::Narrowed& narrowed) {
+  const std::string unit = narrowed.unit.empty() ? "" : " " + narrowed.unit;
+  return say(Saying::kSmallestTried,
+             {fmt::format("{:.6g}{}", narrowed.passes, unit), fmt::format("{:.6g}{}", narrowed.fails, unit)});
+}
+
 std::string describe(const TriedRemedy& remedy) {
   return fmt::format("{}: passes, deviation {:.3f} mm (tolerance {:g} mm), {} strip{}, verdict {}",
                      as_options(remedy), remedy.deviation_mm, remedy.tolerance_mm, remedy.strips,
-                     remedy.strips == 1 ? "" : "s", remedy.verdict);
+                     remedy.strips == 1 ? "" : "s", remedy.verdict) +
+         (remedy.narrowed ? "; " + describe(*remedy.narrowed) : "");
 }
 
 }  // namespace hotblade::pipeline

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pipeline/advice/remedies.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/plan/suggestions.hpp"
 
@@ -17,6 +19,7 @@ struct SettingsChange {
   std::string without;                   // the setting that is left out instead; empty: none
   std::string why;
   std::function<void(Settings&)> apply;
+  std::optional<Remedy> remedy{};  // of a number
 };
 
 // Plans the job with other settings.
@@ -32,8 +35,12 @@ using PlanAgain = std::function<PlanResult(const Settings&)>;
 
 // Tries them on top of the settings in their order, at most kMostTrials plans in all, and returns those that
 // passed with what came of them. A number that did not do is tried again as the new plan asks for, at most
-// twice.
-inline constexpr int kMostTrials = 6;
+// twice. Of one that did the smallest change that passes is looked for, down to a step of its setting
+// (remedies.hpp): a hundredth to a thousandth of a tolerance, 0.01 mm of a blade's thickness, 1 mm of a
+// block, 10 mm of a blade's length. That takes at most kMostSteps plans for a number and kMostNarrowing in
+// all. No clock ends it, so that the same job gives the same answer: it takes kMostPlans plans at most.
+inline constexpr int kMostTrials = 6, kMostSteps = 9, kMostNarrowing = 14;
+inline constexpr int kMostPlans = kMostTrials + kMostNarrowing;
 [[nodiscard]] std::vector<TriedRemedy> try_changes(const Settings& settings,
                                                    const std::vector<SettingsChange>& changes,
                                                    const PlanAgain& plan_again);
@@ -41,6 +48,9 @@ inline constexpr int kMostTrials = 6;
 // Returns the change as it is given on the command line, in the options that win over all others: `--up y`,
 // `--tolerance 1.3`, `--set "machine.plinth_mm=160"`, `without slice.direction`.
 [[nodiscard]] std::string as_options(const TriedRemedy& remedy);
+
+// Returns the smallest change that passed and the largest that did not: `1.24 mm passes, 1.23 mm does not`.
+[[nodiscard]] std::string describe(const TriedRemedy::Narrowed& narrowed);
 
 // Returns the options with which a tried remedy passed, and what came of it: `--tolerance 1.3: passes,
 // deviation 1.21 mm, 2 strips, verdict green`.

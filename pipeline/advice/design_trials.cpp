@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/self_crossings.hpp"
 
@@ -27,7 +28,7 @@ std::optional<std::string> warning_of(const Forecast& forecast) {
 
 void refuse_warnings(PlanResult& result) {
   result.refusals.push_back({"design", "", Limit::kWarnings, static_cast<double>(result.warnings.size()), 0,
-                             "first: " + result.warnings.front()});
+                             say(Saying::kFirstWarning, {result.warnings.front()})});
   result.program.verification.status = VerificationStatus::kRefused;
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
@@ -30,7 +31,7 @@ struct Rule {
   double step;   // needed values are rounded to it, to the safe side; 0: two digits
   double reach;  // a change by more than this factor is another job, not a remedy
   Needed needed;
-  const char* why;
+  Saying why;
 };
 
 double by_ratio(double now, const Refusal& r) {
@@ -45,32 +46,27 @@ double the_value(double, const Refusal& r) {
   return r.value;
 }
 
-constexpr const char* kTolerance =
-    "the deviation that was measured, rounded up; with another tolerance other ribs are chosen";
-constexpr const char* kThickness =
-    "the smallest radius goes with the thickness of the blade; a thinner blade is held less firmly";
-
 // The bound of every deviation is a share of the tolerance, so the ratio holds for all of them.
 const auto kRules = std::to_array<Rule>({
-    {Limit::kDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
-    {Limit::kRibDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
-    {Limit::kDeviationWithSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, kTolerance},
-    {Limit::kSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
-     "weight may use up a share of the tolerance"},
+    {Limit::kDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, Saying::kOtherRibs},
+    {Limit::kRibDeviation, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
+     Saying::kOtherRibs},
+    {Limit::kDeviationWithSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio,
+     Saying::kOtherRibs},
+    {Limit::kSag, "design", "tolerance_mm", "mm", Demand::kLarger, 0, 10, by_ratio, Saying::kShareOfWeight},
     {Limit::kUncutShare, "design", "max_uncut_share", "", Demand::kLarger, 0.001, 10,
-     [](double, const Refusal& r) { return 0.01 * r.value; },
-     "the share of the design that no strip reaches: only if it may stay uncut"},
-    {Limit::kRibRadius, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
-    {Limit::kBladeYield, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio, kThickness},
+     [](double, const Refusal& r) { return 0.01 * r.value; }, Saying::kMayStayUncut},
+    {Limit::kRibRadius, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio,
+     Saying::kThinnerBlade},
+    {Limit::kBladeYield, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_ratio,
+     Saying::kThinnerBlade},
     {Limit::kBendingStress, "blade", "thickness_mm", "mm", Demand::kSmaller, 0.01, 2, by_inverse_ratio,
-     kThickness},
+     Saying::kThinnerBlade},
     {Limit::kSlowestFeed, "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
-     "the slowest point of the blade; slower foam melts wider, which is not modelled"},
-    {Limit::kDuration, "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio,
-     "the time of the cut"},
+     Saying::kSlowestPoint},
+    {Limit::kDuration, "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio, Saying::kTimeOfCut},
     {Limit::kClampHeight, "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,
-     [](double now, const Refusal& r) { return now + r.bound - r.value; },
-     "the block stands higher, and with it the clamps"},
+     [](double now, const Refusal& r) { return now + r.bound - r.value; }, Saying::kBlockHigher},
 });
 
 // Two digits up: the smallest such number that is not below x.
@@ -78,6 +74,11 @@ double two_digits_up(double x) {
   const double step = std::pow(10.0, std::floor(std::log10(x)) - 1);
   // A hair less, so that a number of two digits stays itself.
   return step * std::ceil(x / step - 1e-9);
+}
+
+// One of the third digit of a number.
+double third_digit(double x) {
+  return std::pow(10.0, std::floor(std::log10(x)) - 2);
 }
 
 double rounded(double x, const Rule& rule) {
@@ -88,13 +89,6 @@ double rounded(double x, const Rule& rule) {
 
 std::string with_unit(double x, const std::string& unit) {
   return unit.empty() ? fmt::format("{:.6g}", x) : fmt::format("{:.6g} {}", x, unit);
-}
-
-// What a block's edge or a blade's length would have to be stands in a list, of which the largest counts.
-std::string largest(const Value& list, const char* unit) {
-  double most = 0;
-  for (const Value& x : list) most = std::max(most, x.get<double>());
-  return with_unit(most, unit);
 }
 
 class Collector {
@@ -121,8 +115,10 @@ class Collector {
       const double is = now->get<double>(), needed = rounded(rule.needed(is, r), rule);
       if (!std::isfinite(needed) || needed <= 0) return;
       if (std::max(needed / is, is / needed) > rule.reach) return;
-      merge(fmt::format("{}.{}", rule.section, rule.key), with_unit(is, rule.unit), needed, rule.unit,
-            rule.demand, rule.why);
+      merge({fmt::format("{}.{}", rule.section, rule.key), with_unit(is, rule.unit),
+             with_unit(needed, rule.unit), say(rule.why), 1, needed, is,
+             rule.step == 0 ? third_digit(needed) : rule.step, rule.unit},
+            rule.demand);
       return;
     }
   }
@@ -138,8 +134,10 @@ class Collector {
   bool add_list(const Refusal& r) {
     if (r.limit == Limit::kBlockEdge) {
       if (setting("stock", "max_size_mm") != nullptr)
-        merge("stock.max_size_mm", with_unit(r.bound, "mm") + " for this edge", std::ceil(r.value), "mm",
-              Demand::kLarger, "the edge of the block this strip needs");
+        merge({"stock.max_size_mm", with_unit(r.bound, "mm") + " for this edge",
+               with_unit(std::ceil(r.value), "mm"), say(Saying::kEdgeOfBlock), 1, std::ceil(r.value), r.bound,
+               1, "mm"},
+              Demand::kLarger);
       return true;
     }
     const bool length = r.limit == Limit::kRibLength, clearance = r.limit == Limit::kClampClearance;
@@ -152,26 +150,24 @@ class Collector {
     double longest = 0;
     for (const Value& x : *lengths) longest = std::max(longest, x.get<double>());
     const double least = length ? r.value + 2 * keep : longest + 2 * (r.bound - r.value);
-    constexpr double kStep_mm = 50;
-    merge("blade.free_lengths_mm", largest(*lengths, "mm") + " at the longest",
-          kStep_mm * std::ceil(std::max(least, longest + kStep_mm) / kStep_mm), "mm", Demand::kLarger,
-          "one more length, at least: clamps stay clear of the block; a blade that bends away needs more");
+    constexpr double kStep_mm = 50, kNarrowStep_mm = 10;
+    const double needed = kStep_mm * std::ceil(std::max(least, longest + kStep_mm) / kStep_mm);
+    merge({"blade.free_lengths_mm", with_unit(longest, "mm") + " at the longest", with_unit(needed, "mm"),
+           say(Saying::kOneMoreLength), 1, needed, longest, kNarrowStep_mm, "mm"},
+          Demand::kLarger);
     return true;
   }
 
-  void merge(const std::string& name, const std::string& now, double needed, const std::string& unit,
-             Demand demand, const std::string& why) {
-    const auto same =
-        std::find_if(list_.begin(), list_.end(), [&](const Remedy& m) { return m.setting == name; });
+  void merge(const Remedy& remedy, Demand demand) {
+    const auto same = std::find_if(list_.begin(), list_.end(),
+                                   [&](const Remedy& m) { return m.setting == remedy.setting; });
     if (same == list_.end()) {
-      list_.push_back({name, now, with_unit(needed, unit), why, 1, needed});
+      list_.push_back(remedy);
       return;
     }
-    ++same->refusals;
-    if (demand == Demand::kLarger ? needed <= same->value : needed >= same->value) return;
-    same->value = needed;
-    same->needed = with_unit(needed, unit);
-    same->why = why;
+    const std::size_t refusals = same->refusals + 1;
+    if (demand == Demand::kLarger ? remedy.value > same->value : remedy.value < same->value) *same = remedy;
+    same->refusals = refusals;
   }
 
   Value settings_;
@@ -204,6 +200,21 @@ std::string assignment_of(const Settings& settings, const Remedy& remedy) {
       return remedy.setting + "=" + toml_text(field.place(changed)).value_or("");
   }
   return remedy.setting + "=" + remedy.needed;
+}
+
+std::size_t steps_between(const Remedy& remedy, double fails) {
+  constexpr double kRounding = 1e-6;  // of a step
+  return static_cast<std::size_t>(
+      std::max(1.0, std::ceil(std::abs(remedy.value - fails) / remedy.step - kRounding)));
+}
+
+Remedy at_step(Remedy remedy, double fails, std::size_t steps) {
+  const double whole = std::round(remedy.value / remedy.step) +
+                       (fails < remedy.value ? -1.0 : 1.0) * static_cast<double>(steps);
+  // By a power that is a whole number: 124 / 100 is the number that reads 1.24.
+  remedy.value = remedy.step < 1 ? whole / std::round(1 / remedy.step) : whole * remedy.step;
+  remedy.needed = with_unit(remedy.value, remedy.unit);
+  return remedy;
 }
 
 std::vector<Remedy> remedies(const PlanResult& result) {

@@ -9,6 +9,7 @@
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -99,8 +100,8 @@ fs::path BatchDirectory::result(const std::string& key) const {
 
 std::string batch_text(const Batch& batch) {
   Json json = batch_json(batch);
-  json["sha256"] = sha256_hex(json.dump());
-  return json.dump(2) + "\n";
+  json["sha256"] = sha256_hex(json_text(json));
+  return json_text(json, 2) + "\n";
 }
 
 Batch read_batch(const BatchDirectory& directory) {
@@ -117,7 +118,7 @@ Batch read_batch(const BatchDirectory& directory) {
     fail_batch(file, "is no batch of this program");
   const std::string sha256 = json.value("sha256", "");
   json.erase("sha256");
-  if (sha256 != sha256_hex(json.dump())) fail_batch(file, "was changed, its hash is another");
+  if (sha256 != sha256_hex(json_text(json))) fail_batch(file, "was changed, its hash is another");
   try {
     return batch_from(json);
   } catch (const nlohmann::json::exception& error) {

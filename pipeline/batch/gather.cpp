@@ -13,6 +13,7 @@
 #include "pipeline/batch/plan_facts.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/settings/settings.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -31,7 +32,7 @@ std::vector<Cells> flat_settings(const fs::path& file) {
   for (const auto& [section, keys] : all.items()) {
     if (!keys.is_object()) continue;
     for (const auto& [key, value] : keys.items()) {
-      const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+      const std::string text = value.is_string() ? value.get<std::string>() : json_text(value);
       flat.push_back({{section + "." + key, false}, {text, value.is_number()}});
     }
   }

@@ -18,6 +18,7 @@
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -302,6 +303,17 @@ class Maker {
   std::map<std::string, PlannedKey> plans_;  // by key
 };
 
+// batch.json is UTF-8, and a file is opened again by the name that stands there.
+void refuse_names(const Asked& asked) {
+  std::vector<std::string> names{asked.design, asked.list, asked.sweep_file};
+  names.insert(names.end(), asked.configs.begin(), asked.configs.end());
+  for (const std::string& name : names) {
+    if (!is_utf8(name))
+      throw Error(ErrorKind::kBadInput,
+                  utf8_text(name) + ": its name is no UTF-8, as batch.json is: give it another");
+  }
+}
+
 }  // namespace
 
 InitReport init_batch(const BatchDirectory& directory, std::optional<Asked> asked, bool update,
@@ -313,6 +325,7 @@ InitReport init_batch(const BatchDirectory& directory, std::optional<Asked> aske
                 directory.path().string() +
                     ": a batch is already there: use --update to bring it up to what is asked");
   }
+  if (asked) refuse_names(*asked);
   std::optional<Batch> before;
   if (there) before = read_batch(directory);
   if (!asked && !before) (void)read_batch(directory);  // says that none is there

@@ -5,6 +5,7 @@
 
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -51,7 +52,7 @@ std::string result_text(const Result& r) {
                   {"started", r.started},
                   {"finished", r.finished},
                   {"files", files}};
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 Result read_result(const std::filesystem::path& directory) {

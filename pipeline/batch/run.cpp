@@ -26,6 +26,7 @@
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -285,8 +286,7 @@ class Runner {
     std::error_code ignored;
     if (!state.failures.empty()) {
       std::string text;
-      for (const Failure& failure : state.failures)
-        text += failure_json(failure).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+      for (const Failure& failure : state.failures) text += json_text(failure_json(failure)) + "\n";
       write_file_atomically(directory_.failures(chunk), text, true);
       return;
     }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/calibrate/calibration.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
@@ -210,8 +211,7 @@ std::string to_json(const Calibration& calibration, const ErrorVector* truth) {
     for (const Blend::Part& part : blend.parts) parts[std::string(info_of(part.error).key)] = part.share;
     json["untold"].push_back({{"left", blend.left}, {"parts", std::move(parts)}, {"text", blend.describe()}});
   }
-  // A file's name may be no UTF-8.
-  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(json, 2);
 }
 
 }  // namespace hotblade::pipeline

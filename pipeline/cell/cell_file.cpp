@@ -7,6 +7,7 @@
 
 #include "pipeline/cell/embedded.hpp"
 #include "pipeline/cell/toml_table.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 #include "robot/arm/model_file.hpp"
@@ -347,12 +348,10 @@ robot::Cell read_cell(const std::string& file_or_name) {
 std::vector<std::string> warnings(const robot::Cell& cell) {
   std::vector<std::string> lines;
   for (const robot::CellArm& arm : cell.arms) {
-    if (arm.acceleration_assumed)
-      lines.push_back("arm " + arm.id +
-                      ": accelerations are assumed: give acceleration_rad_s2 of the arm's maker");
-    if (arm.tool.shapes.empty()) lines.push_back("arm " + arm.id + ": the tool has no shape: give its boxes");
+    if (arm.acceleration_assumed) lines.push_back(say(Saying::kAccelerationsAssumed, {arm.id}));
+    if (arm.tool.shapes.empty()) lines.push_back(say(Saying::kToolHasNoShape, {arm.id}));
   }
-  if (!cell.table_mm) lines.push_back("no table: give [table] size_mm");
+  if (!cell.table_mm) lines.push_back(say(Saying::kNoTable));
   return lines;
 }
 

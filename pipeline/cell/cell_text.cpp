@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
@@ -9,7 +10,7 @@ namespace {
 
 // A JSON string with its escapes is a TOML basic string too.
 std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump();
+  return json_text(nlohmann::json(text));
 }
 
 template <typename Numbers>

@@ -13,6 +13,7 @@
 #include "pipeline/batch/run.hpp"
 #include "pipeline/batch/status.hpp"
 #include "pipeline/cli/batch_commands.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -115,8 +116,8 @@ std::string table(const batch::BatchStatus& status) {
   return text;
 }
 
-std::string json_text(const batch::BatchStatus& status) {
-  return to_json(status).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+std::string status_json(const batch::BatchStatus& status) {
+  return json_text(to_json(status), 2) + "\n";
 }
 
 void add_batch_status(CLI::App& batch, Action& action) {
@@ -130,7 +131,7 @@ void add_batch_status(CLI::App& batch, Action& action) {
   command->callback([directory, as_json, &action] {
     action = [directory, as_json] {
       const batch::BatchStatus status = batch::status_of(batch::BatchDirectory(*directory));
-      std::cout << (*as_json ? json_text(status) : table(status));
+      std::cout << (*as_json ? status_json(status) : table(status));
       return Exit::kOk;
     };
   });

@@ -15,6 +15,7 @@
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/json/report_json.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/self_crossings.hpp"
 #include "surface/slice/plane_family.hpp"
@@ -177,7 +178,7 @@ Json forecast_json(const Forecast& f) {
   return json;
 }
 
-std::string json_text(const Findings& found) {
+std::string findings_json(const Findings& found) {
   const DesignSurface& design = found.design;
   const Health& health = design.health;
   Json json;
@@ -200,7 +201,7 @@ std::string json_text(const Findings& found) {
   json["sliceable"] = health.blockers.empty();
   json["forecast"] = found.forecast ? forecast_json(*found.forecast) : Json();
   json["tried"] = found.tried ? to_json(*found.tried) : Json();
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 // Nothing where a fan's axis does not go with the design: that is a warning.
@@ -235,7 +236,7 @@ Exit check(const CheckArguments& arguments, const Console& console) {
                         [&](const Settings& changed) { return plan_again(read, changed, {}, false); });
   }
   const Findings found{design, met, tried};
-  std::cout << (arguments.as_json ? json_text(found) : table(found));
+  std::cout << (arguments.as_json ? findings_json(found) : table(found));
   if (suggests && !arguments.advise) console.note(kAdviseHint);
   return design.health.blockers.empty() ? Exit::kOk : Exit::kBadInput;
 }

@@ -13,6 +13,7 @@
 #include "pipeline/cli/controller_cell.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/run/dryrun.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/as_cut.hpp"
 
 namespace hotblade::pipeline {
@@ -95,7 +96,7 @@ std::string to_json(const DryRunReport& report, const std::string& as_cut, bool 
   json["not_checked"] = nlohmann::ordered_json::array();
   if (as_cut.empty()) json["not_checked"].push_back("as-cut deviation");
   if (arms_unchecked) json["not_checked"].push_back("arms");
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 // Measures what the log says was cut, and prints everything.

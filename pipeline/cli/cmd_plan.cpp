@@ -199,7 +199,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
     const ReadAgain read = [&](const DesignSettings& how) { return read_design(design_options.file, how); };
     int trial = 0;
     result.remedies = try_changes(settings, changes, [&](const Settings& changed) {
-      const auto end = [](int trials) { return kTried + trials * (kPlanned - kTried) / kMostTrials; };
+      const auto end = [](int trials) { return kTried + trials * (kPlanned - kTried) / kMostPlans; };
       hooks.progress = progress_within(console, end(trial), end(trial + 1));
       ++trial;
       return plan_again(read, changed, hooks, arguments.strict,

@@ -9,6 +9,7 @@
 
 #include "pipeline/batch/gather.hpp"
 #include "pipeline/cli/batch_commands.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -76,7 +77,7 @@ Json foam_json(const batch::FoamList& foam, const batch::CutList& list) {
           {"each_m3", foam.each_m3},     {"buy", std::move(buy)},       {"too_large", std::move(too_large)}};
 }
 
-std::string json_text(const batch::StockReport& report) {
+std::string stock_json(const batch::StockReport& report) {
   const batch::CutList& list = report.list;
   Json blades = Json::array(), sizes = Json::array();
   for (const auto& [blade, sum] : list.blades) {
@@ -93,7 +94,7 @@ std::string json_text(const batch::StockReport& report) {
   Json json{{"panels", list.panels},       {"not_cut", list.not_cut},     {"missing", report.missing},
             {"total", sum_json(list.all)}, {"blades", std::move(blades)}, {"sizes", std::move(sizes)}};
   if (!report.foam.empty()) json["foam"] = foam_json(report.foam, list);
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 Exit list_stock_of(const StockArguments& arguments, const Console& console) {
@@ -103,7 +104,7 @@ Exit list_stock_of(const StockArguments& arguments, const Console& console) {
   const batch::StockReport report = batch::list_stock(batch::BatchDirectory(arguments.directory),
                                                       arguments.partial, arguments.step_mm, hooks);
   console.end_progress();
-  std::cout << (arguments.as_json ? json_text(report) : table(report, arguments.directory));
+  std::cout << (arguments.as_json ? stock_json(report) : table(report, arguments.directory));
   return Exit::kOk;
 }
 

@@ -10,6 +10,7 @@
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/study/study.hpp"
 
 namespace hotblade::pipeline {
@@ -44,7 +45,7 @@ Exit run_study(const study::Study& study, const StudyArguments& arguments, const
   };
   const study::StudyReport report = study.run(options);
   console.end_progress();
-  const std::string figures = report.figures.dump(2) + "\n";
+  const std::string figures = json_text(report.figures, 2) + "\n";
   if (!directory.empty()) {
     for (const study::StudyFile& file : report.files) {
       write_file_atomically(directory / file.name, file.bytes, arguments.force);

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -77,7 +78,7 @@ void Console::report_progress(const std::string& stage, double fraction) const {
     nlohmann::ordered_json line;
     line["stage"] = stage;
     line["progress"] = fraction;
-    std::fprintf(stderr, "%s\n", line.dump().c_str());
+    std::fprintf(stderr, "%s\n", json_text(line).c_str());
     return;
   }
   draw_bar(stage, fraction);

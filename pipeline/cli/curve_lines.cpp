@@ -7,6 +7,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/settings/json_text.hpp"
+
 namespace hotblade::pipeline::curve_lines {
 
 using elastica::Elastica;
@@ -93,7 +95,7 @@ Exit each_line(const std::function<Json(const Json&)>& answer) {
     }
     if (out.contains("error")) result = Exit::kBadInput;
     if (!id.is_null()) out["id"] = id;
-    std::cout << out.dump() << "\n";
+    std::cout << json_text(out) << "\n";
   }
   return interrupted() ? Exit::kInterrupted : result;
 }

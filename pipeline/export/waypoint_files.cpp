@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 
@@ -114,7 +115,7 @@ std::vector<ExportedFile> waypoint_compas(const Program& program) {
                    {"heat", heat},
                    {"clamp_a", a},
                    {"clamp_b", b}};
-    files.push_back({strip.id + ".json", job.dump() + "\n"});
+    files.push_back({strip.id + ".json", json_text(job) + "\n"});
   }
   return files;
 }

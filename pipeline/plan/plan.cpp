@@ -20,6 +20,7 @@
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
 #include "pipeline/program/version.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -57,10 +58,7 @@ void warn_of_slow_melt(const std::string& strip, const std::vector<BladePose>& p
   const BladeSpeeds speeds(poses);
   if (speeds.empty() || speeds.range().first >= pairs.front()[0]) return;
   warnings.push_back(
-      fmt::format("{}: the blade goes at {:.3g} mm/s square to itself, slower than foam.band_mm_at_mm_s "
-                  "tells ({:.3g} mm/s): "
-                  "it melts more than the {:.3g} mm that are taken there",
-                  strip, speeds.range().first, pairs.front()[0], pairs.front()[1]));
+      say(Saying::kSlowMelt, {strip, speeds.range().first, pairs.front()[0], pairs.front()[1]}));
 }
 
 StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
@@ -203,8 +201,8 @@ void judge(const Settings& settings, PlanResult& result) {
             ? "design"
             : result.strips[static_cast<std::size_t>(worst - v.strip_max_mm.begin())].id;
     const Eigen::Vector3d& at = v.deviation.at;
-    result.refusals.push_back({fmt::format("{} at ({:.1f}, {:.1f}, {:.1f})", strip, at.x(), at.y(), at.z()),
-                               "", Limit::kDeviation, v.deviation.max, settings.design.tolerance_mm});
+    result.refusals.push_back({say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation,
+                               v.deviation.max, settings.design.tolerance_mm});
     result.refusals.back().capped = v.capped;
     result.refusals.back().at = at;
   }
@@ -222,10 +220,7 @@ void warn_of_facets(const surface::DesignSurface& design, const Settings& settin
       mesh_chord_mm(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade));
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   if (chord <= allowed) return;
-  result.warnings.push_back(
-      fmt::format("design: height of the facets' chords ({:.3g} mm, limit {:.3g} mm): the cut follows its "
-                  "facets, not the surface that they stand for",
-                  chord, allowed));
+  result.warnings.push_back(say(Saying::kFacets, {chord, allowed}));
 }
 
 PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
@@ -246,7 +241,7 @@ void judge_budget(const Settings& settings, PlanResult& result) {
   const Verdict verdict = verdict_of(result.program);
   if (!verdict.over_budget()) return;
   if (settings.design.over_budget == OverBudget::kWarn) {
-    result.warnings.push_back("design: " + budget_text(verdict));
+    result.warnings.push_back(say(Saying::kOfDesign, {budget_text(verdict)}));
     return;
   }
   result.refusals.push_back(
@@ -264,14 +259,14 @@ Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   d.fit_mm = swept.deviation_mm;
   if (!swept.refusals.empty()) {
     d.strips = swept.strips.size() + swept.refusals.size();
-    d.why = describe(swept.refusals.front());
+    d.stopped_by = swept.refusals.front();
     return d;
   }
   d.strips = result.strips.size();
   for (const StripFacts& f : result.strips) d.ribs += f.ribs;
   d.deviation_mm = result.verification.deviation.max;
   d.passed = result.refusals.empty();
-  if (!d.passed) d.why = describe(result.refusals.front());
+  if (!d.passed) d.stopped_by = result.refusals.front();
   return d;
 }
 
@@ -324,13 +319,7 @@ class Nearest {
  private:
   // Nothing is tried where `keep` does not tell the waste's side.
   static Refusal leaning_refusal(const Settings& settings) {
-    return {"design",
-            "",
-            Limit::kLean,
-            0,
-            kLeastLean,
-            "design.keep = \"" + std::string(name(settings.design.keep)) +
-                "\" says nothing about an upright surface"};
+    return {"design", "", Limit::kLean, 0, kLeastLean, say(Saying::kUpright, {name(settings.design.keep)})};
   }
 
   std::optional<Nearness> rank_;
@@ -479,7 +468,7 @@ void conclude(const surface::DesignSurface& design, PlanResult& result) {
   v.not_checked = not_checked(program.blade);
   if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
     for (std::string& item : v.not_checked)
-      if (item == kJerkNotChecked) item = "jerk of the clamps in the ramps of a hold";
+      if (item == say(Saying::kJerkUnlimited)) item = say(Saying::kJerkOfHolds);
   }
   if (!result.verification.within_tolerance && result.refusals.empty()) {
     throw std::logic_error("a deviation that is not a number must not pass");

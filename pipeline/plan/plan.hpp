@@ -68,7 +68,10 @@ struct Decision {
   double fit_mm = 0;        // what the fit itself was off, where that was found
   double deviation_mm = 0;  // verified; 0 where it never came to that
   bool passed = false, taken = false;
-  std::string why;  // what it failed by; empty: nothing
+  std::optional<Refusal> stopped_by{};  // the first of what it failed by
+
+  // Returns what it failed by, in words; empty: nothing.
+  [[nodiscard]] std::string why() const { return stopped_by ? describe(*stopped_by) : ""; }
 };
 
 // A change of settings with which a refused plan was planned again and passed (pipeline/advice/advice.hpp).
@@ -79,6 +82,13 @@ struct TriedRemedy {
   double deviation_mm = 0, tolerance_mm = 0;
   std::size_t strips = 0;
   std::string verdict;  // its colour
+  // Of a number that was changed: the smallest change that passed and the largest that did not, both planned,
+  // or refused as today's; with their unit.
+  struct Narrowed {
+    double passes = 0, fails = 0;
+    std::string unit;
+  };
+  std::optional<Narrowed> narrowed{};
 };
 
 // What one stage of the plan took.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "pipeline/plan/ribs/rib_fit.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -72,20 +73,17 @@ std::vector<Suggestion> of_faces(const Shape& shape, const Settings& settings) {
                     back = "design.keep=back";
   const bool leans_nowhere = along_z(settings) && shape.upright;
   if (shape.facing) {
-    if (lies)
-      list.push_back(
-          {{up, upper}, "the design is a closed solid, and most of it faces along y: its upper faces alone"});
+    if (lies) list.push_back({{up, upper}, say(Saying::kSolidAlongY)});
     const bool upwards = *shape.facing == std::array<double, 3>{0, 0, 1};
-    Suggestion side{{"design.facing=" + vector_text(*shape.facing)},
-                    "the design is a closed solid: its " +
-                        (upwards ? "upper faces" : "faces towards " + vector_text(*shape.facing)) + " alone"};
+    Suggestion side{
+        {"design.facing=" + vector_text(*shape.facing)},
+        upwards ? say(Saying::kSolidUpperFaces) : say(Saying::kSolidFaces, {vector_text(*shape.facing)})};
     if (leans_nowhere) side.assignments.push_back(back);
     list.push_back(std::move(side));
     return list;
   }
-  if (lies)
-    list.push_back({{up}, "most of the design faces along y: " + axis_up(shape) + " may be up in it"});
-  if (leans_nowhere) list.push_back({{back}, "the surface stands upright"});
+  if (lies) list.push_back({{up}, say(Saying::kFacesAlongY, {axis_up(shape)})});
+  if (leans_nowhere) list.push_back({{back}, say(Saying::kStandsUpright)});
   return list;
 }
 
@@ -99,14 +97,12 @@ std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings) {
   OddSize odd;
   odd.hopeless = true;
   if (extent < least_extent_mm(settings)) {
-    odd.why = fmt::format("largest extent {:.6g} mm is less than clamps are apart ({:g} mm)", extent,
-                          least_extent_mm(settings));
+    odd.why = say(Saying::kSmallExtent, {extent, least_extent_mm(settings)});
     odd.others = units_that_suit(shape, settings, true, kTooManyStrips);
     return odd;
   }
   if (shape.lost_share > kMostlyLost) {
-    odd.why = fmt::format("{:.0f} % of the area is too steep or too sharp for the blade in any planes",
-                          100 * shape.lost_share);
+    odd.why = say(Saying::kMostlyLost, {100 * shape.lost_share});
     odd.others = units_that_suit(shape, settings, true, kTooManyStrips);
     if (odd.others.empty()) return std::nullopt;  // whatever the unit: that is its shape
     return odd;
@@ -114,23 +110,25 @@ std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings) {
   if (strips <= kManyStrips) return std::nullopt;
   // Large alone is no reason against it: where it is too large, the plan says so.
   odd.hopeless = false;
-  odd.why = fmt::format("largest extent {:.6g} mm: {} strips at least", extent, strips);
+  odd.why = say(Saying::kStripsAtLeast, {extent, strips});
   odd.others = units_that_suit(shape, settings, false, kManyStrips);
   if (odd.others.empty()) return std::nullopt;
   return odd;
 }
 
 std::string describe(const OddSize& odd) {
-  std::string text = odd.why + ": is that the design's unit?";
-  for (std::size_t i = 0; i < odd.others.size(); ++i) {
-    const OtherUnit& other = odd.others[i];
+  std::string others;
+  for (const OtherUnit& other : odd.others) {
     const Eigen::Vector3d& size = other.size_mm;
-    text += fmt::format("{}{} x {} x {} mm if in {}", i == 0 ? " " : ", ", size_text(size.x()),
-                        size_text(size.y()), size_text(size.z()), other.units);
-    if (other.strips_lower_bound > kManyStrips)
-      text += fmt::format(" ({} strips at least)", other.strips_lower_bound);
+    const std::string x = size_text(size.x()), y = size_text(size.y()), z = size_text(size.z());
+    const std::string one =
+        other.strips_lower_bound > kManyStrips
+            ? say(Saying::kIfInUnitStrips, {x, y, z, other.units, other.strips_lower_bound})
+            : say(Saying::kIfInUnit, {x, y, z, other.units});
+    others = others.empty() ? one : say(Saying::kAnd, {others, one});
   }
-  return text;
+  return others.empty() ? say(Saying::kIsThatTheUnit, {odd.why})
+                        : say(Saying::kIsThatTheUnitOthers, {odd.why, others});
 }
 
 std::vector<std::string> reasons(const Shape& shape, const Settings& settings) {
@@ -163,7 +161,7 @@ std::vector<Suggestion> suggestions(const Shape& shape, const std::optional<OddS
         const Suggestion& first = faces.front();
         change.assignments.insert(change.assignments.end(), first.assignments.begin(),
                                   first.assignments.end());
-        change.why += "; " + first.why;
+        change.why = say(Saying::kAlso, {change.why, first.why});
       }
       list.push_back(std::move(change));
     }

@@ -51,9 +51,14 @@ class Canvas {
   void finish();
   void set_pixels(double pixels) { pixels_ = pixels; }
 
+  // The words of pictures in the language of who sees them: as they are, or as `speak` says them.
+  void speak(Speak speak) { speak_ = std::move(speak); }
+  [[nodiscard]] std::string said(const std::string& words) const { return speak_ ? speak_(words) : words; }
+
  private:
   Sheets& sheets_;
   double pixels_;
+  Speak speak_;
   using Bytes = std::array<unsigned char, 4>;
   struct Box {
     double x0, y0, x1, y1;

@@ -149,13 +149,15 @@ void draw_strip_ids(Canvas& canvas, const std::vector<Mark>& ids, vtkRenderer& r
 
 }  // namespace
 
-std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span<const Shot> shots) {
+std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span<const Shot> shots,
+                                 const Speak& speak) {
   Painter painter(size);
   vtkRenderer& renderer = painter.renderer();
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
   const SceneActors actors = add_actors(scene, renderer, Painter::kZoom);
   Sheets sheets(renderer);
   Canvas canvas(sheets, overlay_scale(size) * Painter::kZoom);
+  canvas.speak(speak);
   std::vector<vtkNew<vtkImageData>> images(shots.size());
   for (std::size_t i = 0; i < shots.size(); ++i) {
     Overlay overlay = overlay_of(scene);

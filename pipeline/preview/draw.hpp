@@ -1,6 +1,7 @@
 // Drawing a scene with VTK without a display.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -31,9 +32,13 @@ struct Shot {
   bool by_strip = false;  // the cut coloured by strip, whatever the scene's scale
 };
 
-// The pictures of one scene from several sides, drawn in one window; throws as png_of does.
+// Says English words in another language.
+using Speak = std::function<std::string(const std::string&)>;
+
+// The pictures of one scene from several sides, drawn in one window, their words as they are or as `speak`
+// says them; throws as png_of does.
 [[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, PictureSize size,
-                                               std::span<const Shot> shots);
+                                               std::span<const Shot> shots, const Speak& speak = {});
 
 // Throws Error (kBadSettings) when there is no display for a window.
 void expect_display();

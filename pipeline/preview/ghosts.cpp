@@ -1,9 +1,9 @@
 #include "pipeline/preview/ghosts.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
+
+#include "pipeline/preview/picture_texts.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -119,7 +119,7 @@ Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<do
       add_ends(ghosts, program.strips[strip], strip, *cutting.poses[index], map);
     }
   }
-  if (!ghosts.blades.empty()) ghosts.note = fmt::format("blade every {:.0f} mm", longest_step);
+  if (!ghosts.blades.empty()) ghosts.note = text_of(PictureText::kBladeEvery, longest_step);
   return ghosts;
 }
 

@@ -1,4 +1,5 @@
 #include "pipeline/preview/overlay.hpp"
+#include "pipeline/preview/picture_texts.hpp"
 
 #include <fmt/format.h>
 
@@ -22,11 +23,12 @@ double draw_caption(Canvas& canvas, const Overlay& overlay, double top) {
   canvas.text(kEdge, y, overlay.title, 22, true);
   y -= 32;
   if (!overlay.verdict.empty()) {
-    canvas.text(kEdge, y, overlay.verdict, 16, true, Align::kLeft, color_of(overlay.verdict_color));
+    canvas.text(kEdge, y, canvas.said(overlay.verdict), 16, true, Align::kLeft,
+                color_of(overlay.verdict_color));
     y -= 28;
   }
   for (const std::string& line : overlay.caption) {
-    for (const std::string& part : wrapped(line, kColumnLetters)) {
+    for (const std::string& part : wrapped(canvas.said(line), kColumnLetters)) {
       canvas.text(kEdge, y, part, 15);
       y -= 22;
     }
@@ -39,7 +41,7 @@ void draw_keys(Canvas& canvas, const std::vector<KeyLine>& keys) {
   double y = 26 + 24 * (static_cast<double>(keys.size()) - 1);
   for (const KeyLine& key : keys) {
     canvas.rectangle(kEdge, y - key.height / 2, 24, key.height, key.color);
-    canvas.text(58, y, key.words, 15);
+    canvas.text(58, y, canvas.said(key.words), 15);
     y -= 24;
   }
 }
@@ -54,11 +56,11 @@ void draw_strips(Canvas& canvas, const std::vector<std::string>& names, PictureS
   double y = size.height / scale / 2 + 12 * lines;
   for (std::size_t i = 0; i < shown; ++i) {
     canvas.rectangle(x, y - 6, 24, 12, strip_color(static_cast<int>(i)));
-    canvas.text(x + 32, y, names[i], 14);
+    canvas.text(x + 32, y, canvas.said(names[i]), 14);
     y -= 24;
   }
   if (shown < names.size())
-    canvas.text(x, y, fmt::format("and {} more, colours repeat", names.size() - shown), 13);
+    canvas.text(x, y, canvas.said(text_of(PictureText::kColoursRepeat, names.size() - shown)), 13);
 }
 
 struct Bar {
@@ -107,18 +109,18 @@ void draw_bar_body(Canvas& canvas, const Bar& bar) {
 
 void draw_diverging_marks(Canvas& canvas, const Bar& bar, double right) {
   const double tolerance = *bar.scale.tolerance, top = bar.bottom + bar.height;
-  canvas.text(right, top + 60, "foam left standing: +", 13, false, Align::kRight);
+  canvas.text(right, top + 60, canvas.said(text_of(PictureText::kFoamLeft)), 13, false, Align::kRight);
   draw_tick(canvas, bar, bar.scale.high, fmt::format("+{:g}", bar.scale.high), false);
-  draw_tick(canvas, bar, tolerance, fmt::format("tolerance +{:g}", tolerance), true);
+  draw_tick(canvas, bar, tolerance, canvas.said(text_of(PictureText::kAboveTolerance, tolerance)), true);
   draw_tick(canvas, bar, 0, "0", false);
-  draw_tick(canvas, bar, -tolerance, fmt::format("tolerance -{:g}", tolerance), true);
+  draw_tick(canvas, bar, -tolerance, canvas.said(text_of(PictureText::kBelowTolerance, tolerance)), true);
   draw_tick(canvas, bar, bar.scale.low, fmt::format("{:g}", bar.scale.low), false);
   if (bar.parted()) {
     const double middle = 0.5 * (tolerance + bar.scale.high);
     draw_tick(canvas, bar, middle, fmt::format("+{:.3g}", middle), false);
     draw_tick(canvas, bar, -middle, fmt::format("-{:.3g}", middle), false);
   }
-  canvas.text(right, bar.bottom - 30, "cut too deep: -", 13, false, Align::kRight);
+  canvas.text(right, bar.bottom - 30, canvas.said(text_of(PictureText::kTooDeep)), 13, false, Align::kRight);
 }
 
 void draw_sequential_marks(Canvas& canvas, const Bar& bar) {
@@ -134,7 +136,7 @@ void draw_sequential_marks(Canvas& canvas, const Bar& bar) {
     if (clear_of_limit(value)) draw_tick(canvas, bar, value, fmt::format("{:.4g}", value), false);
   }
   if (!scale.limit) return;
-  const std::string words = fmt::format("allowed {:.3g}", *scale.limit);
+  const std::string words = canvas.said(text_of(PictureText::kAllowed, *scale.limit));
   if (*scale.limit <= scale.high) {
     draw_tick(canvas, bar, *scale.limit, words, true);
   } else {
@@ -147,7 +149,7 @@ void draw_bar(Canvas& canvas, const ColorScale& scale, PictureSize size) {
   const double width = 22, right = size.width / pixels - 28, height = 380;
   const Bar bar{right - width, width, (size.height / pixels - height) / 2 - 10, height, scale};
   draw_bar_body(canvas, bar);
-  canvas.text(right, bar.bottom + height + 36, scale.title, 16, true, Align::kRight);
+  canvas.text(right, bar.bottom + height + 36, canvas.said(scale.title), 16, true, Align::kRight);
   if (scale.tolerance) {
     draw_diverging_marks(canvas, bar, right);
   } else {
@@ -167,10 +169,10 @@ Overlay overlay_of(const Scene& scene) {
   if (!scene.cut.triangles.empty()) overlay.strip_names = scene.strip_names;
   auto& keys = overlay.keys;
   if (!scene.design.triangles().empty()) {
-    const char* words = scene.cut.triangles.empty() ? "design" : "design, not cut";
+    const std::string words = scene.cut.triangles.empty() ? "design" : text_of(PictureText::kDesignNotCut);
     keys.push_back({kDesignColor, words, 12, Layer::kDesign});
   }
-  if (!scene.ribs.empty()) keys.push_back({kRibColor, "planned ribs", 3, Layer::kRibs});
+  if (!scene.ribs.empty()) keys.push_back({kRibColor, text_of(PictureText::kPlannedRibs), 3, Layer::kRibs});
   if (!scene.blades.empty()) keys.push_back({kBladeColor, scene.blade_note, 3, Layer::kGhosts});
   if (scene.blade_now) keys.push_back({kBladeNowColor, scene.blade_note, 4, Layer::kBlade});
   if (!scene.clamps_a.empty()) {
@@ -179,7 +181,8 @@ Overlay overlay_of(const Scene& scene) {
     keys.push_back({kClampBColor, "clamp B", 12, layer});
   }
   if (scene.worst) keys.push_back({kWorstColor, scene.worst->words, 3, Layer::kLegend});
-  if (!scene.blocks.empty()) keys.push_back({kStockColor, "foam block", 3, Layer::kBlocks});
+  if (!scene.blocks.empty())
+    keys.push_back({kStockColor, text_of(PictureText::kFoamBlock), 3, Layer::kBlocks});
   for (const CellPartKind kind : {CellPartKind::kFirstArm, CellPartKind::kSecondArm}) {
     const auto part =
         std::find_if(scene.cell.begin(), scene.cell.end(), [&](const CellPart& p) { return p.kind == kind; });

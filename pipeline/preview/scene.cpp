@@ -9,6 +9,7 @@
 
 #include "pipeline/preview/cut_values.hpp"
 #include "pipeline/preview/ghosts.hpp"
+#include "pipeline/preview/picture_texts.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -99,25 +100,27 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
     const Strip& strip = program.strips[static_cast<std::size_t>(index)];
     seconds += strip.poses.back().t - strip.poses.front().t;
     ribs += strip.ribs.size();
-    scene.strip_names.push_back(fmt::format("{}, blade {:g} mm", strip.id, strip.blade_length_mm));
+    scene.strip_names.push_back(text_of(PictureText::kStripBlade, strip.id, strip.blade_length_mm));
     if (const auto middle = middle_of_cut(strip); middle && strips.size() > 1)
       scene.strip_ids.push_back({*middle, strip.id});
   }
   scene.title = program.design.file;
   const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];
-  scene.caption.push_back(fmt::format("{:.0f} x {:.0f} x {:.0f} mm, {} kept", size.x(), size.y(), size.z(),
-                                      name(program.design.keep)));
-  scene.caption.push_back(fmt::format("{} strip{}, {} ribs, {}", strips.size(), strips.size() == 1 ? "" : "s",
-                                      ribs, duration_text(seconds)));
-  scene.verdict = std::string("verification ") + name(verified.status);
+  scene.caption.push_back(
+      text_of(PictureText::kKept, size.x(), size.y(), size.z(), name(program.design.keep)));
+  scene.caption.push_back(text_of(strips.size() == 1 ? PictureText::kOneStrip : PictureText::kStrips,
+                                  strips.size(), ribs, duration_text(seconds)));
+  scene.verdict = text_of(PictureText::kVerification, name(verified.status));
   const Verdict verdict = verdict_of(program);
   scene.verdict_color = verdict.color;
-  if (verdict.color == VerdictColor::kAmber) scene.caption.push_back("amber: " + needed_text(verdict));
-  scene.caption.push_back(fmt::format("deviation max {:.2f}, p99 {:.2f} mm", verified.deviation_mm.max,
-                                      verified.deviation_mm.p99));
+  if (verdict.color == VerdictColor::kAmber)
+    scene.caption.push_back(text_of(PictureText::kAmber, needed_text(verdict)));
+  scene.caption.push_back(
+      text_of(PictureText::kLargestDeviation, verified.deviation_mm.max, verified.deviation_mm.p99));
   scene.caption.push_back(fmt::format("tolerance {:g} mm", verified.tolerance_mm));
-  if (verified.uncut_mm2 > 0) scene.caption.push_back(fmt::format("uncut {:.0f} mm2", verified.uncut_mm2));
-  for (const std::string& override : program.overrides) scene.caption.push_back("override: " + override);
+  if (verified.uncut_mm2 > 0) scene.caption.push_back(text_of(PictureText::kUncut, verified.uncut_mm2));
+  for (const std::string& override : program.overrides)
+    scene.caption.push_back(text_of(PictureText::kOverride, override));
   if (!has_design) scene.caption.push_back("no design at hand: deviation is not shown");
   for (const int index : strips) {
     const Strip& strip = program.strips[static_cast<std::size_t>(index)];
@@ -215,7 +218,7 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
     scene.clamps_b = ghosts.clamps_b;
     scene.blade_note = ghosts.note;
     if (ghosts.left_out) {
-      scene.caption.push_back("blade ends over other strips are left out: --strip shows them");
+      scene.caption.push_back(text_of(PictureText::kBladesLeftOut));
     }
   }
   return scene;
@@ -227,10 +230,10 @@ Scene scene_of(const surface::DesignSurface& design) {
   scene.title = design.file_name;
   const surface::Health& health = design.health;
   const Eigen::Vector3d size = health.bbox_mm[1] - health.bbox_mm[0];
+  scene.caption.push_back(text_of(PictureText::kReadAs, size.x(), size.y(), size.z(), design.units));
+  scene.caption.push_back(text_of(PictureText::kVertices, health.vertices, health.triangles));
   scene.caption.push_back(
-      fmt::format("{:.0f} x {:.0f} x {:.0f} mm (read as {})", size.x(), size.y(), size.z(), design.units));
-  scene.caption.push_back(fmt::format("{} vertices, {} triangles", health.vertices, health.triangles));
-  scene.caption.push_back(fmt::format("{} piece{}", health.components, health.components == 1 ? "" : "s"));
+      text_of(health.components == 1 ? PictureText::kOnePiece : PictureText::kPieces, health.components));
   scene.caption.push_back(health.blockers.empty() ? kSliceable
                                                   : "cannot be sliced: " + health.blockers.front());
   return scene;
@@ -243,13 +246,15 @@ void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons) {
     std::erase(scene.caption, kSliceable);
   }
   if (reasons.empty()) return;
-  const std::string more = reasons.size() > 1 ? fmt::format(" (and {} more)", reasons.size() - 1) : "";
-  scene.caption.push_back("refused: " + reasons.front().message + more);
+  const std::string& first = reasons.front().message;
+  scene.caption.push_back(reasons.size() > 1
+                              ? text_of(PictureText::kRefusedAndMore, first, reasons.size() - 1)
+                              : text_of(PictureText::kRefused, first));
   const auto placed = std::find_if(reasons.begin(), reasons.end(),
                                    [](const RefusedReason& reason) { return reason.at.has_value(); });
   if (placed == reasons.end()) return;
   scene.worst = Mark{*placed->at, "what stands in the way"};
-  if (placed != reasons.begin()) scene.caption.push_back("ringed: " + placed->message);
+  if (placed != reasons.begin()) scene.caption.push_back(text_of(PictureText::kRinged, placed->message));
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -203,7 +204,7 @@ std::string JsonNode::place() const {
 std::string JsonNode::shown() const {
   if (value_.is_object()) return "an object";
   if (value_.is_array()) return "an array";
-  const std::string text = value_.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = json_text(value_);
   constexpr std::size_t kLongest = 40;  // enough for any number and most words
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
 }

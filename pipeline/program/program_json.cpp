@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "pipeline/program/program_text.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -38,8 +39,7 @@ class Text {
   Text& string(std::string_view value) {
     const auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
     if (std::all_of(value.begin(), value.end(), plain)) return raw("\"").raw(value).raw("\"");
-    using Json = nlohmann::json;
-    return raw(Json(value).dump(-1, ' ', false, Json::error_handler_t::replace));
+    return raw(json_text(nlohmann::json(value)));
   }
 
   template <typename Items, typename Write>
@@ -116,7 +116,7 @@ void write_design(Text& out, const DesignData& design) {
 }
 
 void write_settings(Text& out, const Settings& settings) {
-  out.raw("\"settings\": ").raw(to_json(settings).dump()).raw(",\n");
+  out.raw("\"settings\": ").raw(json_text(to_json(settings))).raw(",\n");
 }
 
 void write_blade(Text& out, const robot::BladeSet& blade) {

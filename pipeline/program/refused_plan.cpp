@@ -10,6 +10,7 @@
 #include "pipeline/program/json_node.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 
@@ -28,7 +29,7 @@ std::string head_of(const std::vector<RefusedReason>& reasons) {
                     {"at", known ? Json{reason.at->x(), reason.at->y(), reason.at->z()} : Json()}});
   }
   return "{\"format\": \"" + std::string(kRefusedPlanFormat) +
-         "\",\n\"version\": 1,\n\"reasons\": " + list.dump();
+         "\",\n\"version\": 1,\n\"reasons\": " + json_text(list);
 }
 
 // Where a limit broke, a strip may be no valid part of a program.

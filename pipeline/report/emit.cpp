@@ -23,6 +23,7 @@
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/sheets.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 
@@ -112,14 +113,14 @@ std::string run_json(const PlanResult& result, const RunFacts& facts) {
     times[t.stage] = t.seconds;
     processor[t.stage] = t.processor_s;
   }
-  const Json run{{"design_path", facts.design_path.string()},
-                 {"backend", facts.backend},
-                 {"threads", facts.threads},
-                 {"simd", elastica::name(elastica::best_simd())},
-                 {"total_s", facts.total_s},
-                 {"stage_s", times},
-                 {"stage_processor_s", processor}};
-  return run.dump(2) + "\n";
+  const std::string path = facts.design_path.string();
+  Json run{{"design_path", path},           {"backend", facts.backend},
+           {"threads", facts.threads},      {"simd", elastica::name(elastica::best_simd())},
+           {"total_s", facts.total_s},      {"stage_s", times},
+           {"stage_processor_s", processor}};
+  // The text of a path that is no UTF-8 leads nowhere: its bytes do (pipeline/program/design_file.hpp).
+  if (!is_utf8(path)) run["design_path_bytes"] = std::vector<std::uint8_t>(path.begin(), path.end());
+  return json_text(run, 2) + "\n";
 }
 
 void write_ribs(const Program& program, const fs::path& ribs) {
@@ -167,7 +168,7 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   }
   if (!result.refusals.empty()) {
     write_file_atomically(draft / "refused.json",
-                          to_json(RefusedPlan{refused_reasons(result), result.program}), false);
+                          to_json(RefusedPlan{refused_reasons(result, Words("en")), result.program}), false);
   }
   write_reports(result, draft, facts, pictures, emitted.program_sha256);
   output.commit();

@@ -1,10 +1,13 @@
 #include "pipeline/report/pictures.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
 #include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/picture_texts.hpp"
+#include "pipeline/report/refusal_text.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -26,10 +29,15 @@ constexpr std::array<Taken, 4> kViews{{{View::kBest, false, "on the cut side"},
 // The words of a picture would be too small to be read on a thumbnail.
 constexpr preview::PictureSize kThumbnail{320, 180};
 
-preview::Scene scene_of_plan(const PlanResult& result, const surface::DesignSurface& design) {
+preview::Scene scene_of_plan(const PlanResult& result, const surface::DesignSurface& design, const Words& w) {
   preview::Scene scene = result.program.strips.empty() ? preview::scene_of(design)
                                                        : preview::scene_of(result.program, &design, {});
-  if (!result.refusals.empty()) preview::mark_refusal(scene, refused_reasons(result));
+  if (!result.refusals.empty()) preview::mark_refusal(scene, refused_reasons(result, w));
+  for (std::size_t i = 0; i < result.program.overrides.size() && i < result.refusals.size(); ++i) {
+    std::replace(scene.caption.begin(), scene.caption.end(),
+                 preview::text_of(preview::PictureText::kOverride, result.program.overrides[i]),
+                 preview::text_of(preview::PictureText::kOverride, describe(result.refusals[i], w)));
+  }
   return scene;
 }
 
@@ -39,9 +47,9 @@ std::string caption_of(const PlanResult& result, const std::string& view) {
 
 }  // namespace
 
-std::vector<RefusedReason> refused_reasons(const PlanResult& result) {
+std::vector<RefusedReason> refused_reasons(const PlanResult& result, const Words& w) {
   std::vector<RefusedReason> reasons;
-  for (const Refusal& refusal : result.refusals) reasons.push_back({describe(refusal), refusal.at});
+  for (const Refusal& refusal : result.refusals) reasons.push_back({describe(refusal, w), refusal.at});
   return reasons;
 }
 
@@ -56,12 +64,13 @@ std::optional<Pictures> pictures_named(const std::string& name) {
 
 ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurface& design,
                              Pictures pictures, Viewer viewer, const std::function<void(double)>& progress) {
+  const Words w(result.program.settings.job.language);
   ReportPictures taken;
   if (pictures == Pictures::kNone) taken.note = "not asked for (--no-pictures)";
   if (pictures == Pictures::kNone && viewer == Viewer::kNone) return taken;
   // What measuring the cut for its colours takes, then the view, then the scene's file.
   constexpr double kScene = 0.3, kView = 0.4, kFile = 0.5;
-  const preview::Scene scene = scene_of_plan(result, design);
+  const preview::Scene scene = scene_of_plan(result, design, w);
   progress(kScene);
   if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
   progress(kView);
@@ -81,7 +90,8 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
     }
     progress(kFile);
     const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
-    std::vector<std::string> pngs = preview::pngs_of(scene, size, shots);
+    std::vector<std::string> pngs =
+        preview::pngs_of(scene, size, shots, [&](const std::string& words) { return w.said(words); });
     for (std::size_t i = 0; i < pngs.size(); ++i)
       taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
   } catch (const Error& error) {

@@ -9,6 +9,7 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/refused_plan.hpp"
 #include "pipeline/report/report_html.hpp"
+#include "pipeline/report/words.hpp"
 #include "surface/read/design_surface.hpp"
 
 namespace hotblade::pipeline {
@@ -20,8 +21,8 @@ struct ReportPictures {
   std::optional<ViewerScene> view{};
 };
 
-// Returns why a plan is refused, in words and with the places.
-[[nodiscard]] std::vector<RefusedReason> refused_reasons(const PlanResult& result);
+// Returns why a plan is refused, in the words and with the places.
+[[nodiscard]] std::vector<RefusedReason> refused_reasons(const PlanResult& result, const Words& w);
 
 // What `plan --pictures` says: none, the first alone of 320 x 180 pixels and no scene.gltf (of thousands of
 // plans it is what is looked at), or all of them.

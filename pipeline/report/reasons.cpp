@@ -6,6 +6,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "pipeline/report/refusal_text.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 
@@ -90,8 +91,8 @@ std::string direction_reason(const PlanResult& result, const Words& w) {
   for (const Decision& d : result.decisions) {
     if (d.passed || (d.fan == decision->fan && angle_deg(d.normal, decision->normal) <= kOtherDirection_deg))
       continue;
-    text +=
-        " " + w.format("Tried in full and refused, normal {}: {}.", vector_text(d.normal), escaped(d.why));
+    text += " " + w.format("Tried in full and refused, normal {}: {}.", vector_text(d.normal),
+                           d.stopped_by ? escaped(describe(*d.stopped_by, w)) : "");
     break;
   }
   return text;
@@ -109,7 +110,7 @@ std::string split_reason(const PlanResult& result, const Words& w) {
   }
   if (coarser != nullptr) {
     text = w.format("{} instead of {} strips were tried and refused: {}.", coarser->strips, count,
-                    escaped(coarser->why));
+                    coarser->stopped_by ? escaped(describe(*coarser->stopped_by, w)) : "");
   } else if (count == 1) {
     text = w("One strip does.");
   } else if (count <= result.strips_lower_bound) {
@@ -136,7 +137,7 @@ std::string split_reason(const PlanResult& result, const Words& w) {
 
 std::string blade_text(const BladeTrial& trial, const Words& w) {
   const std::string length = fmt::format("{:.0f} mm: ", trial.length_mm);
-  if (trial.refusal.limit != Limit::kNone) return length + escaped(describe_amount(trial.refusal));
+  if (trial.refusal.limit != Limit::kNone) return length + escaped(describe_amount(trial.refusal, w));
   if (!std::isfinite(trial.sag_mm)) return length + w("it does not hold its own weight");
   return length + w.format("weight moves the cut by {:.2f} mm", trial.sag_mm);
 }

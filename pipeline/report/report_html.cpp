@@ -11,10 +11,12 @@
 #include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/places_table.hpp"
 #include "pipeline/report/reasons.hpp"
+#include "pipeline/report/refusal_text.hpp"
 #include "pipeline/report/report_plots.hpp"
 #include "pipeline/report/strip_table.hpp"
 #include "pipeline/report/viewer_html.hpp"
 #include "pipeline/report/words.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline {
@@ -87,9 +89,10 @@ std::string refusals_section(const PlanResult& result, const Words& w) {
   for (const Refusal& r : result.refusals) {
     html += fmt::format(
         "<tr><td class=\"l\">{} {} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} "
-        "{}</td><td>{:.4g} {}</td><td class=\"l\">{}</td></tr>\n",
-        escaped(r.strip), escaped(r.rib), escaped(r.place), escaped(limit_text(r)), r.capped ? "&ge; " : "",
-        r.value, escaped(unit(r)), r.bound, escaped(unit(r)), escaped(note(r)));
+        "{}</td><td>{:.4g} {}</td><td class=\"l say\">{}</td></tr>\n",
+        escaped(w.said(r.strip)), escaped(r.rib), escaped(w.said(r.place)), escaped(limit_text(r, w)),
+        r.capped ? "&ge; " : "", shown_value(r), escaped(unit(r, w)), r.bound, escaped(unit(r, w)),
+        escaped(note(r, w)));
   }
   html += "</table>\n";
   if (result.remedies.empty())
@@ -106,8 +109,9 @@ std::string remedies_section(const PlanResult& result, const Words& w) {
   for (const TriedRemedy& m : result.remedies) {
     html += fmt::format(
         "<tr><td class=\"l\"><b>{}</b></td><td class=\"n\">{:.3f} mm</td><td class=\"n\">{:g} "
-        "mm</td><td>{}</td><td>{}</td><td class=\"l\">{}</td></tr>\n",
-        escaped(as_options(m)), m.deviation_mm, m.tolerance_mm, m.strips, escaped(m.verdict), escaped(m.why));
+        "mm</td><td>{}</td><td>{}</td><td class=\"l say\">{}</td></tr>\n",
+        escaped(w.said(as_options(m))), m.deviation_mm, m.tolerance_mm, m.strips, escaped(w(m.verdict)),
+        escaped((m.narrowed ? w.said(describe(*m.narrowed)) + ": " : "") + w.said(m.why)));
   }
   return html + "</table>\n<p class=\"note\">" + w("Each was planned with all else as it is, and passed.") +
          "</p>\n";
@@ -140,7 +144,7 @@ std::string figures_section(const PlanResult& result, const Words& w) {
 std::string picture(const ReportPicture& p, const Words& w) {
   return fmt::format(
       "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-      escaped(w.known(p.caption)), base64(p.png));
+      escaped(w.said(p.caption)), base64(p.png));
 }
 
 // The view stands in the first picture's place, around it; without a picture, a line stands in for it.
@@ -222,10 +226,13 @@ std::string decisions_section(const PlanResult& result, const Words& w) {
   // The last ones: the one that was taken is the last of all.
   for (std::size_t i = result.decisions.size() - shown; i < result.decisions.size(); ++i) {
     const Decision& d = result.decisions[i];
-    const std::string found = d.taken && d.passed ? w("passes, taken") : d.passed ? w("passes") : d.why;
+    const std::string found = d.taken && d.passed ? w("passes, taken")
+                              : d.passed          ? w("passes")
+                              : d.stopped_by      ? describe(*d.stopped_by, w)
+                                                  : "";
     html += fmt::format(
         "<tr><td class=\"l\">{}</td><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
-        "class=\"l\">{}</td></tr>\n",
+        "class=\"l say\">{}</td></tr>\n",
         w(way_text(d.way)), d.fan ? w("a fan, in the middle") + " " : std::string(),
         vector_text(d.normal, 1e4), d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
   }
@@ -271,6 +278,19 @@ std::string list_section(const std::string& title, const std::vector<std::string
   return html + "</ul>\n";
 }
 
+std::vector<std::string> said(std::vector<std::string> lines, const Words& w) {
+  for (std::string& line : lines) line = w.said(line);
+  return lines;
+}
+
+// Those of the plan that its program was written all the same.
+std::vector<std::string> overridden(const PlanResult& result, const Words& w) {
+  std::vector<std::string> lines;
+  if (result.program.overrides.empty()) return lines;
+  for (const Refusal& refusal : result.refusals) lines.push_back(describe(refusal, w));
+  return lines;
+}
+
 // What it means that a setting is absent.
 std::string absent_text(const std::string& key, const nlohmann::ordered_json& settings, const Words& w) {
   if (key == "direction" && settings["slice"]["fan_axis"].is_null()) return w("searched");
@@ -284,7 +304,7 @@ std::string settings_section(const PlanResult& result, const Words& w) {
     html += "<div><b>[" + escaped(section) + "]</b>";
     for (const auto& [key, value] : values.items()) {
       html += escaped(key) + " = " +
-              (value.is_null() ? absent_text(key, settings, w) : escaped(value.dump())) + "<br>";
+              (value.is_null() ? absent_text(key, settings, w) : escaped(json_text(value))) + "<br>";
     }
     html += "</div>\n";
   }
@@ -309,7 +329,7 @@ std::string heading(const PlanResult& result, const std::string& program_sha256,
   std::string html = "<h1>" + escaped(d.file) + "</h1>" + job_line(result.program.settings.job, w) +
                      "<p class=\"sub\">" +
                      w.format("{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}.", size.x(),
-                              size.y(), size.z(), d.faces, escaped(d.source_units), w.known(name(d.keep))) +
+                              size.y(), size.z(), d.faces, escaped(d.source_units), w.said(name(d.keep))) +
                      fmt::format(" SHA-256 {}. {}.", escaped(d.sha256), escaped(result.program.created_by));
   if (!program_sha256.empty())
     html += " " + w("SHA-256 of program.json") + ": " + escaped(program_sha256) + ".";
@@ -330,7 +350,7 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
                      "\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
                      "content=\"width=device-width, initial-scale=1\"><title>" +
                      escaped(result.program.design.file) + ": " +
-                     w.known(name(result.program.verification.status)) + "</title><style>" +
+                     w.said(name(result.program.verification.status)) + "</title><style>" +
                      std::string(page_style()) + "</style></head><body>\n";
   html += heading(result, program_sha256, w) + verdict_section(result, w) + refusals_section(result, w) +
           remedies_section(result, w);
@@ -338,9 +358,9 @@ std::string report_html(const PlanResult& result, const std::vector<ReportPictur
   html += pictures_section(pictures, picture_note, view, w) + strips_section(result, w) +
           places_section(result, w, !program_sha256.empty()) + arms_section(result, w) +
           reasons_section(result, w) + deviation_section(result, w);
-  html += budget_section(result, w) + list_section(w("Warnings"), result.warnings);
-  html += list_section(w("Refusals overridden"), result.program.overrides);
-  html += list_section(w("Not checked"), result.program.verification.not_checked);
+  html += budget_section(result, w) + list_section(w("Warnings"), said(result.warnings, w));
+  html += list_section(w("Refusals overridden"), overridden(result, w));
+  html += list_section(w("Not checked"), said(result.program.verification.not_checked, w));
   html += decisions_section(result, w) + ranking_section(result, w) + settings_section(result, w);
   if (view) html += "<script>" + std::string(viewer_script()) + "</script>\n";
   return html + "</body></html>\n";

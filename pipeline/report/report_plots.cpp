@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/budget.hpp"
 
 namespace hotblade::pipeline {
@@ -50,7 +51,9 @@ std::string tolerance_mark(double x, double top, double bottom, double tolerance
 std::string escaped(const std::string& text) {
   std::string safe;
   safe.reserve(text.size());
-  for (const char c : text) {
+  // Most texts are plain, and a page has thousands.
+  const bool plain = std::all_of(text.begin(), text.end(), [](char c) { return c > 0; });
+  for (const char c : plain ? text : utf8_text(text)) {
     switch (c) {
       case '&':
         safe += "&amp;";
@@ -132,7 +135,7 @@ std::string budget_svg(const std::vector<std::pair<std::string, double>>& budget
     std::replace(words.begin(), words.end(), '_', ' ');
     svg += rect(kLeft, y + 3, kBarWidth, kRow - 6, "#eef0f2");
     svg += rect(kLeft, y + 3, mm * scale, kRow - 6, mm <= tolerance_mm ? kGood : kBad);
-    svg += text(kLeft - 8, y + kRow - 7, "end", w.known(words));
+    svg += text(kLeft - 8, y + kRow - 7, "end", w.said(words));
     svg += text(kLeft + kBarWidth + 8, y + kRow - 7, "start", fmt::format("{:.4f} mm", mm));
     y += kRow;
   }

@@ -10,7 +10,7 @@
 
 namespace hotblade::pipeline {
 
-// The text made safe for HTML and SVG.
+// The text made safe for HTML and SVG: bytes that are no UTF-8 have its mark for that in their place.
 [[nodiscard]] std::string escaped(const std::string& text);
 
 // A plot of the samples' share by deviation, with the tolerance marked; what lies beyond the last bin stands

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/program/gzip.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 
@@ -45,7 +46,7 @@ void ScenePacker::add(const std::string& name, std::span<const std::uint32_t> nu
 
 std::string ScenePacker::packed(nlohmann::ordered_json header) const {
   header["arrays"] = list_;
-  const std::string text = header.dump();
+  const std::string text = json_text(header);
   std::string bytes = "HBV1";
   add_number(bytes, static_cast<std::uint32_t>(text.size()));
   return pipeline::packed(bytes + text + arrays_);

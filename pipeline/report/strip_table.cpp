@@ -105,7 +105,7 @@ bool names(const Refusal& refusal, const std::string& id) {
 std::string table(const PlanResult& result, StripTable which, const Words& w) {
   std::string html = "<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const StripColumn& c : kColumns) {
-    if (c.table == which) html += fmt::format("<th>{}<small>{}</small></th>", w(c.name), c.unit);
+    if (c.table == which) html += fmt::format("<th>{}<small>{}</small></th>", w(c.name), w.said(c.unit));
   }
   html += "</tr>\n";
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
@@ -119,7 +119,7 @@ std::string table(const PlanResult& result, StripTable which, const Words& w) {
                     which == kCut ? fmt::format(" id=\"strip-{}\"", escaped(row.facts.id)) : "",
                     escaped(row.facts.id), escaped(row.facts.id));
     for (const StripColumn& c : kColumns) {
-      if (c.table == which) html += "<td class=\"n\">" + escaped(w.known(c.cell(row))) + "</td>";
+      if (c.table == which) html += "<td class=\"n\">" + escaped(w.said(c.cell(row))) + "</td>";
     }
     html += "</tr>\n";
   }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipeline/report/page_texts.hpp"
+#include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
 
@@ -47,7 +48,7 @@ std::string words_json(const Words& w) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
   for (const auto& [english, other] : w.table()) json[std::string(english)] = other;
   // No "</" ends the script's element early.
-  std::string text = json.dump();
+  std::string text = json_text(json);
   for (std::size_t i = text.find("</"); i != std::string::npos; i = text.find("</", i))
     text.insert(i + 1, "\\");
   return text;

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
+
+#include "pipeline/report/german.hpp"
 
 namespace hotblade::pipeline {
 
@@ -249,7 +252,16 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"smallest radius", "kleinster Radius"},
     {"straight", "gerade"},
     {"clamps may err", "Klemmen dürfen irren um"},
-    {"0.1 mm or 1 mrad moves", "0,1 mm oder 1 mrad bewegt um"},
+    {"0.1 mm or 1 mrad moves", "0.1 mm oder 1 mrad bewegt um"},
+    {"{} over", "{} über der Grenze"},
+    {"{:.2f} ({})", "{:.2f} ({})"},
+    {"along a", "längs a"},
+    {"across a", "quer a"},
+    {"turn a", "Drehung a"},
+    {"along b", "längs b"},
+    {"across b", "quer b"},
+    {"turn b", "Drehung b"},
+    {"deg", "Grad"},
     {"clamp to foam", "Klemme zum Schaum"},
     {"end force", "Kraft am Ende"},
     {"end moment", "Moment am Ende"},
@@ -404,6 +416,81 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"{} more stand in report.json.", "{} weitere stehen in report.json."},
 };
 
+using Pair = std::pair<std::string_view, std::string_view>;
+
+const Pair* found_in(std::span<const Pair> table, std::string_view english) {
+  const auto found =
+      std::find_if(table.begin(), table.end(), [&](const Pair& pair) { return pair.first == english; });
+  return found == table.end() ? nullptr : &*found;
+}
+
+// What stands between the places of a sentence, and whether a place takes numbers alone.
+struct Pieces {
+  std::vector<std::string_view> between{};
+  std::vector<bool> numbers{};
+
+  explicit Pieces(std::string_view text) {
+    for (std::size_t place = text.find('{'); place != std::string_view::npos; place = text.find('{')) {
+      const std::size_t end = text.find('}', place);
+      between.push_back(text.substr(0, place));
+      numbers.push_back(end > place + 1);
+      text.remove_prefix(end + 1);
+    }
+    between.push_back(text);
+  }
+
+  [[nodiscard]] std::size_t length() const {
+    std::size_t sum = 0;
+    for (const std::string_view piece : between) sum += piece.size();
+    return sum;
+  }
+};
+
+bool is_number(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("+-.0123456789einfa") == std::string_view::npos;
+}
+
+// Finds the values of a text's places from one of them on; false where it is another sentence.
+bool find_values(const Pieces& sentence, std::size_t place, std::string_view text,
+                 std::vector<std::string_view>& values) {
+  if (place == sentence.numbers.size()) return text.empty();
+  const std::string_view after = sentence.between[place + 1];
+  const bool last = place + 1 == sentence.numbers.size();
+  // The last place reaches to the end; another may end wherever what stands behind it does.
+  std::size_t end = last ? (text.ends_with(after) ? text.size() - after.size() : std::string_view::npos)
+                         : text.find(after, 1);
+  for (; end != std::string_view::npos && end > 0;
+       end = last ? std::string_view::npos : text.find(after, end + 1)) {
+    const std::string_view value = text.substr(0, end);
+    if (sentence.numbers[place] && !is_number(value)) continue;
+    values.push_back(value);
+    if (find_values(sentence, place + 1, text.substr(end + after.size()), values)) return true;
+    values.pop_back();
+  }
+  return false;
+}
+
+struct Sentence {
+  Pieces english, other;
+};
+
+std::vector<Sentence> sentences_of(std::span<const Pair> words, std::span<const Pair> sentences) {
+  std::vector<Sentence> all;
+  for (const std::span<const Pair> table : {words, sentences}) {
+    for (const auto& [english, other] : table) all.push_back({Pieces(english), Pieces(other)});
+  }
+  // Of two that a text may be, it is the one that says more.
+  std::stable_sort(all.begin(), all.end(), [](const Sentence& a, const Sentence& b) {
+    return a.english.length() > b.english.length();
+  });
+  return all;
+}
+
+const std::vector<Sentence>& german() {
+  static const std::vector<Sentence> all = sentences_of(kGerman, german_sentences());
+  return all;
+}
+
 }  // namespace
 
 Words::Words(std::string_view language) : language_(language) {
@@ -412,17 +499,30 @@ Words::Words(std::string_view language) : language_(language) {
 
 std::string Words::operator()(std::string_view english) const {
   if (language_ == "en") return std::string(english);
-  const auto found = std::find_if(std::begin(kGerman), std::end(kGerman),
-                                  [&](const auto& pair) { return pair.first == english; });
-  if (found == std::end(kGerman)) throw std::logic_error("no German for \"" + std::string(english) + "\"");
-  return std::string(found->second);
+  for (const std::span<const Pair> table : {std::span<const Pair>(kGerman), german_words_of_limits()}) {
+    if (const Pair* found = found_in(table, english)) return std::string(found->second);
+  }
+  throw std::logic_error("no German for \"" + std::string(english) + "\"");
 }
 
-std::string Words::known(std::string_view words) const {
-  if (language_ == "en") return std::string(words);
-  const auto found = std::find_if(std::begin(kGerman), std::end(kGerman),
-                                  [&](const auto& pair) { return pair.first == words; });
-  return std::string(found == std::end(kGerman) ? words : found->second);
+std::string Words::said(std::string_view english) const {
+  if (language_ == "en") return std::string(english);
+  for (const std::span<const Pair> table : {std::span<const Pair>(kGerman), german_words_of_limits()}) {
+    if (const Pair* found = found_in(table, english)) return std::string(found->second);
+  }
+  for (const Sentence& sentence : german()) {
+    const std::string_view first = sentence.english.between.front();
+    if (!english.starts_with(first)) continue;
+    std::vector<std::string_view> values;
+    if (!find_values(sentence.english, 0, english.substr(first.size()), values)) continue;
+    std::string text(sentence.other.between.front());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      text += sentence.english.numbers[i] ? std::string(values[i]) : said(values[i]);
+      text += sentence.other.between[i + 1];
+    }
+    return text;
+  }
+  return std::string(english);
 }
 
 std::span<const std::pair<std::string_view, std::string_view>> Words::table() const {

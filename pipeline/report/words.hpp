@@ -19,9 +19,10 @@ class Words {
   // has none: a test renders every page in every language.
   [[nodiscard]] std::string operator()(std::string_view english) const;
 
-  // Returns the same of words that come from elsewhere, a limit or an error; as they are where the table has
-  // none.
-  [[nodiscard]] std::string known(std::string_view words) const;
+  // Returns the same of what a plan, a cell or a design was told, whatever values stand in it: a limit's name
+  // or a sentence (pipeline/sayings/saying.hpp), found by what stands between its values, which are looked up
+  // likewise. Names from outside, and what no table has, stay as they are.
+  [[nodiscard]] std::string said(std::string_view english) const;
 
   // Returns the words with values in their places, as fmt::format puts them there.
   template <typename... Values>

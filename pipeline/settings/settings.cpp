@@ -14,6 +14,7 @@
 #include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/edit_distance.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
@@ -472,6 +473,7 @@ void apply_assignment(Settings& settings, Origins& origins, const std::string& k
     return;
   }
   // Any text is the text itself, unless it is quoted as TOML quotes it.
+  if (!is_utf8(value)) fail(where, key + " (" + utf8_text(value) + ") is no UTF-8: write it as UTF-8");
   const bool text =
       field != nullptr && field->choices == kAnyText && !value.starts_with('"') && !value.starts_with('\'');
   const toml::table table = text ? toml::table{{"value", value}} : parse_value(value, where + " " + key);

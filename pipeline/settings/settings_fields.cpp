@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <type_traits>
 
+#include "pipeline/settings/json_text.hpp"
+
 namespace hotblade::pipeline {
 namespace {
 
@@ -217,7 +219,7 @@ struct TomlText {
   requires std::is_enum_v<Enum> std::optional<std::string>
   operator()(const Enum* v) const { return "\"" + std::string(name(*v)) + "\""; }
   // A JSON string with its escapes is a TOML basic string too.
-  std::optional<std::string> operator()(const std::string* v) const { return nlohmann::json(*v).dump(); }
+  std::optional<std::string> operator()(const std::string* v) const { return json_text(nlohmann::json(*v)); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
   template <std::size_t N>
   std::optional<std::string> operator()(const std::vector<std::array<double, N>>* v) const {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/as_cut_budget.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/largest_text.hpp"
@@ -298,7 +299,7 @@ std::string to_json(const AsCutReport& report, const VerifyOptions& options) {
                      {"touches", report.touch_samples}};
   json["hot_poses"] = report.hot_poses;
   json["executed_s"] = report.executed_s;
-  return json.dump(2);
+  return json_text(json, 2);
 }
 
 std::string describe(const AsCutReport& report, const VerifyOptions& options) {

@@ -1,7 +1,5 @@
 #include "pipeline/verify/branch.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 #include "elastica/blade/blade_batch.hpp"
 #include "elastica/curve/placement.hpp"
 #include "gpu/backend/stop.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "robot/blade/blade_branch.hpp"
 
 namespace hotblade::pipeline {
@@ -93,7 +92,7 @@ Refusal branch_refusal(const Strip& strip, const BranchReport& report) {
   if (report.pose >= strip.poses.size()) return refusal;
   const BladePose& pose = strip.poses[report.pose];
   refusal.rib = rib_at(strip, report.pose);
-  refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  refusal.when = say(Saying::kInPhase, {name(pose.phase), pose.t});
   refusal.at = middle_of(pose);
   return refusal;
 }

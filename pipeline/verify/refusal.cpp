@@ -22,12 +22,15 @@ std::string note(const Refusal& r) {
   return r.note.empty() ? info(r.limit).meaning : r.note;
 }
 
+double shown_value(const Refusal& r) {
+  constexpr double kRounding = 1e-9;  // of any limit's unit: a zero that was computed
+  return std::abs(r.value) < kRounding ? 0 : r.value;
+}
+
 std::string describe_amount(const Refusal& r) {
   const std::string in_unit = unit(r).empty() ? "" : " " + unit(r);
-  constexpr double kRounding = 1e-9;  // of any limit's unit: a zero that was computed
-  const double value = std::abs(r.value) < kRounding ? 0 : r.value;
-  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{}){}", info(r.limit).name, r.capped ? ">= " : "", value,
-                     in_unit, r.bound, in_unit, r.when);
+  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{}){}", info(r.limit).name, r.capped ? ">= " : "",
+                     shown_value(r), in_unit, r.bound, in_unit, r.when);
 }
 
 std::string describe(const Refusal& r) {

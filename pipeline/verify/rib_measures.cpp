@@ -10,6 +10,7 @@
 
 #include "gpu/curve/lambda_residuals.hpp"
 #include "gpu/curve/pair_distance.hpp"
+#include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -185,8 +186,8 @@ std::string describe(const FarBezier& b) {
 
 Refusal refusal_of(const FarBezier& b) {
   Refusal refusal{b.strip, b.rib, Limit::kRibDeviation, b.hausdorff_mm, b.limit_mm};
-  refusal.when = " from its Bezier";
-  refusal.note = "a Bezier may use up a tenth of the tolerance";
+  refusal.when = say(Saying::kFromItsBezier);
+  refusal.note = say(Saying::kTenthForBezier);
   return refusal;
 }
 

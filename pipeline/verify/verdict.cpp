@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
@@ -76,10 +77,6 @@ std::optional<ClampErrors> errors_within(const Program& program, const ClampErro
   return scaled(planned, least);
 }
 
-std::string errors_text(const ClampErrors& errors) {
-  return fmt::format("{:g} mm and {:g} mrad", errors.position_mm, 1e3 * errors.angle_rad);
-}
-
 }  // namespace
 
 const char* name(VerdictColor color) {
@@ -108,8 +105,8 @@ Verdict verdict_of(const Program& program) {
 
 std::string needed_text(const Verdict& v) {
   if (v.needed)
-    return fmt::format("within {:g} mm if the clamps are within {}", v.tolerance_mm, errors_text(*v.needed));
-  return fmt::format("not within {:g} mm for certain, however exact the clamps are", v.tolerance_mm);
+    return say(Saying::kClampsWithin, {v.tolerance_mm, v.needed->position_mm, 1e3 * v.needed->angle_rad});
+  return say(Saying::kClampsNotEnough, {v.tolerance_mm});
 }
 
 std::string headline(const Verdict& verdict) {
@@ -121,9 +118,8 @@ std::string headline(const Verdict& verdict) {
 std::string budget_text(const Verdict& v) {
   if (!v.over_budget())
     return fmt::format("error budget {:.3g} mm (tolerance {:g} mm)", v.budget_mm, v.tolerance_mm);
-  return fmt::format(
-      "error budget {:.4g} mm (tolerance {:g} mm), of it {:.4g} mm by clamps that err by {}: {}", v.budget_mm,
-      v.tolerance_mm, v.clamp_mm, errors_text(v.planned), needed_text(v));
+  return say(Saying::kOverBudget, {v.budget_mm, v.tolerance_mm, v.clamp_mm, v.planned.position_mm,
+                                   1e3 * v.planned.angle_rad, needed_text(v)});
 }
 
 nlohmann::ordered_json to_json(const Verdict& v) {

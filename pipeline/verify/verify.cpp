@@ -16,6 +16,7 @@
 #include "gpu/backend/stop.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/design_border.hpp"
 #include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/design_samples.hpp"
@@ -406,17 +407,14 @@ std::string largest_text(const VerifyReport& report) {
 }
 
 std::vector<std::string> not_checked(const robot::Blade& blade) {
-  return {"snaps and bending by verify between every sixteenth waypoint; the plan checks every pose",
-          "errors of the clamps in the measured deviation: they have a line in the budget, and an amber "
-          "verdict says "
-          "what they may be",
-          blade.melt.by_speed() ? "melt-back of a held blade" : "melt-back of a slow or held blade",
-          "how much softer hot steel hangs than the blade that is measured: a fifth of its sag stands in the "
-          "budget",
-          kArmsNotChecked,
-          "thermal spring-back",
-          "plinth outside the kept side",
-          kJerkNotChecked};
+  return {say(Saying::kSnapsBetween),
+          say(Saying::kClampsInDeviation),
+          say(blade.melt.by_speed() ? Saying::kMeltOfHeld : Saying::kMeltOfSlow),
+          say(Saying::kHotSteel),
+          say(Saying::kArmsNotLookedAt),
+          say(Saying::kThermal),
+          say(Saying::kPlinthAside),
+          say(Saying::kJerkUnlimited)};
 }
 
 }  // namespace hotblade::pipeline

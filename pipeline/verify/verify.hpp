@@ -90,8 +90,5 @@ inline constexpr double kClampMismatchMm = 1e-3;
 
 // Returns what no stage of this version looks at, as every program and report says it.
 [[nodiscard]] std::vector<std::string> not_checked(const robot::Blade& blade);
-// What of it a plan with limits of jerk, and one with a cell, looks at in part.
-inline constexpr const char* kJerkNotChecked = "jerk of the clamps";
-inline constexpr const char* kArmsNotChecked = "arm reach and arm collision";
 
 }  // namespace hotblade::pipeline

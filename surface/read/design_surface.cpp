@@ -16,6 +16,7 @@
 #include "surface/read/ply.hpp"
 #include "surface/read/polygons.hpp"
 #include "surface/read/stl.hpp"
+#include "surface/read/warning.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -96,9 +97,7 @@ void warn_of_spacing(Polygons& polygons, double scale_to_mm, double resolution_m
   if (!(resolution_mm > 0) || spacing_mm <= resolution_mm) return;
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.2g", spacing_mm);
-  polygons.warnings.push_back(
-      "coordinates of single precision, so far from the origin " + std::string(text.data()) +
-      " mm apart: move the design to the origin before it is exported, or export an OBJ");
+  polygons.warnings.push_back(text_of(Warning::kSinglePrecision, {std::string(text.data())}));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "surface/read/design_surface.hpp"
 #include "surface/read/gltf_buffers.hpp"
 #include "surface/read/gltf_json.hpp"
+#include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
 namespace hotblade::surface {
@@ -303,13 +304,10 @@ class GltfScene {
 
   void tell_what_was_passed_over() {
     if (lines_and_points_ > 0) {
-      polygons_.warnings.push_back(counted(lines_and_points_, "primitive", "primitives") +
-                                   " of lines or points passed over: only triangles are read");
+      polygons_.warnings.push_back(text_of(lines_and_points_, Warning::kLineOrPoint, {}));
     }
     if (at_rest_ > 0) {
-      polygons_.warnings.push_back(
-          counted(at_rest_, "mesh with a skin or morph targets", "meshes with skins or morph targets") +
-          " read as at rest");
+      polygons_.warnings.push_back(text_of(at_rest_, Warning::kMeshAtRest, {}));
     }
   }
 

@@ -16,6 +16,7 @@
 #include "surface/read/place_text.hpp"
 #include "surface/read/polygon.hpp"
 #include "surface/read/stitches.hpp"
+#include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
 namespace hotblade::surface {
@@ -108,9 +109,8 @@ class Repair {
     first_place_ = polygons_.face_place[0];
     polygons_ = {};  // as large as the mesh, and told
     if (crossing > 0) {
-      health_.warnings.push_back(counted(crossing, "face is", "faces are") +
-                                 " not a simple polygon and cut as a fan, the first in line " +
-                                 std::to_string(crossing_place));
+      health_.warnings.push_back(
+          text_of(crossing, Warning::kNotSimplePolygon, {std::to_string(crossing_place)}));
     }
   }
 
@@ -157,10 +157,8 @@ class Repair {
     constexpr double kGap_mm = 0.1;
     const Stitches found = find_stitches(mesh, kGap_mm);
     if (found.joined == 0) return;
-    health_.warnings.push_back(counted(found.joined, "border vertex", "border vertices") + " within " +
-                               decimal(kGap_mm) + " mm of another border, the first at " +
-                               place_text(at(mesh, found.first)) +
-                               ": if the sheets belong together, set design.stitch_mm");
+    health_.warnings.push_back(
+        text_of(found.joined, Warning::kNearBorder, {decimal(kGap_mm), place_text(at(mesh, found.first))}));
   }
 
   // Joins borders that almost meet; a face whose corners become one has no area any more.

@@ -4,6 +4,7 @@
 
 #include "surface/read/design_surface.hpp"
 #include "surface/read/obj_statements.hpp"
+#include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
 namespace hotblade::surface {
@@ -74,8 +75,7 @@ class Parser {
       }
     }
     if (unknown_ > 0) {
-      obj_.warnings.push_back(std::to_string(unknown_) + " statements passed over, the first " +
-                              first_unknown_ + ": only polygons are read");
+      obj_.warnings.push_back(text_of(Warning::kStatements, {std::to_string(unknown_), first_unknown_}));
     }
   }
 

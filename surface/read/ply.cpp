@@ -14,6 +14,7 @@
 #include "surface/read/bytes.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/ply_header.hpp"
+#include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
 namespace hotblade::surface {
@@ -354,7 +355,7 @@ class PlyBody {
       values_.end();
     }
     if (element.count == 0 || element.name != "tristrips") return;
-    polygons_.warnings.push_back("triangle strips are passed over: only the faces are read");
+    polygons_.warnings.push_back(text_of(Warning::kTriangleStrips));
   }
 
   const PlyHeader& header_;

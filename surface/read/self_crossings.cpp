@@ -10,6 +10,7 @@
 
 #include "surface/read/near_faces.hpp"
 #include "surface/read/place_text.hpp"
+#include "surface/read/warning.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -211,10 +212,9 @@ std::string self_crossings_text(const DesignSurface& design) {
   const SelfCrossings found = find_self_crossings(design.mesh);
   if (found.pairs == 0) return "";
   const auto place = [&](int f) { return std::to_string(design.face_place[static_cast<std::size_t>(f)]); };
-  return std::to_string(found.pairs) +
-         (found.pairs == 1 ? " pair of faces crosses" : " pairs of faces cross") + ", the first those of " +
-         std::string(design.place) + "s " + place(found.faces[0]) + " and " + place(found.faces[1]) +
-         " near " + place_text(found.at) + ": only one of them can be cut there, trim the sheets";
+  return text_of(
+      found.pairs, Warning::kFacesCross,
+      {std::string(design.place), place(found.faces[0]), place(found.faces[1]), place_text(found.at)});
 }
 
 }  // namespace hotblade::surface

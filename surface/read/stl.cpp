@@ -10,6 +10,7 @@
 
 #include "surface/read/bytes.hpp"
 #include "surface/read/design_surface.hpp"
+#include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
 namespace hotblade::surface {
@@ -52,11 +53,9 @@ class Facets {
   Polygons& polygons() { return polygons_; }
 
   Polygons take() {
-    tell(looking_away_, "facet whose normal looks", "facets whose normals look",
-         "the other way than the corners go round: the corners count");
-    tell(not_finite_, "facet whose normal is", "facets whose normals are",
-         "no finite number: the corners count");
-    tell(attributes_, "facet has", "facets have", "attribute bytes (colours), which are not read");
+    tell(looking_away_, Warning::kNormalLooksAway);
+    tell(not_finite_, Warning::kNormalNotFinite);
+    tell(attributes_, Warning::kFacetHasAttribute);
     return std::move(polygons_);
   }
 
@@ -75,10 +74,10 @@ class Facets {
     return normal.dot(wound) < kCosine * normal.norm() * wound.norm();
   }
 
-  void tell(const Odd& odd, const char* one, const char* many, const char* what) {
+  void tell(const Odd& odd, Warning one) {
     if (odd.count == 0) return;
-    polygons_.warnings.push_back(counted(odd.count, one, many) + " " + what + ", the first in " +
-                                 std::string(polygons_.place) + " " + std::to_string(odd.first));
+    polygons_.warnings.push_back(
+        text_of(odd.count, one, {std::string(polygons_.place), std::to_string(odd.first)}));
   }
 
   Polygons polygons_;

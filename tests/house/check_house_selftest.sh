@@ -35,6 +35,7 @@ printf '#include "curve.hpp"\n' > "$tree/pipeline/plan/bad_root.cpp"
 printf '#include <string>\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/read/bad_heavy.hpp"
 printf '#include "surface/read/half_edges.hpp"\n' | tee "$tree/surface/read/bad_private.hpp" > "$tree/pipeline/plan/bad_private.cpp"
 echo surface/read/bad_private.hpp >> "$tree/headers.txt"
+printf 'text = json.dump(2);\n' > "$tree/pipeline/plan/bad_json.cpp"
 seq 601 > "$tree/surface/read/bad_long.cpp"
 : > "$tree/surface/bad_room.cpp"
 echo surface/read/bad_heavy.hpp >> "$tree/headers.txt"
@@ -48,6 +49,7 @@ surface/read/bad_uphill.cpp:1: direction: surface/read may not include "surface/
 gpu/mesh/bad_direction.cpp:2: direction: gpu/mesh may not include "elastica/curve/curve.hpp"
 robot/pose/bad_direction.cpp:1: direction: robot/pose may not include "pipeline/plan/plan.hpp"
 robot/pose/bad_unlisted.hpp:1: unlisted: not in its room'\''s HEADERS, so not compiled alone
+pipeline/plan/bad_json.cpp:1: json: dump() ends at a name that is no UTF-8: json_text() does not
 pipeline/plan/bad_private.cpp:1: private: only sources of surface may include "surface/read/half_edges.hpp"
 pipeline/plan/bad_root.cpp:1: root: "curve.hpp" does not start with a room
 pipeline/plan/ribs/bad_uphill.cpp:1: direction: pipeline/plan/ribs may not include "pipeline/plan/motion/motion.hpp"

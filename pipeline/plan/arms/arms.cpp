@@ -16,6 +16,7 @@
 #include "pipeline/plan/motion/round_poses.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/strip_jobs.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
@@ -72,11 +73,13 @@ ProgramCell cell_data(const robot::Cell& cell) {
 }
 
 std::string words(const ArmPlace& place) {
-  std::string text = fmt::format("raised {:.0f} mm", place.raise_mm);
-  if (place.dx_mm != 0 || place.dy_mm != 0)
-    text += fmt::format(", moved {:.0f}, {:.0f} mm", place.dx_mm, place.dy_mm);
-  if (place.yaw_rad != 0) text += fmt::format(", turned {:.0f} degrees", place.yaw_rad / kDegree_rad);
-  return text;
+  const bool moved = place.dx_mm != 0 || place.dy_mm != 0, turned = place.yaw_rad != 0;
+  const double degrees = place.yaw_rad / kDegree_rad;
+  if (moved && turned)
+    return say(Saying::kRaisedMovedTurned, {place.raise_mm, place.dx_mm, place.dy_mm, degrees});
+  if (moved) return say(Saying::kRaisedMoved, {place.raise_mm, place.dx_mm, place.dy_mm});
+  return turned ? say(Saying::kRaisedTurned, {place.raise_mm, degrees})
+                : say(Saying::kRaised, {place.raise_mm});
 }
 
 ArmPlace place_of(const StripArms& arms) {
@@ -189,28 +192,29 @@ void warn_of(const Strip& strip, std::vector<std::string>& warnings) {
   const StripArms& arms = *strip.arms;
   const StripArms::Nearest &joint = arms.joint_margin_rad, &wrist = arms.wrist_rad;
   if (joint.value < kSmallJoint_rad) {
-    warnings.push_back(fmt::format("{}: arm {} joint {} comes within {:.1f} degrees of its limit at {:.2f} s",
-                                   strip.id, joint.arm, joint.joint, joint.value / kDegree_rad, joint.t));
+    warnings.push_back(
+        say(Saying::kJointNearLimit, {strip.id, joint.arm, joint.joint, joint.value / kDegree_rad, joint.t}));
   }
   if (wrist.value < kSmallWrist_rad) {
-    warnings.push_back(fmt::format("{}: arm {} comes within {:.1f} degrees of a straight wrist at {:.2f} s",
-                                   strip.id, wrist.arm, wrist.value / kDegree_rad, wrist.t));
+    warnings.push_back(
+        say(Saying::kWristNearStraight, {strip.id, wrist.arm, wrist.value / kDegree_rad, wrist.t}));
   }
 }
 
-const char* help_of(robot::PairKind kind) {
+// What would help, with its place for what stands in the way.
+Saying help_of(robot::PairKind kind) {
   switch (kind) {
     case robot::PairKind::kToolBlock:
     case robot::PairKind::kLinkBlock:
-      return ": another jaw, or another place of the block";
+      return Saying::kOtherJawOrPlace;
     case robot::PairKind::kPlinth:
-      return ": raise the block (cell.raise_mm) or make the plinth smaller (plinth.inset_mm)";
+      return Saying::kRaiseOrSmallerPlinth;
     case robot::PairKind::kTable:
-      return ": raise the block (cell.raise_mm)";
+      return Saying::kRaise;
     case robot::PairKind::kArms:
-      return ": another jaw, or bases farther apart";
+      return Saying::kOtherJawOrBases;
     default:
-      return ": another jaw, or another place of the block or of what stands there";
+      return Saying::kOtherJawOrPlaces;
   }
 }
 
@@ -222,7 +226,7 @@ Refusal unclear(const Strip& strip, const Tried& tried) {
                   Limit::kArmClearance,
                   contact.distance_mm,
                   contact.clearance_mm,
-                  describe(contact, strip) + help_of(contact.kind)};
+                  say(help_of(contact.kind), {describe(contact, strip)})};
   refusal.when = when(contact, strip);
   refusal.at = middle_of(at);
   return refusal;
@@ -243,10 +247,8 @@ Refusal refusal_of(const Strip& strip, const std::vector<Tried>& tried, const ro
   Refusal refusal = refusal_at(strip, furthest);
   std::array<int, 5> counts{};
   for (const Tried& t : tried) ++counts[static_cast<std::size_t>(t.stage())];
-  refusal.note += fmt::format(
-      " ({}; of {} choices of place and arms {} are out of reach, {} at joint "
-      "limits, {} next to singular, {} not clear, {} too slow a cut for a joint; cell {})",
-      words(furthest.place), tried.size(), counts[0], counts[1], counts[2], counts[3], counts[4], cell.name);
+  refusal.note = say(Saying::kOfChoices, {refusal.note, words(furthest.place), tried.size(), counts[0],
+                                          counts[1], counts[2], counts[3], counts[4], cell.name});
   return refusal;
 }
 
@@ -366,8 +368,8 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
       take(*tried, cell, strip);
       warn_of(strip, armed.report.warnings);
     } else if (placement.failed().empty()) {
-      armed.report.refusals.push_back({strip.id, "", Limit::kEnvelope, placement.least_outside_mm(), 0,
-                                       "at any height of cell.raise_mm"});
+      armed.report.refusals.push_back(
+          {strip.id, "", Limit::kEnvelope, placement.least_outside_mm(), 0, say(Saying::kAnyHeight)});
     } else {
       armed.report.refusals.push_back(refusal_of(strip, placement.failed(), cell));
     }
@@ -376,7 +378,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
     armed.program.cell = cell_data(cell);
     // What was looked at here is not among it.
     for (std::string& item : armed.program.verification.not_checked) {
-      if (item == kArmsNotChecked) item = "the arms' approach from park, cables, load and torque";
+      if (item == say(Saying::kArmsNotLookedAt)) item = say(Saying::kArmsBeyond);
     }
     return armed;
   }

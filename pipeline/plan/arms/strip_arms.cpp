@@ -1,12 +1,11 @@
 #include "pipeline/plan/arms/strip_arms.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -56,13 +55,9 @@ class Judge {
     const bool far = reach.from_axis_2_mm > reach.most_mm;
     const double value = near_axis_1 ? reach.from_axis_1_mm : reach.from_axis_2_mm;
     const double bound = near_axis_1 ? reach.least_from_axis_1_mm : far ? reach.most_mm : reach.least_mm;
-    const std::string off =
-        fmt::format("{:.0f} mm {}", std::abs(value - bound), far && !near_axis_1 ? "short" : "too near");
-    choice.refusal = refusal(
-        Limit::kArmReach, value, bound, pose,
-        fmt::format(
-            "arm {} cannot reach clamp {}, {}: another place of its base, or another height of the block",
-            arm_.id, clamp_b_ ? "b" : "a", off));
+    choice.refusal = refusal(Limit::kArmReach, value, bound, pose,
+                             say(far && !near_axis_1 ? Saying::kArmShort : Saying::kArmTooNear,
+                                 {arm_.id, clamp_b_ ? "b" : "a", std::abs(value - bound)}));
     return choice;
   }
 
@@ -82,7 +77,7 @@ class Judge {
   Refusal refusal(Limit limit, double value, double bound, std::size_t pose, std::string note) const {
     const BladePose& at = strip_.poses[pose];
     Refusal refusal{strip_.id, "", limit, value, bound, std::move(note)};
-    refusal.when = fmt::format(" in phase {} at {:.2f} s", name(at.phase), at.t);
+    refusal.when = say(Saying::kInPhase, {name(at.phase), at.t});
     refusal.at = middle_of(at);
     return refusal;
   }
@@ -103,29 +98,26 @@ class Judge {
     const bool upper = q > (joint.min_rad + joint.max_rad) / 2;
     const double limit = (upper ? joint.max_rad : joint.min_rad) / kDegree_rad;
     stop(choice, ArmStage::kJointLimit, least.value,
-         refusal(
-             Limit::kJointAngle, q / kDegree_rad, limit - (upper ? margin : -margin), least.pose,
-             fmt::format("arm {} {}, limit {:.4g}, of which {:.3g} are kept ({:.3g} over): another jaw, or "
-                         "another place of the block",
-                         arm_.id, joint.name, limit, margin, margin - left)));
+         refusal(Limit::kJointAngle, q / kDegree_rad, limit - (upper ? margin : -margin), least.pose,
+                 say(Saying::kJointBeyond, {arm_.id, joint.name, limit, margin, margin - left})));
   }
 
   void check_singular(ArmChoice& choice) const {
     const robot::PathMargins& m = choice.margins;
     const robot::ArmMargins& least = cell_.margins;
-    const std::string help = ": another jaw, or another place of the block";
+    const std::string singular = say(Saying::kArmSingular, {arm_.id});
     if (m.wrist_rad.value < least.wrist_deg * kDegree_rad) {
       stop(choice, ArmStage::kSingular, choice.rank,
            refusal(Limit::kWristAngle, m.wrist_rad.value / kDegree_rad, least.wrist_deg, m.wrist_rad.pose,
-                   "arm " + arm_.id + " is next to singular" + help));
+                   singular));
     } else if (m.elbow_rad.value < least.elbow_deg * kDegree_rad) {
       stop(choice, ArmStage::kSingular, choice.rank,
            refusal(Limit::kElbowAngle, m.elbow_rad.value / kDegree_rad, least.elbow_deg, m.elbow_rad.pose,
-                   "arm " + arm_.id + " is next to singular" + help));
+                   singular));
     } else if (m.shoulder_mm.value < least.shoulder_mm) {
       stop(choice, ArmStage::kSingular, choice.rank,
            refusal(Limit::kShoulderDistance, m.shoulder_mm.value, least.shoulder_mm, m.shoulder_mm.pose,
-                   "arm " + arm_.id + " is next to singular" + help));
+                   singular));
     }
   }
 

@@ -1,12 +1,11 @@
 #include "pipeline/plan/arms/strip_clearance.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "elastica/curve/elastica.hpp"
 #include "gpu/backend/stop.hpp"
+#include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -147,19 +146,17 @@ robot::Clearance prove_clear(const Strip& strip, const robot::BladeSection& blad
 
 std::string describe(const robot::Contact& contact, const Strip& strip) {
   if (!contact.proved) {
-    return fmt::format(
-        "{} and {}: not proved clear of {:.4g} mm between {:.3f} and {:.3f} s (bound {:.1f} mm)",
-        contact.first, contact.second, contact.clearance_mm, strip.poses[contact.pose].t,
-        strip.poses[contact.pose + 1].t, contact.bound_mm);
+    return say(Saying::kNotProvedClear,
+               {contact.first, contact.second, contact.clearance_mm, strip.poses[contact.pose].t,
+                strip.poses[contact.pose + 1].t, contact.bound_mm});
   }
-  return fmt::format("{} is {:.1f} mm from {}, {:.4g} at least ({:.1f} mm too near)", contact.first,
-                     contact.distance_mm, contact.second, contact.clearance_mm,
-                     contact.clearance_mm - contact.distance_mm);
+  return say(Saying::kTooNear, {contact.first, contact.distance_mm, contact.second, contact.clearance_mm,
+                                contact.clearance_mm - contact.distance_mm});
 }
 
 std::string when(const robot::Contact& contact, const Strip& strip) {
   const BladePose& pose = strip.poses[contact.pose];
-  return fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  return say(Saying::kInPhase, {name(pose.phase), pose.t});
 }
 
 }  // namespace hotblade::pipeline

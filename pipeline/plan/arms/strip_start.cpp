@@ -1,13 +1,12 @@
 #include "pipeline/plan/arms/strip_start.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "pipeline/plan/arms/places.hpp"
 #include "pipeline/program/straight_start.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "robot/arm/arm_path.hpp"
 
 namespace hotblade::pipeline {
@@ -16,18 +15,10 @@ namespace {
 using robot::JointAngles;
 using robot::kDegree_rad;
 
-Refusal refused(const Strip& strip, const robot::CellArm& arm, Limit limit, double value, double bound,
-                const std::string& what) {
-  Refusal refusal{
-      strip.id,
-      "",
-      limit,
-      value,
-      bound,
-      fmt::format("arm {}{}, where the straight blade is bent to the strip's first shape: another "
-                  "place of the block",
-                  arm.id, what)};
-  refusal.when = " before the strip begins";
+// `what` names the arm, and what else is known of it.
+Refusal refused(const Strip& strip, Limit limit, double value, double bound, const std::string& what) {
+  Refusal refusal{strip.id, "", limit, value, bound, say(Saying::kAtTheStart, {what})};
+  refusal.when = say(Saying::kBeforeTheStrip);
   refusal.at = middle_of(strip.poses.front());
   return refusal;
 }
@@ -63,13 +54,14 @@ std::optional<Refusal> limit_of(const Strip& strip, const robot::CellArm& arm, c
   const double joint = m.joint_rad.value / kDegree_rad, wrist = m.wrist_rad.value / kDegree_rad,
                elbow = m.elbow_rad.value / kDegree_rad;
   if (joint < least.joint_deg) {
-    return refused(strip, arm, Limit::kJointAngle, joint, least.joint_deg,
-                   fmt::format(" {} from its limit", arm.model.arm.joints()[m.joint_rad.joint].name));
+    return refused(strip, Limit::kJointAngle, joint, least.joint_deg,
+                   say(Saying::kArmJointNear, {arm.id, arm.model.arm.joints()[m.joint_rad.joint].name}));
   }
-  if (wrist < least.wrist_deg) return refused(strip, arm, Limit::kWristAngle, wrist, least.wrist_deg, "");
-  if (elbow < least.elbow_deg) return refused(strip, arm, Limit::kElbowAngle, elbow, least.elbow_deg, "");
+  const std::string which = say(Saying::kArm, {arm.id});
+  if (wrist < least.wrist_deg) return refused(strip, Limit::kWristAngle, wrist, least.wrist_deg, which);
+  if (elbow < least.elbow_deg) return refused(strip, Limit::kElbowAngle, elbow, least.elbow_deg, which);
   if (m.shoulder_mm.value < least.shoulder_mm)
-    return refused(strip, arm, Limit::kShoulderDistance, m.shoulder_mm.value, least.shoulder_mm, "");
+    return refused(strip, Limit::kShoulderDistance, m.shoulder_mm.value, least.shoulder_mm, which);
   return std::nullopt;
 }
 
@@ -90,7 +82,8 @@ std::optional<Refusal> start_refusal(const Strip& strip, const robot::BladeSecti
     if (path.size() < start.poses.size()) {
       const BladePose& at = start.poses[start.poses.size() - 1 - path.size()];
       const robot::Reach reach = robot::reach(arm.model.arm, hold.flange(clamp == 1 ? at.b : at.a));
-      return refused(strip, arm, Limit::kArmReach, reach.from_axis_2_mm, reach.most_mm, "");
+      return refused(strip, Limit::kArmReach, reach.from_axis_2_mm, reach.most_mm,
+                     say(Saying::kArm, {arm.id}));
     }
     std::reverse(path.begin(), path.end());
     if (const auto broken = limit_of(strip, arm, cell.margins, path)) return broken;
@@ -98,12 +91,8 @@ std::optional<Refusal> start_refusal(const Strip& strip, const robot::BladeSecti
   }
   const robot::Clearance clear = prove_clear(start, blade, cell, joints);
   if (!clear.worst) return std::nullopt;
-  const robot::CellArm& arm = cell.arms[held.arm[0]];
-  Refusal refusal =
-      refused(strip, arm, Limit::kArmClearance, clear.worst->distance_mm, clear.worst->clearance_mm, "");
-  refusal.note = describe(*clear.worst, start) +
-                 ", where the straight blade is bent to the strip's first shape: another place of the block";
-  return refusal;
+  return refused(strip, Limit::kArmClearance, clear.worst->distance_mm, clear.worst->clearance_mm,
+                 describe(*clear.worst, start));
 }
 
 }  // namespace hotblade::pipeline

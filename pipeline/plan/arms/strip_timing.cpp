@@ -1,10 +1,9 @@
 #include "pipeline/plan/arms/strip_timing.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "pipeline/plan/motion/slow_feed.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "robot/pose/motion.hpp"
 
 namespace hotblade::pipeline {
@@ -32,10 +31,8 @@ std::optional<Refusal> refusal_of(const Strip& strip, const std::vector<LimitedW
                   Limit::kSlowestFeed,
                   least,
                   motion.min_feed_mm_s,
-                  fmt::format("{} would slow the cut to {:.2g} mm/s, {:.2g} mm/s at least "
-                              "(motion.min_feed_mm_s): tilt the jaw or turn the block",
-                              tight.name, least, motion.min_feed_mm_s)};
-  refusal.when = fmt::format(" in phase {} at {:.2f} s", name(at.phase), at.t);
+                  say(Saying::kJointTooSlow, {tight.name, least, motion.min_feed_mm_s})};
+  refusal.when = say(Saying::kInPhase, {name(at.phase), at.t});
   refusal.at = middle_of(at);
   return refusal;
 }
@@ -54,7 +51,7 @@ std::vector<LimitedWay> moving_joints(const robot::Cell& cell, const HeldJoints&
                      arm.acceleration_rad_s2[i],
                      arm.jerk_rad_s3[i],
                      robot::PathClock::kRampPerS,
-                     "arm " + arm.id + " " + joint.name};
+                     say(Saying::kArmPart, {arm.id, joint.name})};
       const auto j = static_cast<int>(i);
       for (std::size_t k = 1; k < angles.size(); ++k)
         way.step.emplace_back(angles[k][j] - angles[k - 1][j], 0, 0);

@@ -1,7 +1,5 @@
 #include "pipeline/plan/motion/blade_check.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/refuser.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 #include "pipeline/verify/hanging.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -159,11 +158,9 @@ void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
     double moved = 0;
     for (; i < poses.size() && unheld(poses[i], margins[i], settings); ++i)
       moved = std::max(moved, clamp_error_mm(poses[i], margins[i].straight_mm, settings.machine));
-    motion.warnings.push_back(fmt::format(
-        "{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide "
-        "its shape to second order only, and their errors may move it by {:.1f} mm",
-        strip.id, poses[first].t, name(poses[first].phase), poses[i - 1].t, name(poses[i - 1].phase),
-        i - first, moved));
+    motion.warnings.push_back(
+        say(Saying::kNearlyStraight, {strip.id, poses[first].t, name(poses[first].phase), poses[i - 1].t,
+                                      name(poses[i - 1].phase), i - first, moved}));
   }
 }
 
@@ -186,7 +183,7 @@ void refuse_places(const std::vector<PoseCheck>& checks, const StockSettings& st
       first_by(checks, [](const auto& a, const auto& b) { return a.clearance < b.clearance; });
   if (!(checks[near].clearance >= stock.clearance_mm)) {
     refuse(near, Limit::kClampClearance, checks[near].clearance, stock.clearance_mm,
-           refuse.phase(near) == StripPhase::kRetract ? "motion.lead_mm ends nearer behind the block" : "");
+           refuse.phase(near) == StripPhase::kRetract ? say(Saying::kLeadEndsNear) : "");
   }
   const std::size_t deep = first_by(checks, [](const auto& a, const auto& b) { return a.depth > b.depth; });
   if (!(checks[deep].depth <= kFreePartDepthMm)) {

@@ -1,16 +1,16 @@
 #include "pipeline/plan/motion/refuser.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 
 void Refuser::operator()(std::size_t i, Limit limit, double value, double bound, std::string note) {
   const BladePose& pose = motion_.poses[i];
   Refusal refusal{strip_.id, pose.foam ? rib_name(pose) : "", limit, value, bound, std::move(note)};
-  refusal.when = fmt::format(" in phase {} at {:.2f} s", name(pose.phase), pose.t);
+  refusal.when = say(Saying::kInPhase, {name(pose.phase), pose.t});
   refusal.at = middle_of(pose);
   motion_.refusals.push_back(std::move(refusal));
 }

@@ -1,7 +1,5 @@
 #include "pipeline/plan/motion/slow_feed.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <span>
 
 #include "pipeline/plan/motion/timed_stretch.hpp"
+#include "pipeline/sayings/saying.hpp"
 #include "robot/pose/rates.hpp"
 
 namespace hotblade::pipeline {
@@ -95,19 +94,14 @@ std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses, 
   // The fastest point has the feed there, or else the clamps hold the blade back.
   constexpr double kAtFeed = 0.9;
   if (slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s || !(slow.slowest_mm_s > 0)) {
-    return fmt::format(
-        "the blade turns there{}, its fastest point goes at {:.3g} mm/s, and it would melt too wide",
-        planes_turn ? " with its planes" : "", slow.fastest_mm_s);
+    return say(planes_turn ? Saying::kTurnsWithPlanes : Saying::kTurnsThere, {slow.fastest_mm_s});
   }
   const Held held = most_used(poses, slow.pose, motion);
   // A tenth more, as the law leaves a little of each limit.
   constexpr double kMore = 1.1;
   const double needed = kMore * held.limit *
                         std::pow(motion.min_feed_mm_s / slow.slowest_mm_s, static_cast<double>(held.power));
-  return fmt::format(
-      "the clamps' {} holds the blade back there, and it would melt too wide: the smallest feed takes {} of "
-      "{:.2g} {}",
-      held.name, held.key, needed, held.unit);
+  return say(Saying::kHeldBack, {held.name, held.key, needed, held.unit});
 }
 
 }  // namespace hotblade::pipeline

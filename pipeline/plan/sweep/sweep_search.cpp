@@ -14,6 +14,7 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
+#include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 
@@ -44,7 +45,7 @@ class Search {
     if (fewest > kMostStrips) {
       SweptPlan none;
       none.refusals = {{"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
-                        "is the design really in " + settings_.design.units + "? Else plan it in parts"}};
+                        say(Saying::kUnitOrParts, {settings_.design.units})}};
       (void)judge(none);
       return;
     }
@@ -373,8 +374,7 @@ class Search {
     const Eigen::Vector2d middle = fit.extent.center();
     const Vector3d p = farthest ? part.axes.plane(fit.max_offset_mm).point(fit.max_q.x(), fit.max_q.y())
                                 : part.axes.plane(middle.x()).point(middle.y(), fit.height_mm);
-    refusal.place =
-        fmt::format("{} ({:.1f}, {:.1f}, {:.1f})", farthest ? "at" : "about", p.x(), p.y(), p.z());
+    refusal.place = say(farthest ? Saying::kAt : Saying::kAbout, {p.x(), p.y(), p.z()});
     refusal.at = p;
   }
 

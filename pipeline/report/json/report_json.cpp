@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "robot/arm/arm.hpp"
@@ -138,7 +139,7 @@ Json decisions_json(const std::vector<Decision>& decisions) {
                     {"deviation_mm", d.deviation_mm},
                     {"passed", d.passed},
                     {"taken", d.taken},
-                    {"why", d.why}});
+                    {"why", d.why()}});
   }
   return list;
 }
@@ -163,6 +164,13 @@ Json foam_json(const Nesting& foam, const Program& program) {
           {"bought", blocks}};
 }
 
+Json narrowed_json(const TriedRemedy& remedy) {
+  if (!remedy.narrowed) return {};
+  return {{"passes", remedy.narrowed->passes},
+          {"fails", remedy.narrowed->fails},
+          {"unit", remedy.narrowed->unit}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Refusal& r) {
@@ -183,7 +191,8 @@ nlohmann::ordered_json to_json(const std::vector<TriedRemedy>& remedies) {
                     {"deviation_mm", m.deviation_mm},
                     {"tolerance_mm", m.tolerance_mm},
                     {"strips", m.strips},
-                    {"verdict", m.verdict}});
+                    {"verdict", m.verdict},
+                    {"narrowed", narrowed_json(m)}});
   }
   return json;
 }
@@ -261,8 +270,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
     report["strips"].push_back(strip_json(result.strips[i], result.program.strips[i]));
   }
   report["settings"] = to_json(result.program.settings);
-  // A file's name may be no UTF-8: program.json has it likewise.
-  return report.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(report, 2) + "\n";
 }
 
 }  // namespace hotblade::pipeline

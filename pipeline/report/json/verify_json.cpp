@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/verdict.hpp"
 
 namespace hotblade::pipeline {
@@ -44,7 +45,7 @@ std::string verify_json(const Program& program, const VerifyReport& report, cons
         {{"id", program.strips[i].id}, {"cut_to_design_max_mm", report.strip_max_mm[i]}});
   if (!joints.is_null()) json["joints"] = joints;
   json["not_checked"] = program.verification.not_checked;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace hotblade::pipeline

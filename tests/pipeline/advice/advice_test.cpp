@@ -1,11 +1,13 @@
 // What is told to help was tried, and passed.
 #include "pipeline/advice/advice.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <tuple>
 
 #include "pipeline/advice/remedies.hpp"
 #include "pipeline/plan/forecast.hpp"
@@ -230,11 +232,120 @@ TEST(Advice, GoesOnFromANumberThatDidNotDo) {
           again.refusals.push_back({"S001", "", Limit::kDeviation, 9, s.design.tolerance_mm});
         return again;
       });
-  // Three is where the search ended: six is tried, and then what was found with it.
-  EXPECT_THAT(tried, ::testing::ElementsAre(6, 9));
+  // Three is where the search ended: six is tried, then what was found with it, and then a step less.
+  EXPECT_THAT(tried, ::testing::ElementsAre(6, 9, 8.99));
   ASSERT_EQ(told.size(), 1u);
+  EXPECT_THAT(describe(told.front()), HasSubstr("; 9 mm passes, 8.99 mm does not"));
   // A flag wins over --set: advice names the flag.
   EXPECT_EQ(as_options(told.front()), "--tolerance 9");
+}
+
+// A job that passes from some value of a setting on, and every value that was tried.
+struct PassesFrom {
+  double least = 0;
+  std::vector<double> tried{};
+  PlanResult operator()(const Settings& settings) {
+    const double value = settings.design.tolerance_mm;
+    tried.push_back(value);
+    PlanResult again;
+    again.program.settings = settings;
+    if (value < least) again.refusals.push_back({"S001", "", Limit::kDeviation, 1.251, value});
+    return again;
+  }
+};
+
+TEST(Advice, OfANumberIsTheSmallestChangeThatPasses) {
+  Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.251, 1});
+  PassesFrom job{1.235};
+  const auto told = try_changes(settings, likely_changes(refused, {}), std::ref(job));
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(as_options(told.front()), "--tolerance 1.24");
+  ASSERT_TRUE(told.front().narrowed);
+  EXPECT_EQ(describe(*told.front().narrowed), "1.24 mm passes, 1.23 mm does not");
+  EXPECT_THAT(describe(told.front()), HasSubstr("; 1.24 mm passes, 1.23 mm does not"));
+  // Both were tried, and 30 steps lie between today's setting and the first that passed.
+  EXPECT_THAT(job.tried, ::testing::IsSupersetOf({1.24, 1.23}));
+  EXPECT_LE(job.tried.size(), 1u + kMostSteps);
+  // Where every change passes, the last that does not is today's setting.
+  PassesFrom any{1};
+  EXPECT_EQ(describe(*try_changes(settings, likely_changes(refused, {}), std::ref(any)).front().narrowed),
+            "1.01 mm passes, 1 mm does not");
+}
+
+TEST(Advice, TakesNoMorePlansThanItSays) {
+  const Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  for (const auto& [limit, value, bound] : {std::tuple{Limit::kDeviation, 9.7, 1.0},
+                                            {Limit::kUncutShare, 9.0, 1.0},
+                                            {Limit::kSlowestFeed, 0.3, 1.0},
+                                            {Limit::kRibRadius, 40.0, 70.0},
+                                            {Limit::kBlockEdge, 5000.0, 1200.0}})
+    refused.refusals.push_back({"S001", "", limit, value, bound});
+  int plans = 0;
+  const auto told = try_changes(settings, likely_changes(refused, {}), [&](const Settings& s) {
+    ++plans;
+    PlanResult again;
+    again.program.settings = s;
+    return again;
+  });
+  EXPECT_EQ(told.size(), 5u);
+  EXPECT_LE(plans, kMostPlans);
+  EXPECT_GE(plans, kMostNarrowing);
+}
+
+// Of refusals of different kinds: what is told to pass does, and what is told not to does not.
+TEST(Advice, OfEveryKindHoldsOnBothSides) {
+  const surface::DesignSurface design = cylinder_design();
+  const auto planned = [&](const Settings& settings) { return plan(design, settings, {}); };
+  const struct {
+    const char* setting;
+    std::function<void(Settings&, double)> set;
+    double refused;
+  } kinds[] = {{"design.tolerance_mm", [](Settings& s, double x) { s.design.tolerance_mm = x; }, 0.002},
+               {"machine.plinth_mm", [](Settings& s, double x) { s.machine.plinth_mm = x; }, 20},
+               {"motion.min_feed_mm_s", [](Settings& s, double x) { s.motion.min_feed_mm_s = x; }, 7.5}};
+  for (const auto& kind : kinds) {
+    Settings settings = along_x();
+    kind.set(settings, kind.refused);
+    const PlanResult refused = planned(settings);
+    ASSERT_FALSE(refused.refusals.empty()) << kind.setting;
+    bool found = false;
+    for (const TriedRemedy& told : try_changes(settings, likely_changes(refused, {}), planned)) {
+      if (!told.narrowed || !told.assignments.front().starts_with(kind.setting)) continue;
+      found = true;
+      Settings enough = settings, less = settings;
+      kind.set(enough, told.narrowed->passes);
+      EXPECT_TRUE(planned(enough).refusals.empty()) << describe(told);
+      kind.set(less, told.narrowed->fails);
+      EXPECT_FALSE(planned(less).refusals.empty()) << describe(told);
+      // By a step: one of the third digit, or of the setting's own.
+      const double step = std::abs(told.narrowed->passes - told.narrowed->fails);
+      EXPECT_LE(step, std::max(0.0101 * told.narrowed->passes, 1.0) * 1.0001) << describe(told);
+      ::testing::Test::RecordProperty(kind.setting, describe(told));
+    }
+    EXPECT_TRUE(found) << kind.setting << ": " << describe(refused.refusals.front());
+  }
+}
+
+TEST(Advice, IsStoppedByTheUserWhileItNarrows) {
+  const Settings settings = in_mm();
+  PlanResult refused;
+  refused.program.settings = settings;
+  refused.refusals.push_back({"S001", "", Limit::kDeviation, 1.251, 1});
+  int plans = 0;
+  EXPECT_THROW((void)try_changes(settings, likely_changes(refused, {}),
+                                 [&](const Settings& s) -> PlanResult {
+                                   if (++plans == 3) throw Error(ErrorKind::kInterrupted, "interrupted");
+                                   PlanResult again;
+                                   again.program.settings = s;
+                                   return again;
+                                 }),
+               Error);
+  EXPECT_EQ(plans, 3);
 }
 
 TEST(Advice, StopsWhenTheUserDoes) {

@@ -257,7 +257,7 @@ TEST(Plan, SaysWhenTheLeadGivenIsTooShortForTheClamps) {
   const PlanResult result = plan(half_tube(), settings, {});
   // One strip does not get out; two, less bent, do.
   const bool said = std::any_of(result.decisions.begin(), result.decisions.end(), [](const Decision& d) {
-    return d.why.find("motion.lead_mm ends nearer behind the block") != std::string::npos;
+    return d.why().find("motion.lead_mm ends nearer behind the block") != std::string::npos;
   });
   EXPECT_TRUE(said);
 }

@@ -60,10 +60,12 @@ TEST(Reasons, TellByWhatAnotherDirectionFailedThatWasTriedInFull) {
   Decision other = result.decisions.back();
   other.taken = other.passed = false;
   other.normal = {0, 0, 1};
-  other.why = "S001: radius 55 mm (limit 70 mm)";
+  other.stopped_by = Refusal{"S001", "", Limit::kRibLength, 550, 500};
   result.decisions.insert(result.decisions.begin(), other);
   EXPECT_THAT(direction_reason(result, kEnglish),
-              HasSubstr("Tried in full and refused, normal (0, 0, 1): S001: radius 55 mm (limit 70 mm)."));
+              HasSubstr("Tried in full and refused, normal (0, 0, 1): S001: rib length 550 mm (limit 500 "
+                        "mm): no blade is as "
+                        "long."));
 }
 
 TEST(Reasons, TellByWhatFewerStripsFailed) {
@@ -83,7 +85,7 @@ TEST(Reasons, TellByWhatFewerStripsFailed) {
   Decision coarser = result.decisions.back();
   coarser.taken = coarser.passed = false;
   coarser.strips = 1;
-  coarser.why = "S001: deviation 1.2 mm (limit 1 mm)";
+  coarser.stopped_by = Refusal{"S001", "", Limit::kDeviation, 1.2, 1};
   result.decisions.insert(result.decisions.begin(), coarser);
   const std::string text = split_reason(result, kEnglish);
   EXPECT_THAT(text, HasSubstr(fmt::format(

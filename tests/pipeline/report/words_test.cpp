@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "pipeline/report/german.hpp"
 #include "pipeline/report/page_texts.hpp"
 #include "pipeline/report/pictures.hpp"
 #include "pipeline/report/report_html.hpp"
@@ -87,7 +88,7 @@ TEST(Words, OfGermanAreThereForARefusedPlan) {
   settings.blade.min_margin = 1000;
   PlanResult result = plan(cylinder_design(), settings, {});
   EXPECT_THAT(page_of(result), HasSubstr("Keine anderen Einstellungen bestanden"));
-  result.remedies = {{{"design.tolerance_mm=9"}, "", "measured", 8.1, 9, 2, "green"}};
+  result.remedies = {{{"design.tolerance_mm=9"}, "", "measured", 8.1, 9, 2, "green", {}}};
   EXPECT_THAT(page_of(result), HasSubstr("Was ihn schneidbar macht"));
 }
 
@@ -112,21 +113,29 @@ TEST(Words, HaveAllThatTheViewSays) {
 TEST(Words, HaveEveryColumnOfTheStrips) {
   for (const StripColumn& column : strip_columns())
     EXPECT_NO_THROW((void)Words("de")(column.name)) << column.name;
+  EXPECT_EQ(Words("de").said("2 over"), "2 über der Grenze");
+  for (std::size_t i = 0; i < 6; ++i) {
+    std::string name = clamp_coordinate_name(i);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    EXPECT_NE(Words("de").said("0.13 (" + name + ")"), "0.13 (" + name + ")");
+  }
 }
 
 TEST(Words, KeepTheValuesPlacesAndStandOnce) {
   std::set<std::string_view> seen;
-  for (const auto& [english, german] : Words("de").table()) {
-    EXPECT_TRUE(seen.insert(english).second) << english;
-    EXPECT_FALSE(german.empty());
-    EXPECT_EQ(places(english), places(german));
+  for (const auto table : {Words("de").table(), german_words_of_limits(), german_sentences()}) {
+    for (const auto& [english, german] : table) {
+      EXPECT_TRUE(seen.insert(english).second) << english;
+      EXPECT_FALSE(german.empty());
+      EXPECT_EQ(places(english), places(german));
+    }
   }
 }
 
 TEST(Words, ThatTheTableLacksAreAnErrorUnlessTheyComeFromElsewhere) {
   EXPECT_THROW((void)Words("de")("no such words"), std::logic_error);
-  EXPECT_EQ(Words("de").known("no such words"), "no such words");
-  EXPECT_EQ(Words("de").known("droop"), "Durchhang");
+  EXPECT_EQ(Words("de").said("no such words"), "no such words");
+  EXPECT_EQ(Words("de").said("droop"), "Durchhang");
   EXPECT_EQ(Words("en")("no such words"), "no such words");
   EXPECT_EQ(Words("de").format("{} ribs", 7), "7 Rippen");
   EXPECT_THROW(Words("fr"), std::logic_error);

@@ -152,12 +152,21 @@ TEST_F(SettingsFiles, BrokenFilesNameTheLine) {
   EXPECT_THAT(usage_error({{twice}, {}, {}}), HasSubstr("twice.toml:3: "));
   const auto encoding = write("encoding.toml", "[blade]\n# \xff\xfe\n");
   EXPECT_THAT(usage_error({{encoding}, {}, {}}), HasSubstr("encoding.toml:2: "));
+  const auto text = write("text.toml", "[job]\n\nauthor = \"A. \xff\"\n");
+  EXPECT_THAT(usage_error({{text}, {}, {}}), HasSubstr("text.toml:3: "));
 }
 
 TEST_F(SettingsFiles, UnreadableFilesAreFileErrors) {
   EXPECT_EQ(error_of({{folder_ / "missing.toml"}, {}, {}}).first, ErrorKind::kFile);
   EXPECT_EQ(error_of({{folder_}, {}, {}}).first, ErrorKind::kFile);
   EXPECT_EQ(to_toml(resolve({{write("empty.toml", "")}, {}, {}})), to_toml(Settings{}));
+}
+
+TEST(Settings, TextsThatAreNoUtf8AreRefused) {
+  EXPECT_EQ(set_error("job.author=M\xfcller"),
+            "--set: job.author (M\ufffdller) is no UTF-8: write it as UTF-8");
+  EXPECT_THAT(set_error("design.group=\"\xff\""), HasSubstr("is no UTF-8"));
+  EXPECT_EQ(with("job.author=M\u00fcller").job.author, "M\u00fcller");
 }
 
 TEST(Settings, WrongTypesAreRefused) {
