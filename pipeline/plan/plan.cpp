@@ -430,7 +430,13 @@ SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::T
   for (surface::TriangleMesh& mesh : meshes) {
     PlanResult face;
     face.program = result.program;
-    append(whole, try_sweeps(face_of(design, std::move(mesh)), own, hooks, progress, watch, face));
+    const surface::DesignSurface alone = face_of(design, std::move(mesh));
+    const std::size_t strips = whole.strips.size();
+    append(whole, try_sweeps(alone, own, hooks, progress, watch, face));
+    result.faces.push_back({{strips, whole.strips.size() - strips},
+                            {result.decisions.size(), face.decisions.size()},
+                            {result.ranking.size(), face.ranking.size()},
+                            strips_lower_bound(alone.health.area_mm2, settings)});
     for (Decision& d : face.decisions) d.taken = false;
     std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
     std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));

@@ -91,6 +91,16 @@ struct TriedRemedy {
   std::optional<Narrowed> narrowed{};
 };
 
+// A smooth face of a design with creases (surface/slice/creases.hpp), planned as a design of its own: what of
+// the plan's lists is its.
+struct FacePlanned {
+  struct Range {
+    std::size_t first = 0, count = 0;
+  };
+  Range strips, decisions, ranking;
+  std::size_t strips_lower_bound = 1;  // by the face's area
+};
+
 // What one stage of the plan took.
 struct StageTime {
   std::string stage;
@@ -107,6 +117,7 @@ struct PlanResult {
   VerifyReport verification;
   double spacing_mm = 0;  // largest between the ribs of a strip
   std::vector<Decision> decisions;
+  std::vector<FacePlanned> faces;      // that meet in creases, in the order of the strips; empty: it has none
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;   // what was tried and passed
   std::optional<Nesting> foam;         // what to buy, where settings say what is sold

@@ -2,9 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/preview/scene.hpp"
-#include "pipeline/verify/design_border.hpp"
+#include "pipeline/verify/design_faces.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -29,23 +28,22 @@ double waste_sign(const surface::TriangleMesh& design, Keep keep) {
 
 }  // namespace
 
-std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, Keep keep,
-                                        const std::vector<Eigen::Vector3d>& points, double near_mm) {
-  const gpu::MeshDistance to_design(design.vertices(), design.triangles());
-  const auto nearest = to_design.query(points);
-  const auto sides = to_design.sides(points, nearest);
-  const double to_waste = waste_sign(design, keep);
-  const MeshView mesh{design.vertices(), design.triangles()};
-  const DesignBorder border(design);
+std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, const Program& program,
+                                        const std::vector<Eigen::Vector3d>& points,
+                                        const std::vector<int>& strip_of_point, double near_mm) {
+  const DesignFaces faces(design, program, gpu::Backend::kCpu);
+  const auto feet = faces.feet_and_sides(points, [&](std::size_t i) { return strip_of_point[i]; });
+  const double to_waste = waste_sign(design, program.design.keep);
   std::vector<double> signed_mm(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    double distance = nearest[i].distance;
-    if (border.holds(nearest[i])) {
-      const Eigen::Vector3d d = points[i] - nearest[i].point, n = facet(mesh, nearest[i].triangle).normal();
+    const DesignFaces::Foot& foot = feet[i];
+    double distance = foot.distance;
+    if (foot.on_border) {
+      const Eigen::Vector3d d = points[i] - foot.point, &n = foot.normal;
       const bool beyond = (d - n.dot(d) * n).norm() > near_mm;
       distance = beyond ? std::numeric_limits<double>::quiet_NaN() : std::abs(n.dot(d));
     }
-    signed_mm[i] = to_waste * static_cast<double>(sides[i]) < 0 ? -distance : distance;
+    signed_mm[i] = to_waste * static_cast<double>(foot.side) < 0 ? -distance : distance;
   }
   return signed_mm;
 }

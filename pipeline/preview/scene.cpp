@@ -136,10 +136,11 @@ void add_caption(Scene& scene, const Program& program, const std::vector<int>& s
   }
 }
 
-// Measures the cut against the design. What lies past the design's border, in the waste, is left out.
-void measure(CutSurface& cut, const surface::DesignSurface& design, const Program& program) {
-  const double near_mm = VerifyOptions{}.reach * program.verification.tolerance_mm;
-  cut.deviation_mm = signed_deviation_mm(design.mesh, program.design.keep, cut.vertices, near_mm);
+// Measures the cut of these strips against the design. What lies past its border, in the waste, or past a
+// crease, in the strip's own block, is left out.
+void measure(CutSurface& cut, const surface::DesignSurface& design, const Program& part) {
+  const double near_mm = VerifyOptions{}.reach * part.verification.tolerance_mm;
+  cut.deviation_mm = signed_deviation_mm(design.mesh, part, cut.vertices, cut.strip_of_vertex, near_mm);
   std::erase_if(cut.triangles, [&](const std::array<int, 3>& triangle) {
     return std::any_of(triangle.begin(), triangle.end(), [&](int vertex) {
       return std::isnan(cut.deviation_mm[static_cast<std::size_t>(vertex)]);
@@ -166,6 +167,7 @@ std::optional<Color> color_named(const std::string& name) {
 Program shown_part(const Program& program, const SceneOptions& options) {
   Program part;
   part.design = program.design;
+  part.settings = program.settings;
   part.blade = program.blade;
   part.cell = program.cell;
   part.verification = program.verification;
@@ -199,7 +201,7 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
                std::move(swept.curvature_per_mm),
                {},
                {}};
-  if (design) measure(scene.cut, *design, program);
+  if (design) measure(scene.cut, *design, part);
   Coloring coloring = coloring_of(color, part, scene.cut);
   scene.scale = std::move(coloring.scale);
   scene.cut.values = std::move(coloring.values);

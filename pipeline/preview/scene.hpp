@@ -102,12 +102,14 @@ void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, const Bl
 // largest deviation stays marked. A scene without a cut says that nothing is cut.
 void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons);
 
-// The signed distance of each point from the design, mm: positive on the waste side (foam left standing),
-// negative where the cut is too deep. Waste lies above or below along z, or before or behind the face
-// normals, as `keep` says. Beyond the design's border it is the distance across the design's plane there,
-// and NaN where a point is farther beyond it than `near_mm`: there the cut is in waste, as verify counts it.
-[[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design, Keep keep,
+// The signed distance of each point from the face of the design that its strip forms (design_faces.hpp), mm:
+// positive on the waste side (foam left standing), negative where the cut is too deep. Waste lies above or
+// below along z, or before or behind the face normals, as the program's `keep` says. Beyond the design's
+// border or a crease it is the distance across the face's plane there, and NaN where a point is farther
+// beyond it than `near_mm`: there the cut is in waste, or in foam of its own block, as verify counts it.
+[[nodiscard]] std::vector<double> signed_deviation_mm(const surface::TriangleMesh& design,
+                                                      const Program& program,
                                                       const std::vector<Eigen::Vector3d>& points,
-                                                      double near_mm);
+                                                      const std::vector<int>& strip_of_point, double near_mm);
 
 }  // namespace hotblade::pipeline::preview

@@ -150,7 +150,7 @@ std::string picture(const ReportPicture& p, const Words& w) {
 // The view stands in the first picture's place, around it; without a picture, a line stands in for it.
 std::string pictures_section(const std::vector<ReportPicture>& pictures, const std::string& note,
                              const std::optional<ViewerScene>& view, const Words& w) {
-  const std::string none = "<p>" + w("No pictures") + ": " + escaped(note) + ".</p>\n";
+  const std::string none = "<p>" + w("No pictures") + ": " + escaped(w.said(note)) + ".</p>\n";
   if (pictures.empty() && !view) return "<h2>" + w("Pictures") + "</h2>" + none;
   std::string html = "<h2>" + w("What is cut") + "</h2>\n";
   if (view) html += viewer_html(*view, pictures.empty() ? none : picture(pictures.front(), w), w);
@@ -167,7 +167,12 @@ std::string deviation_section(const PlanResult& result, const Words& w) {
                               v.cut_samples - v.beyond_samples, v.design_samples);
   if (v.beyond_samples > 0)
     html +=
-        " " + w.format("{} samples of the cut lie beyond the design's border, in waste.", v.beyond_samples);
+        " " +
+        (result.faces.empty()
+             ? w.format("{} samples of the cut lie beyond the design's border, in waste.", v.beyond_samples)
+             : w.format("{} samples of the cut lie beyond the border or a crease of their face, in foam "
+                        "that is not the part.",
+                        v.beyond_samples));
   html += "</p>\n";
   html += histogram_svg(v.histogram, result.program.verification.tolerance_mm, w);
   std::string heads, cells;
@@ -214,6 +219,19 @@ const char* way_text(SweepWay way) {
   return "";
 }
 
+// The number of the face that this entry of a list is about, from 1 on; 0: of the whole design.
+std::size_t face_of(const PlanResult& result, FacePlanned::Range FacePlanned::*list, std::size_t entry) {
+  for (std::size_t f = 0; f < result.faces.size(); ++f) {
+    const FacePlanned::Range& range = result.faces[f].*list;
+    if (entry - range.first < range.count) return f + 1;
+  }
+  return 0;
+}
+
+std::string of_face(std::size_t face, const std::string& text, const Words& w) {
+  return face == 0 ? text : w.format("face {}: {}", face, text);
+}
+
 // Every try at the plan, in their order.
 std::string decisions_section(const PlanResult& result, const Words& w) {
   if (result.decisions.empty()) return "";
@@ -233,8 +251,10 @@ std::string decisions_section(const PlanResult& result, const Words& w) {
     html += fmt::format(
         "<tr><td class=\"l\">{}</td><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l say\">{}</td></tr>\n",
-        w(way_text(d.way)), d.fan ? w("a fan, in the middle") + " " : std::string(),
-        vector_text(d.normal, 1e4), d.strips, d.ribs, mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
+        of_face(face_of(result, &FacePlanned::decisions, i), w(way_text(d.way)), w),
+        d.fan ? w("a fan, in the middle") + " " : std::string(),
+        d.way == SweepWay::kFaces ? w("each face's own") : vector_text(d.normal, 1e4), d.strips, d.ribs,
+        mm(d.fit_mm), mm(d.deviation_mm), escaped(found));
   }
   html += "</table><p class=\"note\">" +
           w("Planes by their normals; slice.direction gives one, slice.fan_axis an axis.");
@@ -249,25 +269,42 @@ std::string planes_text(const surface::PlaneFamily& planes, const Words& w) {
          vector_text(planes.centre(), 10) + " mm";
 }
 
+// The first of the ranking, of a design with creases the first of each face's.
+std::vector<std::size_t> shown_of_ranking(const PlanResult& result) {
+  std::vector<std::size_t> shown;
+  std::vector<FacePlanned::Range> lists{{0, result.ranking.size()}};
+  if (!result.faces.empty()) {
+    lists.clear();
+    for (const FacePlanned& face : result.faces) lists.push_back(face.ranking);
+  }
+  const std::size_t of_each = std::max<std::size_t>(1, kDirectionsShown / lists.size());
+  for (const FacePlanned::Range& list : lists) {
+    for (std::size_t i = 0; i < std::min(of_each, list.count); ++i) shown.push_back(list.first + i);
+  }
+  shown.resize(std::min(shown.size(), kDirectionsShown));
+  return shown;
+}
+
 std::string ranking_section(const PlanResult& result, const Words& w) {
   if (result.ranking.empty()) return "";
   std::string html = "<h2>" + w("Directions ranked") + "</h2><table><tr><th class=\"l\">" + w("planes") +
                      "</th><th>" + w("parts along sweep x ribs") + "</th><th>" +
                      w("missed by elastica, from Beziers mm") + "</th><th>" + w("cheap fit mm") +
                      "</th></tr>\n";
-  const std::size_t shown = std::min(kDirectionsShown, result.ranking.size());
-  for (std::size_t i = 0; i < shown; ++i) {
+  const std::vector<std::size_t> shown = shown_of_ranking(result);
+  for (const std::size_t i : shown) {
     const PlanesTried& d = result.ranking[i];
     html += fmt::format("<tr><td class=\"l\">{}</td><td>{} x {}</td><td>{:.2f}</td><td>{}</td></tr>\n",
-                        planes_text(d.planes, w), d.along_sweep, d.along_ribs, d.missed_mm,
+                        of_face(face_of(result, &FacePlanned::ranking, i), planes_text(d.planes, w), w),
+                        d.along_sweep, d.along_ribs, d.missed_mm,
                         d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : w("none"));
   }
   html +=
       "</table><p class=\"note\">" +
       w("The best are fitted closely and turned where they do not serve; slice.direction fixes the planes, "
         "slice.fan_axis an axis.");
-  if (shown < result.ranking.size())
-    html += " " + w.format("{} more stand in report.json.", result.ranking.size() - shown);
+  if (shown.size() < result.ranking.size())
+    html += " " + w.format("{} more stand in report.json.", result.ranking.size() - shown.size());
   return html + "</p>\n";
 }
 

@@ -35,17 +35,21 @@ std::vector<std::string> neighbours(const Program& program, std::size_t strip) {
   for (std::size_t k = 0; k < program.strips.size(); ++k) {
     if (k == strip) continue;
     const Block& other = program.strips[k].block;
-    // Blocks have foam to spare around the design, so neighbours overlap: a face's middle lies in the other.
+    // Blocks have foam to spare around the design, so neighbours overlap: a point of a face lies in the
+    // other.
     const auto meets = [](const Block& a, const Block& b) {
       for (int axis : {0, 2}) {
         for (const double share : {0.0, 1.0}) {
           Eigen::Vector3d q = 0.5 * a.size_mm;
           q[axis] = share * a.size_mm[axis];
-          // Along the other way of the face, where blocks of unlike size meet.
+          // Along the face's other ways, where blocks of unlike size or height meet.
           for (const double along : {0.15, 0.5, 0.85}) {
-            q[2 - axis] = along * a.size_mm[2 - axis];
-            const Eigen::Vector3d p = a.frame.point(q.x(), q.y(), q.z());
-            if (b.distance_mm(p) < 1) return true;
+            for (const double deep : {0.15, 0.5, 0.85}) {
+              q[2 - axis] = along * a.size_mm[2 - axis];
+              q.y() = deep * a.size_mm.y();
+              const Eigen::Vector3d p = a.frame.point(q.x(), q.y(), q.z());
+              if (b.distance_mm(p) < 1) return true;
+            }
           }
         }
       }

@@ -62,7 +62,8 @@ std::string worst_sensitivity(const StripRow& row) {
     }
   }
   std::replace(name.begin(), name.end(), '_', ' ');
-  if (!std::isfinite(most)) return "straight";
+  // A straight blade is moved to second order only: what first order says of it then is rounding's.
+  if (!(most < row.facts.blade_length_mm)) return "straight";
   return fmt::format("{:.2f} ({})", most, name);
 }
 

@@ -399,7 +399,12 @@
         tags[i].hidden = !free;
         if (free) { taken.push([x, y]); put(tags[i], scene.strips[i].middle); tags[i].className = i === state.chosen ? 'chosen' : ''; }
       }
-      rings.forEach((ring, i) => put(ring, scene.marks[i].at));
+      rings.forEach((ring, i) => {
+        put(ring, scene.marks[i].at);
+        // Its words stand on its left where they would not fit on its right.
+        const end = canvas.clientWidth / 2 + seen(scene.marks[i].at)[0] + 24 + ring.firstChild.offsetWidth;
+        ring.classList.toggle('left', end > canvas.clientWidth);
+      });
     }
 
     // ---- picking: the nearest triangle under the pointer -------------------------------------------------

@@ -25,11 +25,9 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"To buy", "Einzukaufen"},
     {"used", "genutzt"},
     {"Every cut goes from face to face of its part, square to the edge named; it is measured from the end "
-     "that keeps "
-     "the part's letter, to the saw's near side.",
+     "that keeps the part's letter, to the saw's near side.",
      "Jeder Schnitt geht von Fläche zu Fläche seines Stücks, quer zur genannten Kante; gemessen wird vom "
-     "Ende, das "
-     "den Buchstaben behält, bis zur nahen Seite der Säge."},
+     "Ende, das den Buchstaben behält, bis zur nahen Seite der Säge."},
     {"part", "Stück"},
     {"square to its", "quer zur"},
     {"gives", "ergibt"},
@@ -112,8 +110,8 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"Not released: the plan was refused", "Nicht freigegeben: der Plan wurde abgelehnt"},
     {"Axes of a block size: width along the blade, depth towards the back of the table, height along the "
      "cut.",
-     "Achsen eines Blockmaßes: Breite entlang der Klinge, Tiefe zur Rückseite des Tisches, Höhe entlang des "
-     "Schnitts."},
+     "Achsen eines Blockmaßes: Breite entlang der Klinge, Tiefe zur Rückseite des Tisches, Höhe entlang "
+     "des Schnitts."},
     // report.html: heading and verdict
     {"{:.1f} x {:.1f} x {:.1f} mm, {} faces, read in {}; foam kept: {}.",
      "{:.1f} x {:.1f} x {:.1f} mm, {} Flächen, gelesen in {}; Schaum bleibt: {}."},
@@ -135,16 +133,16 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
      "Nichts wird geschnitten: keine Abweichung konnte gemessen werden."},
     {"The surface the program cuts deviates from the design by at least <strong>{:.3f} mm</strong> "
      "(tolerance {:g} mm); worst at {}.",
-     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um mindestens <strong>{:.3f} mm</strong> ab "
-     "(Toleranz {:g} mm); am meisten bei {}."},
+     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um mindestens <strong>{:.3f} mm</strong> "
+     "ab (Toleranz {:g} mm); am meisten bei {}."},
     {"The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
      "(tolerance {:g} mm); worst at {}.",
-     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um höchstens <strong>{:.3f} mm</strong> ab "
-     "(Toleranz {:g} mm); am meisten bei {}."},
+     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um höchstens <strong>{:.3f} mm</strong> "
+     "ab (Toleranz {:g} mm); am meisten bei {}."},
     {"{:.2f} % of the design is left uncut.", "{:.2f} % des Entwurfs bleiben ungeschnitten."},
-    {"Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the error "
-     "budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the clamps', "
-     "which may err by {:g} mm and {:g} mrad.",
+    {"Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
+     "error budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the "
+     "clamps', which may err by {:g} mm and {:g} mrad.",
      "Mit den Fehlern von Klemmen, Gewicht und Netz, die keine Messung des Plans sieht, kommt das "
      "Fehlerbudget auf <strong>{:.3f} mm</strong>, mehr als die Toleranz; {:.3f} mm davon sind die der "
      "Klemmen, die um {:g} mm und {:g} mrad falsch stehen dürfen."},
@@ -155,7 +153,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"allowed", "erlaubt"},
     {"note", "Anmerkung"},
     {"No other settings were found to pass. plan --advise tries more of them.",
-     "Keine anderen Einstellungen bestanden. plan --advise versucht mehr davon."},
+     "Keine anderen Einstellungen bestanden. plan --advise versucht weitere."},
     {"What makes it cuttable", "Was ihn schneidbar macht"},
     {"with", "mit"},
     {"deviation", "Abweichung"},
@@ -164,16 +162,17 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"verdict", "Urteil"},
     {"because", "weil"},
     {"Each was planned with all else as it is, and passed.",
-     "Jedes wurde geplant, alles andere unverändert, und bestand."},
+     "Jede Änderung wurde geplant, alles andere unverändert, und bestand."},
     {"nothing is cut", "nichts wird geschnitten"},
     {"largest deviation", "größte Abweichung"},
-    {"deviation of 99 % of the samples", "Abweichung von 99 % der Proben"},
+    {"deviation of 99 % of the samples", "Abweichung von 99 % der Messpunkte"},
     {"strips (blocks of foam)", "Streifen (Schaumblöcke)"},
     {"ribs, at most {:.3g} mm apart", "Rippen, höchstens {:.3g} mm auseinander"},
     {"time on the machine", "Zeit auf der Maschine"},
     {"foam in all blocks", "Schaum in allen Blöcken"},
     // its pictures and its view
     {"No pictures", "Keine Bilder"},
+    {"not asked for (--no-pictures)", "nicht verlangt (--no-pictures)"},
     {"Pictures", "Bilder"},
     {"What is cut", "Was geschnitten wird"},
     {"on the cut side", "auf der geschnittenen Seite"},
@@ -202,16 +201,14 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"sweep", "Fahrt"},
     {"keys", "Tasten"},
     {"Drag turns, with shift or the right button it moves, the wheel zooms once the view has the focus; two "
-     "fingers move and zoom. Keys: arrows turn, with shift move, + - zoom; t f s i views, 0 the first one; 1 "
-     "to 5 colours; d c r b g n layers; , . one row back, forward, home end u the whole; x X clip plane; "
-     "page "
-     "up, page down strips, escape none. A click on a strip shows its card and marks its row.",
-     "Ziehen dreht, mit Umschalt oder der rechten Taste verschiebt es, das Rad zoomt, sobald die Ansicht den "
-     "Fokus hat; zwei Finger verschieben und zoomen. Tasten: Pfeile drehen, mit Umschalt verschieben sie, + "
-     "- "
-     "zoomt; t f s i Ansichten, 0 die erste; 1 bis 5 Farben; d c r b g n Ebenen; , . eine Zeile zurück, vor, "
-     "Pos1 Ende u das Ganze; x X Schnittebene; Bild auf, Bild ab Streifen, Esc keiner. Ein Klick auf einen "
-     "Streifen zeigt seine Karte und markiert seine Zeile."},
+     "fingers move and zoom. Keys: arrows turn, with shift move, + - zoom; t f s i views, 0 the first one; "
+     "1 to 5 colours; d c r b g n layers; , . one row back, forward, home end u the whole; x X clip plane; "
+     "page up, page down strips, escape none. A click on a strip shows its card and marks its row.",
+     "Ziehen dreht, mit Umschalt oder der rechten Taste verschiebt es, das Rad zoomt, sobald die Ansicht "
+     "den Fokus hat; zwei Finger verschieben und zoomen. Tasten: Pfeile drehen, mit Umschalt verschieben "
+     "sie, + - zoomt; t f s i Ansichten, 0 die erste; 1 bis 5 Farben; d c r b g n Ebenen; , . eine Zeile "
+     "zurück, vor, Pos1 Ende u das Ganze; x X Schnittebene; Bild auf, Bild ab Streifen, Esc keiner. Ein "
+     "Klick auf einen Streifen zeigt seine Karte und markiert seine Zeile."},
     {"curvature", "Krümmung"},
     {"margin", "Reserve"},
     {"feed", "Vorschub"},
@@ -243,7 +240,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"triangles", "Dreiecke"},
     // its tables
     {"Strips", "Streifen"},
-    {"rib fit", "Rippenpassung"},
+    {"rib fit", "Anpassung der Rippen"},
     {"kink at seam", "Knick an der Naht"},
     {"plinth", "Sockel"},
     {"foam kept", "Schaum bleibt"},
@@ -251,8 +248,8 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"time", "Zeit"},
     {"smallest radius", "kleinster Radius"},
     {"straight", "gerade"},
-    {"clamps may err", "Klemmen dürfen irren um"},
-    {"0.1 mm or 1 mrad moves", "0.1 mm oder 1 mrad bewegt um"},
+    {"clamps may err", "erlaubter Fehler der Klemmen"},
+    {"0.1 mm or 1 mrad moves", "0.1 mm oder 1 mrad verschiebt um"},
     {"{} over", "{} über der Grenze"},
     {"{:.2f} ({})", "{:.2f} ({})"},
     {"along a", "längs a"},
@@ -268,17 +265,14 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"bending stress", "Biegespannung"},
     {"of the allowed", "vom Erlaubten"},
     {"droop", "Durchhang"},
-    {"Deviation: of the cut from the design within the strip; the largest of the page also counts the design "
-     "from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is waste. Kink: "
-     "the angle between the surfaces of neighbouring strips where they meet. Block: along the blade x "
-     "towards "
-     "the waste x along the sweep.",
+    {"Deviation: of the cut from the design within the strip; the largest of the page also counts the "
+     "design from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is "
+     "waste. Kink: the angle between the surfaces of neighbouring strips where they meet. Block: along the "
+     "blade x towards the waste x along the sweep.",
      "Abweichung: des Schnitts vom Entwurf im Streifen; die größte der Seite zählt auch den Entwurf vom "
      "Schnitt. Schaum bleibt: das Volumen des Blocks auf der Seite des Teils; der Rest ist Abfall. Knick: "
-     "der "
-     "Winkel zwischen den Flächen benachbarter Streifen, wo sie sich treffen. Block: entlang der Klinge x "
-     "zum "
-     "Abfall hin x entlang der Fahrt."},
+     "der Winkel zwischen den Flächen benachbarter Streifen, wo sie sich treffen. Block: entlang der "
+     "Klinge x zum Abfall hin x entlang der Fahrt."},
     {"Load on blade and clamps", "Last auf Klinge und Klemmen"},
     {"Largest of all poses. End force and moment are what a clamp has to hold. Allowed stress: {:.0f} MPa, "
      "the yield strength of {:.0f} MPa over a safety of {:g}. A stability margin of 0 is where the blade "
@@ -290,13 +284,16 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"block as it stands, width x depth x height", "Block, wie er steht, Breite x Tiefe x Höhe"},
     {"Deviation", "Abweichung"},
     {"{} samples of the cut against the design, {} of the design against the cut.",
-     "{} Proben des Schnitts gegen den Entwurf, {} des Entwurfs gegen den Schnitt."},
+     "{} Messpunkte des Schnitts gegen den Entwurf, {} des Entwurfs gegen den Schnitt."},
+    {"{} samples of the cut lie beyond the border or a crease of their face, in foam that is not the part.",
+     "{} Messpunkte des Schnitts liegen jenseits des Randes oder einer Kante ihrer Fläche, in Schaum, der "
+     "nicht zum Teil gehört."},
     {"{} samples of the cut lie beyond the design's border, in waste.",
-     "{} Proben des Schnitts liegen jenseits des Randes des Entwurfs, im Abfall."},
-    {"share of the samples", "Anteil der Proben"},
+     "{} Messpunkte des Schnitts liegen jenseits des Randes des Entwurfs, im Abfall."},
+    {"share of the samples", "Anteil der Messpunkte"},
     {"within, mm", "innerhalb, mm"},
-    {"Deviation of the samples", "Abweichung der Proben"},
-    {"no samples", "keine Proben"},
+    {"Deviation of the samples", "Abweichung der Messpunkte"},
+    {"no samples", "keine Messpunkte"},
     {"beyond", "darüber"},
     {"deviation, mm (cut to design and design to cut)",
      "Abweichung, mm (Schnitt zum Entwurf und Entwurf zum Schnitt)"},
@@ -313,15 +310,14 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"added, s", "länger um, s"},
     {"nearest", "am nächsten"},
     {"Error budget", "Fehlerbudget"},
-    {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which all "
-     "add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
+    {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which "
+     "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
      "Was jeder Schritt der Kette hinzufügen darf, jeder für sich gemessen; die Summe ist der schlimmste "
-     "Fall, "
-     "in dem alle zusammenkommen. Eine gemessene Abweichung über der Toleranz wird abgelehnt; eine Summe "
-     "darüber macht das Urteil gelb."},
+     "Fall, in dem alle zusammenkommen. Eine gemessene Abweichung über der Toleranz wird abgelehnt; eine "
+     "Summe darüber macht das Urteil gelb."},
     {"mesh", "Netz"},
-    {"fit", "Passung"},
-    {"joint fit", "gemeinsame Passung"},
+    {"fit", "Anpassung"},
+    {"joint fit", "gemeinsame Anpassung"},
     {"between ribs", "zwischen Rippen"},
     {"interpolation", "Interpolation"},
     {"quantisation", "Rundung"},
@@ -337,28 +333,33 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"all faces", "alle Flächen"},
     // why a plan is as it is
     {"Why this plan", "Warum dieser Plan"},
+    {"Creases", "Kanten"},
+    {"The design has {} smooth faces that meet in creases, over which no blade goes within the tolerance; "
+     "each was planned as a design of its own.",
+     "Der Entwurf hat {} glatte Flächen, die an Kanten zusammenstoßen, über die keine Klinge innerhalb "
+     "der Toleranz kommt; jede wurde wie ein eigener Entwurf geplant."},
     {"Direction", "Richtung"},
     {"Split", "Teilung"},
     {"Blade", "Klinge"},
     {"The shortest that clears the block, bends within yield and holds its shape; the next lengths of "
      "blade.free_lengths_mm come to this at the ribs, before weight is compensated:",
-     "Die kürzeste, die vom Block frei bleibt, sich unter der Fließgrenze biegt und ihre Form hält; mit den "
-     "nächsten Längen von blade.free_lengths_mm kommt es an den Rippen, vor dem Ausgleich des Gewichts, "
-     "dazu:"},
-    {"fitted with", "gepasst mit"},
+     "Die kürzeste, die vom Block frei bleibt, sich unter der Fließgrenze biegt und ihre Form hält; mit "
+     "den nächsten Längen von blade.free_lengths_mm kommt es an den Rippen, vor dem Ausgleich des "
+     "Gewichts, dazu:"},
+    {"fitted with", "angepasst mit"},
     {"a shorter one", "eine kürzere"},
     {"a longer one", "eine längere"},
     {"The planes were given by slice.direction.", "Die Ebenen waren mit slice.direction vorgegeben."},
     {"The planes were given by slice.fan_axis.", "Die Ebenen waren mit slice.fan_axis vorgegeben."},
     {"one part", "ein Teil"},
     {"{} parts", "{} Teile"},
-    {"its cheap fit is off by {:.2f} mm", "die grobe Passung weicht um {:.2f} mm ab"},
+    {"its cheap fit is off by {:.2f} mm", "die grobe Anpassung weicht um {:.2f} mm ab"},
     {"no elastica follow its sections", "keine Elastika folgen ihren Schnitten"},
     {"elastica miss its sections by {:.2f} mm", "Elastika verfehlen ihre Schnitte um {:.2f} mm"},
     {"a fan about", "ein Fächer um"},
     {"planes with the normal", "Ebenen mit der Normalen"},
     {"{} ways to lay planes were ranked; of these: {}.",
-     "{} Arten, Ebenen zu legen, wurden geordnet; von diesen: {}."},
+     "{} Arten, die Ebenen zu legen, wurden verglichen; mit diesen: {}."},
     {"The best of the other directions, {}: {}.", "Die beste der anderen Richtungen, {}: {}."},
     {"Tried in full and refused, normal {}: {}.", "Ganz versucht und abgelehnt, Normale {}: {}."},
     {"{} instead of {} strips were tried and refused: {}.",
@@ -366,16 +367,16 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"One strip does.", "Ein Streifen genügt."},
     {"No fewer can cut it: by its area and size it takes {} at least.",
      "Weniger gehen nicht: nach Fläche und Größe braucht er mindestens {}."},
-    {"By its area and size {} would be the least.", "Nach Fläche und Größe wären {} das Mindeste."},
-    {"The best cheap fit of fewer parts: {}.", "Die beste grobe Passung von weniger Teilen: {}."},
+    {"By its area and size {} would be the least.", "Nach Fläche und Größe wäre {} das Mindeste."},
+    {"The best cheap fit of fewer parts: {}.", "Die beste grobe Anpassung von weniger Teilen: {}."},
     {"Of fewer than {} parts no layout had a cheap fit of them all.",
-     "Von weniger als {} Teilen hatte keine Teilung eine grobe Passung aller Teile."},
+     "Von weniger als {} Teilen hatte keine Teilung eine grobe Anpassung aller Teile."},
     {"A strip takes {} on the machine and {:.1f} l of foam on average: about that is what one more would "
      "cost.",
      "Ein Streifen braucht im Mittel {} auf der Maschine und {:.1f} l Schaum: etwa das würde einer mehr "
      "kosten."},
-    {"it does not hold its own weight", "sie hält ihr eigenes Gewicht nicht"},
-    {"weight moves the cut by {:.2f} mm", "das Gewicht bewegt den Schnitt um {:.2f} mm"},
+    {"it does not hold its own weight", "sie trägt ihr eigenes Gewicht nicht"},
+    {"weight moves the cut by {:.2f} mm", "das Gewicht verschiebt den Schnitt um {:.2f} mm"},
     {"the list has none", "die Liste hat keine"},
     {"turned by {:.0f} degrees from the plan's, which do not serve here",
      "um {:.0f} Grad gegen die des Plans gedreht, die hier nicht genügen"},
@@ -386,7 +387,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"What was tried", "Was versucht wurde"},
     {"parts", "Teile"},
     {"planes", "Ebenen"},
-    {"fit mm", "Passung mm"},
+    {"fit mm", "Anpassung mm"},
     {"deviation mm", "Abweichung mm"},
     {"found", "Ergebnis"},
     {"passes, taken", "besteht, genommen"},
@@ -396,23 +397,24 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"split where the one before fails", "geteilt, wo der davor nicht genügt"},
     {"calmer where the one before fails", "ruhiger, wo der davor nicht genügt"},
     {"all smooth faces together", "alle glatten Flächen zusammen"},
-    {"planes turned on until the fit is nearer", "Ebenen weitergedreht, bis die Passung näher ist"},
+    {"face {}: {}", "Fläche {}: {}"},
+    {"each face's own", "jede Fläche ihre eigenen"},
+    {"planes turned on until the fit is nearer", "Ebenen weitergedreht, bis die Anpassung näher ist"},
     {"a fan, in the middle", "ein Fächer, in der Mitte"},
     {"Planes by their normals; slice.direction gives one, slice.fan_axis an axis.",
      "Ebenen nach ihren Normalen; slice.direction gibt eine vor, slice.fan_axis eine Achse."},
     {"{} earlier ones stand in report.json.", "{} frühere stehen in report.json."},
-    {"Directions ranked", "Geordnete Richtungen"},
+    {"Directions ranked", "Verglichene Richtungen"},
     {"parts along sweep x ribs", "Teile entlang Fahrt x Rippen"},
     {"missed by elastica, from Beziers mm", "von Elastika verfehlt, aus Bezierkurven mm"},
-    {"cheap fit mm", "grobe Passung mm"},
+    {"cheap fit mm", "grobe Anpassung mm"},
     {"normal", "Normale"},
     {"turn about", "drehen um"},
     {"at", "bei"},
     {"The best are fitted closely and turned where they do not serve; slice.direction fixes the planes, "
      "slice.fan_axis an axis.",
-     "Die besten werden genau gepasst und gedreht, wo sie nicht genügen; slice.direction legt die Ebenen "
-     "fest, "
-     "slice.fan_axis eine Achse."},
+     "Die besten werden genau angepasst und gedreht, wo sie nicht genügen; slice.direction legt die "
+     "Ebenen fest, slice.fan_axis eine Achse."},
     {"{} more stand in report.json.", "{} weitere stehen in report.json."},
 };
 
@@ -439,6 +441,11 @@ struct Pieces {
     between.push_back(text);
   }
 
+  // Whether this place stands in quotes, as a setting has its value.
+  [[nodiscard]] bool quotes(std::size_t place) const {
+    return between[place].ends_with('"') && between[place + 1].starts_with('"');
+  }
+
   [[nodiscard]] std::size_t length() const {
     std::size_t sum = 0;
     for (const std::string_view piece : between) sum += piece.size();
@@ -456,11 +463,12 @@ bool find_values(const Pieces& sentence, std::size_t place, std::string_view tex
   if (place == sentence.numbers.size()) return text.empty();
   const std::string_view after = sentence.between[place + 1];
   const bool last = place + 1 == sentence.numbers.size();
-  // The last place reaches to the end; another may end wherever what stands behind it does.
+  // The last place reaches to the end; another may end wherever what stands behind it does, at the last such
+  // place first: of two sentences in one, the longer stands before what is said of it.
   std::size_t end = last ? (text.ends_with(after) ? text.size() - after.size() : std::string_view::npos)
-                         : text.find(after, 1);
+                         : text.rfind(after);
   for (; end != std::string_view::npos && end > 0;
-       end = last ? std::string_view::npos : text.find(after, end + 1)) {
+       end = last ? std::string_view::npos : text.rfind(after, end - 1)) {
     const std::string_view value = text.substr(0, end);
     if (sentence.numbers[place] && !is_number(value)) continue;
     values.push_back(value);
@@ -517,7 +525,8 @@ std::string Words::said(std::string_view english) const {
     if (!find_values(sentence.english, 0, english.substr(first.size()), values)) continue;
     std::string text(sentence.other.between.front());
     for (std::size_t i = 0; i < values.size(); ++i) {
-      text += sentence.english.numbers[i] ? std::string(values[i]) : said(values[i]);
+      const bool as_it_is = sentence.english.numbers[i] || sentence.english.quotes(i);
+      text += as_it_is ? std::string(values[i]) : said(values[i]);
       text += sentence.other.between[i + 1];
     }
     return text;

@@ -21,7 +21,7 @@ class Words {
 
   // Returns the same of what a plan, a cell or a design was told, whatever values stand in it: a limit's name
   // or a sentence (pipeline/sayings/saying.hpp), found by what stands between its values, which are looked up
-  // likewise. Names from outside, and what no table has, stay as they are.
+  // likewise. Names from outside, values in quotes, and what no table has, stay as they are.
   [[nodiscard]] std::string said(std::string_view english) const;
 
   // Returns the words with values in their places, as fmt::format puts them there.

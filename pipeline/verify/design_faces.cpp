@@ -67,6 +67,17 @@ DesignFaces::Foot DesignFaces::foot(const Face& face, const gpu::Nearest& neares
 
 std::vector<DesignFaces::Foot> DesignFaces::feet(std::span<const Vector3d> points,
                                                  const std::function<int(std::size_t)>& strip_of) const {
+  return find(points, strip_of, false);
+}
+
+std::vector<DesignFaces::Foot> DesignFaces::feet_and_sides(
+    std::span<const Vector3d> points, const std::function<int(std::size_t)>& strip_of) const {
+  return find(points, strip_of, true);
+}
+
+std::vector<DesignFaces::Foot> DesignFaces::find(std::span<const Vector3d> points,
+                                                 const std::function<int(std::size_t)>& strip_of,
+                                                 bool sides) const {
   std::vector<Foot> found(points.size());
   const auto ask = [&](const Face& face, std::span<const Vector3d> asked, const auto& number) {
     const std::vector<gpu::Nearest> nearest = face.to_face.query(asked);
@@ -77,6 +88,9 @@ std::vector<DesignFaces::Foot> DesignFaces::feet(std::span<const Vector3d> point
                           found[number(i)] = foot(face, nearest[i]);
                       });
     gpu::stop_point();
+    if (!sides) return;
+    const std::vector<gpu::Side> side = face.to_face.sides(asked, nearest);
+    for (std::size_t i = 0; i < side.size(); ++i) found[number(i)].side = side[i];
   };
   if (faces_.size() == 1) {
     ask(faces_.front(), points, [](std::size_t i) { return i; });

@@ -29,11 +29,16 @@ class DesignFaces {
     double distance = 0;                              // mm
     Eigen::Vector3d point{0, 0, 0}, normal{0, 0, 1};  // mm; unit, of its facet
     bool on_border = false;                           // of the face: of the design, or a crease
+    gpu::Side side = gpu::Side::kNeither;             // where the point lies of the face, if that was asked
   };
 
   // Returns for each point its foot on the face of its strip; `strip_of(i)` is the strip of points[i].
   [[nodiscard]] std::vector<Foot> feet(std::span<const Eigen::Vector3d> points,
                                        const std::function<int(std::size_t)>& strip_of) const;
+
+  // Returns the same with the side of the face that each point lies on.
+  [[nodiscard]] std::vector<Foot> feet_and_sides(std::span<const Eigen::Vector3d> points,
+                                                 const std::function<int(std::size_t)>& strip_of) const;
 
   [[nodiscard]] std::size_t count() const { return faces_.size(); }
   [[nodiscard]] std::size_t face_of(int strip) const {
@@ -52,6 +57,8 @@ class DesignFaces {
   };
 
   [[nodiscard]] static Foot foot(const Face& face, const gpu::Nearest& nearest);
+  [[nodiscard]] std::vector<Foot> find(std::span<const Eigen::Vector3d> points,
+                                       const std::function<int(std::size_t)>& strip_of, bool sides) const;
   void assign(const surface::TriangleMesh& design, const std::vector<int>& face_of_triangle,
               const Program& program);
 

@@ -144,6 +144,18 @@ Json decisions_json(const std::vector<Decision>& decisions) {
   return list;
 }
 
+Json faces_json(const PlanResult& result) {
+  const auto range = [](const FacePlanned::Range& r) { return Json{{"first", r.first}, {"count", r.count}}; };
+  Json list = Json::array();
+  for (const FacePlanned& face : result.faces) {
+    list.push_back({{"strips", range(face.strips)},
+                    {"decisions", range(face.decisions)},
+                    {"directions", range(face.ranking)},
+                    {"strips_lower_bound", face.strips_lower_bound}});
+  }
+  return list;
+}
+
 // What to buy, with the strip of each piece; sizes longest first, cuts in the order in which they are made.
 Json foam_json(const Nesting& foam, const Program& program) {
   constexpr double kPerM3 = 1e9;
@@ -255,6 +267,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   report["rib_spacing_mm"] = result.spacing_mm;
   report["strips_lower_bound"] = result.strips_lower_bound;
   report["decisions"] = decisions_json(result.decisions);
+  report["faces"] = faces_json(result);
   report["refusals"] = Json::array();
   for (const Refusal& r : result.refusals) report["refusals"].push_back(to_json(r));
   report["remedies"] = to_json(result.remedies);

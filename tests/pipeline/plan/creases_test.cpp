@@ -68,6 +68,23 @@ TEST(PlanCreases, FoldedPlatesAreAStripEach) {
     EXPECT_EQ(std::count_if(result.decisions.begin(), result.decisions.end(),
                             [](const Decision& d) { return d.taken; }),
               1);
+    // What was tried is told of each face, and last of the whole.
+    ASSERT_EQ(result.faces.size(), 2U);
+    std::size_t strips = 0, decisions = 0, ranked = 0;
+    for (const FacePlanned& face : result.faces) {
+      EXPECT_EQ(face.strips.first, strips);
+      EXPECT_EQ(face.decisions.first, decisions);
+      EXPECT_EQ(face.ranking.first, ranked);
+      EXPECT_GE(face.ranking.count, 1U);
+      EXPECT_EQ(face.strips_lower_bound, 1U);
+      strips += face.strips.count;
+      decisions += face.decisions.count;
+      ranked += face.ranking.count;
+      EXPECT_TRUE(result.decisions[decisions - 1].passed);
+    }
+    EXPECT_EQ(strips, result.strips.size());
+    EXPECT_EQ(decisions + 1, result.decisions.size());
+    EXPECT_EQ(ranked, result.ranking.size());
     // The fold is no chord of a coarse mesh.
     EXPECT_LT(result.program.verification.budget_mm.front().second, 1e-9);
     EXPECT_TRUE(std::none_of(result.warnings.begin(), result.warnings.end(), [](const std::string& line) {

@@ -188,6 +188,14 @@ TEST(SceneOf, MeasuresFeedAndCurvature) {
               Each(::testing::DoubleNear(100 / pipeline::testing::kVaultRadius / kYieldsAt_per_mm, 1e-6)));
 }
 
+// Of points of the first strip of a program, of which so much is kept.
+std::vector<double> deviations_mm(const surface::TriangleMesh& design, Keep keep,
+                                  const std::vector<Eigen::Vector3d>& points) {
+  Program program = vault_program();
+  program.design.keep = keep;
+  return signed_deviation_mm(design, program, points, std::vector<int>(points.size(), 0), 3);
+}
+
 TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
   const auto design = vault_design(1);
   surface::TriangleSoup soup = design.mesh.soup();
@@ -195,12 +203,12 @@ TEST(SignedDeviation, IsPositiveOnTheWasteSide) {
   const surface::TriangleMesh turned(std::move(soup));
   const double top = pipeline::testing::kVaultRadius * (1 - std::cos(pipeline::testing::kVaultHalfAngle));
   const std::vector<Eigen::Vector3d> above{{0, 100, top + 2}};
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kBelow, above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(turned, Keep::kBelow, above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kAbove, above, 3)[0], -2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kBack, above, 3)[0], 2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(turned, Keep::kBack, above, 3)[0], -2, 1e-9);
-  EXPECT_NEAR(signed_deviation_mm(design.mesh, Keep::kFront, above, 3)[0], -2, 1e-9);
+  EXPECT_NEAR(deviations_mm(design.mesh, Keep::kBelow, above)[0], 2, 1e-9);
+  EXPECT_NEAR(deviations_mm(turned, Keep::kBelow, above)[0], 2, 1e-9);
+  EXPECT_NEAR(deviations_mm(design.mesh, Keep::kAbove, above)[0], -2, 1e-9);
+  EXPECT_NEAR(deviations_mm(design.mesh, Keep::kBack, above)[0], 2, 1e-9);
+  EXPECT_NEAR(deviations_mm(turned, Keep::kBack, above)[0], -2, 1e-9);
+  EXPECT_NEAR(deviations_mm(design.mesh, Keep::kFront, above)[0], -2, 1e-9);
 }
 
 TEST(SignedDeviation, PastTheBorderIsAcrossTheDesignsPlaneAndThenNothing) {
@@ -208,11 +216,62 @@ TEST(SignedDeviation, PastTheBorderIsAcrossTheDesignsPlaneAndThenNothing) {
       {{{0, 0, 0}, {100, 0, 0}, {100, 100, 0}, {0, 100, 0}}, {{0, 1, 2}, {0, 2, 3}}});
   const std::vector<Eigen::Vector3d> points{
       {50, 40, 0.5}, {102, 40, 0.5}, {103.5, 40, 0.5}, {102, 101, -0.25}};
-  const std::vector<double> mm = signed_deviation_mm(square, Keep::kBelow, points, 3);
+  const std::vector<double> mm = deviations_mm(square, Keep::kBelow, points);
   EXPECT_NEAR(mm[0], 0.5, 1e-12);
   EXPECT_NEAR(mm[1], 0.5, 1e-12);
   EXPECT_TRUE(std::isnan(mm[2]));
   EXPECT_NEAR(mm[3], -0.25, 1e-12);
+}
+
+// Two plates that fall to both sides of a ridge at x = 0, in cells of 10 mm.
+surface::TriangleMesh ridge(double slope) {
+  surface::TriangleSoup soup;
+  constexpr int kAcross = 40, kAlong = 10;
+  for (int j = 0; j <= kAlong; ++j) {
+    for (int i = 0; i <= kAcross; ++i) {
+      const double x = 10.0 * (i - kAcross / 2);
+      soup.vertices.emplace_back(x, 10.0 * j, -slope * std::abs(x));
+    }
+  }
+  for (int j = 0; j < kAlong; ++j) {
+    for (int i = 0; i < kAcross; ++i) {
+      const int a = j * (kAcross + 1) + i, b = a + kAcross + 1;
+      soup.triangles.push_back({a, a + 1, b + 1});
+      soup.triangles.push_back({a, b + 1, b});
+    }
+  }
+  return surface::TriangleMesh(std::move(soup));
+}
+
+// A straight rib across the plate on this side of the ridge.
+Rib plate_rib(double slope, double side) {
+  Rib rib;
+  rib.frame.origin = {side * 10, 50, -slope * 10};
+  rib.frame.x = Eigen::Vector3d(side, 0, -slope).normalized();
+  rib.frame.y = Eigen::Vector3d(side * slope, 0, 1).normalized();
+  rib.elastica.length = 180;
+  return rib;
+}
+
+TEST(SignedDeviation, PastACreaseIsAcrossTheFaceThatTheStripForms) {
+  constexpr double kSlope = 0.5;
+  const double slant = std::sqrt(1 + kSlope * kSlope);
+  Program program = vault_program({.strips = 2});
+  program.design.keep = Keep::kBelow;
+  program.strips[0].ribs = {plate_rib(kSlope, -1)};
+  program.strips[1].ribs = {plate_rib(kSlope, 1)};
+  // Both on the first plate's plane, 2 mm and 10 mm beyond the ridge, above the second plate.
+  const std::vector<Eigen::Vector3d> points{{2 / slant, 50, kSlope * 2 / slant},
+                                            {10 / slant, 50, kSlope * 10 / slant}};
+  const auto of_strip = [&](int strip) {
+    return signed_deviation_mm(ridge(kSlope), program, points, {strip, strip}, 3);
+  };
+  EXPECT_NEAR(of_strip(0)[0], 0, 1e-9);
+  EXPECT_TRUE(std::isnan(of_strip(0)[1])) << "there the blade is in foam of its own block";
+  // The angle between the plates' planes has the sine of twice the slope's.
+  const double sine = 2 * kSlope / (slant * slant);
+  EXPECT_NEAR(of_strip(1)[0], 2 * sine, 1e-9);
+  EXPECT_NEAR(of_strip(1)[1], 10 * sine, 1e-9);
 }
 
 // The command, run in a directory with a program and the design it was made from.

@@ -307,6 +307,26 @@ class View(unittest.TestCase):
             finally:
                 driver.quit()
 
+    def test_german_tables_fit_a_desk_and_the_rings_words_a_phone(self):
+        page = self.page("barrel_vault", "--set", "job.language=de")
+        for width in (1280, 390):
+            self.live.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+                "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+            self.opened(page)
+            if width == 1280:
+                hidden = self.live.execute_script(
+                    "return [...document.querySelectorAll('.scroll')].map((e) => e.scrollWidth - e.clientWidth)")
+                self.assertGreaterEqual(len(hidden), 3)
+                self.assertEqual(max(hidden), 0, "a table's last column is out of sight")
+            else:
+                left, words, right = self.live.execute_script(
+                    "const s = document.querySelector('[data-part=stage]').getBoundingClientRect(),"
+                    " w = document.querySelector('.ring span').getBoundingClientRect(); return [s.left, [w.left, w.right], s.right]")
+                self.assertLessEqual(left, words[0])
+                self.assertLessEqual(words[1], right)
+                self.assertGreater(words[1] - words[0], 50)
+        self.live.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
     def test_every_sheet_is_one_page_of_a4(self):
         for sample in ("wave_wall", "vase"):
             with self.subTest(sample):

@@ -15,6 +15,7 @@
 #include "pipeline/preview/scene.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/german.hpp"
+#include "pipeline/report/pictures.hpp"
 #include "pipeline/report/refusal_text.hpp"
 #include "pipeline/report/report_html.hpp"
 #include "pipeline/report/report_plots.hpp"
@@ -79,6 +80,11 @@ const std::set<std::string>& english_pieces() {
       add_pieces(limit.name, all);
       add_pieces(limit.meaning, all);
     }
+    // A setting's name is no English.
+    std::erase_if(all, [](const std::string& piece) {
+      return std::any_of(german_sentences().begin(), german_sentences().end(),
+                         [&](const auto& one) { return one.second.find(piece) != std::string_view::npos; });
+    });
     return all;
   }();
   return pieces;
@@ -123,9 +129,21 @@ TEST(German, GoesIntoWhatStandsInASentence) {
       kGermanWords.said(say(Saying::kOtherJawOrPlace, {inner})),
       "Arm R1 link_5: 3.2 mm Abstand; gegenüber: der Block; mindestens 40 (36.8 mm zu nah): eine andere "
       "Backe, oder ein anderer Ort des Blocks");
+  const std::string table = say(Saying::kTooNear, {"arm R1 link_5", 11.5, "the table", 20.0, 8.5});
+  EXPECT_EQ(kGermanWords.said(say(Saying::kOfChoices, {say(Saying::kRaise, {table}),
+                                                       say(Saying::kRaisedMoved, {300.0, 20.0, 40.0}), 10, 5,
+                                                       0, 0, 5, 0, "two KR 50"})),
+            "Arm R1 link_5: 11.5 mm Abstand; gegenüber: der Tisch; mindestens 20 (8.5 mm zu nah): den Block "
+            "höher stellen (cell.raise_mm) (300 mm höher, um 20, 40 mm verschoben; von 10 Möglichkeiten für "
+            "Ort und Arme sind 5 außer Reichweite, 0 an Gelenkgrenzen, 0 nahe an der Singularität, 5 nicht "
+            "frei, 0 zu langsam für ein Gelenk; Zelle two KR 50)")
+      << "each has brackets";
   EXPECT_EQ(kGermanWords.said(say(Saying::kFirstWarning, {say(Saying::kNoTable)})),
             "die erste: kein Tisch: [table] size_mm angeben");
   EXPECT_EQ(Words("en").said("no table: give [table] size_mm"), "no table: give [table] size_mm");
+  EXPECT_EQ(kGermanWords.said(say(Saying::kUpright, {"below"})),
+            "design.keep = \"below\" sagt nichts über eine aufrechte Fläche")
+      << "a setting has its own word";
 }
 
 TEST(German, OfARefusalHasItsPlaceAmountAndReason) {
@@ -228,6 +246,16 @@ TEST(German, IsAllThatAPictureSays) {
   (void)preview::pngs_of(bare, {}, std::array{preview::Shot{}}, speak);
   EXPECT_GT(asked.size(), 15u);
   for (const std::string& words : asked) EXPECT_NE(kGermanWords.said(words), words) << words;
+}
+
+TEST(German, IsWhyThereAreNoPictures) {
+  Settings settings = along_x();
+  settings.job.language = "de";
+  const PlanResult result = plan(cylinder_design(), settings, {});
+  const ReportPictures none =
+      take_pictures(result, cylinder_design(), Pictures::kNone, Viewer::kNone, [](double) {});
+  EXPECT_THAT(report_html(result, none.pictures, none.note),
+              HasSubstr("Keine Bilder: nicht verlangt (--no-pictures)."));
 }
 
 TEST(German, IsAllThatAPageOfArmsSays) {

@@ -121,6 +121,55 @@ TEST(Reasons, HaveARowForEachStripThatTheViewFinds) {
   EXPECT_THAT(reasons_section(turned, kEnglish), HasSubstr("turned by 90 degrees from the plan's"));
 }
 
+// Two plates that rise from a fold.
+const PlanResult& folded() {
+  static const PlanResult result = [] {
+    Settings settings;
+    settings.design.units = "mm";
+    settings.design.keep = Keep::kBack;
+    const auto fold = grid_design("fold", 30, 10, [](double u, double v) {
+      return Eigen::Vector3d(600 * u, 400 * v, 300 * std::abs(u - 0.4));
+    });
+    return plan(fold, settings, {});
+  }();
+  return result;
+}
+
+TEST(Reasons, OfADesignWithCreasesAreToldOfEachFace) {
+  PlanResult result = folded();
+  ASSERT_EQ(result.faces.size(), 2u);
+  ASSERT_EQ(result.strips.size(), 2u);
+  // The second face's planes are others than the first one's, and they are its own.
+  const FacePlanned::Range& tries = result.faces[1].decisions;
+  const Eigen::Vector3d own = Eigen::Vector3d(3, 4, 12).normalized();
+  result.decisions[tries.first + tries.count - 1].normal = own;
+  for (Rib& rib : result.program.strips[1].ribs)
+    rib.frame = {rib.frame.origin, own.unitOrthogonal(), own.cross(own.unitOrthogonal())};
+  const std::string html = reasons_section(result, kEnglish);
+  EXPECT_THAT(html, AllOf(HasSubstr("<b>Creases.</b> The design has 2 smooth faces that meet in creases"),
+                          HasSubstr("<td class=\"l\">1</td><td class=\"l\">S001</td>"),
+                          HasSubstr("<td class=\"l\">2</td><td class=\"l\">S002</td>"),
+                          HasSubstr("l of foam on average"), Not(HasSubstr("<b>Direction.</b>")),
+                          Not(HasSubstr("turned by"))));
+  // Each face tells of its own ranking alone.
+  for (const FacePlanned& face : result.faces)
+    EXPECT_THAT(html, HasSubstr(fmt::format("{} ways to lay planes were ranked", face.ranking.count)));
+  const std::string page = report_html(result, {}, "none");
+  EXPECT_THAT(page, AllOf(HasSubstr("face 1: of the whole"), HasSubstr("face 2: of the whole"),
+                          HasSubstr("all smooth faces together</td><td class=\"l\">each face's own</td>"),
+                          HasSubstr("face 2: normal ("),
+                          HasSubstr("samples of the cut lie beyond the border or a crease of their face")));
+  result.program.settings.job.language = "de";
+  EXPECT_THAT(report_html(result, {}, "keine"),
+              AllOf(HasSubstr("Der Entwurf hat 2 glatte Fl\u00e4chen, die an Kanten zusammensto\u00dfen"),
+                    HasSubstr("Fl\u00e4che 2: Normale (")));
+  // Its blades are straight, which no error of 0.1 mm moves by kilometres.
+  EXPECT_THAT(page, HasSubstr("<td class=\"n\">straight</td>"));
+  // One without creases has none of this.
+  EXPECT_EQ(creases_reason(planned(), kEnglish), "");
+  EXPECT_THAT(report_html(planned(), {}, "none"), Not(HasSubstr("face 1")));
+}
+
 TEST(Reasons, AreNotGivenOfWhatWasRefused) {
   Settings settings = along_x();
   settings.blade.min_margin = 1000;

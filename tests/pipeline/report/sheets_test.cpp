@@ -164,6 +164,21 @@ TEST(Sheets, HaveAPageForEachBlockWithAllThatSetsItUp) {
   EXPECT_THAT(html, Not(HasSubstr("http")));
 }
 
+// As of an S, whose blocks stand beside each other at heights that have little in common.
+TEST(Sheets, NameANeighbourThatStandsMuchHigher) {
+  PlanResult result = planned();
+  const auto neighbours_of_first = [&] {
+    const std::string html = sheets_html(result, "");
+    const std::size_t row = html.find("Neighbours", html.find("<section id=\"sheet-S001"));
+    return html.substr(row, html.find("</tr>", row) - row);
+  };
+  Block& block = result.program.strips[1].block;
+  block.frame.origin += 0.6 * block.size_mm.y() * block.frame.y;
+  EXPECT_THAT(neighbours_of_first(), HasSubstr("S002"));
+  block.frame.origin += 0.6 * block.size_mm.y() * block.frame.y;
+  EXPECT_THAT(neighbours_of_first(), Not(HasSubstr("S002"))) << "it stands above";
+}
+
 // How often each block is named in the pictures of the whole, from their definitions.
 std::vector<std::size_t> named(const Program& program) {
   std::string pictures;
