@@ -105,6 +105,7 @@ DesignData design_data(const surface::DesignSurface& design, const Settings& set
   return {design.file_name,
           design.sha256,
           design.units,
+          design.format,
           design.scale_to_mm,
           design.up,
           settings.design.keep,

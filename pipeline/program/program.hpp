@@ -1,4 +1,4 @@
-// The cut program: what program.json holds (docs/program.md, format version 1). mm, rad, s; kappa 1/mm,
+// The cut program: what program.json holds (docs/program.md, format version 2). mm, rad, s; kappa 1/mm,
 // lambda 1/mm^2.
 #pragma once
 
@@ -17,6 +17,7 @@
 #include "robot/blade/blade.hpp"
 #include "robot/pose/pose.hpp"
 #include "robot/pose/waypoint.hpp"
+#include "surface/read/file_format.hpp"
 
 namespace hotblade::pipeline {
 
@@ -112,6 +113,7 @@ struct Verification {
 // The design a program was planned from, and how it was read.
 struct DesignData {
   std::string file, sha256, source_units;
+  std::optional<surface::FileFormat> format{};  // as it was read; absent: of version 1, which does not say
   double scale_to_mm = 1;
   char up = 'z';
   Keep keep = Keep::kBelow;

@@ -108,6 +108,7 @@ class Text {
 
 void write_design(Text& out, const DesignData& design) {
   out.string_field("\"design\": {\"file\":", design.file).string_field(",\"sha256\":", design.sha256);
+  if (design.format) out.string_field(",\"format\":", surface::name(*design.format));
   out.string_field(",\"source_units\":", design.source_units).field(",\"scale_to_mm\":", design.scale_to_mm);
   out.string_field(",\"up\":", std::string_view(&design.up, 1)).string_field(",\"keep\":", name(design.keep));
   out.raw(",\"vertices\":").number(design.vertices).raw(",\"faces\":").number(design.faces);
@@ -257,7 +258,8 @@ void write_verification(Text& out, const Verification& verification) {
 
 ProgramFrame program_frame(const Program& program) {
   Text before, after;
-  before.raw("{\"format\": \"hotblade-program\",\n\"version\": 1,\n");
+  const std::size_t version = program.design.format ? 2 : 1;
+  before.raw("{\"format\": \"hotblade-program\",\n\"version\": ").number(version).raw(",\n");
   before.string_field("\"created_by\": ", program.created_by).raw(",\n");
   write_design(before, program.design);
   write_settings(before, program.settings);

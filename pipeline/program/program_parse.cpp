@@ -24,6 +24,7 @@ namespace {
 
 using elastica::Elastica;
 
+constexpr std::array kFormats{"obj", "stl", "ply", "gltf"};
 constexpr std::array kUnits{"mm", "cm", "m", "in", "ft"};
 constexpr std::array kUps{"z", "y"};
 constexpr std::array kKeeps{Keep::kBelow, Keep::kAbove, Keep::kBack, Keep::kFront};
@@ -110,9 +111,11 @@ std::string sha256_of(const JsonNode& node) {
   return digits;
 }
 
-DesignData design_of(const JsonNode& node) {
-  node.expect_keys(std::array{"file", "sha256", "source_units", "scale_to_mm", "up", "keep", "vertices",
-                              "faces", "bbox_mm"});
+DesignData design_of(const JsonNode& node, std::size_t version) {
+  std::vector<const char*> keys{"file", "sha256",   "source_units", "scale_to_mm", "up",
+                                "keep", "vertices", "faces",        "bbox_mm"};
+  if (version > 1) keys.push_back("format");
+  node.expect_keys(keys);
   DesignData design;
   const JsonNode file = node.field("file");
   design.file = file.text();
@@ -120,6 +123,7 @@ DesignData design_of(const JsonNode& node) {
     file.fail(fmt::format("is not a base name (\"{}\"): the path is in run.json", design.file));
   }
   design.sha256 = sha256_of(node.field("sha256"));
+  if (version > 1) design.format = surface::format_named(node.field("format").one_of(kFormats));
   design.source_units = node.field("source_units").one_of(kUnits);
   design.scale_to_mm = number(node, "scale_to_mm", kPositive);
   design.up = node.field("up").one_of(kUps)[0];
@@ -395,7 +399,8 @@ Verification verification_of(const JsonNode& node) {
   return out;
 }
 
-void expect_format(const JsonNode& root, const std::string& file_name) {
+// Returns the version.
+std::size_t expect_format(const JsonNode& root, const std::string& file_name) {
   const JsonNode format = root.field("format");
   if (format.text() == kRefusedPlanFormat) {
     const JsonNode reasons = root.field("reasons"), first = reasons.item(0);
@@ -408,9 +413,11 @@ void expect_format(const JsonNode& root, const std::string& file_name) {
     format.fail(fmt::format("is not a cut program (\"{}\", hotblade-program)", format.text()));
   }
   const JsonNode version = root.field("version");
-  if (version.count() != 1) {
-    version.fail(fmt::format("unknown version ({}, 1): use the hotblade that wrote it", version.count()));
+  if (version.count() != 1 && version.count() != 2) {
+    version.fail(
+        fmt::format("unknown version ({}, 1 or 2): use the hotblade that wrote it", version.count()));
   }
+  return version.count();
 }
 
 // Turns each strip into what it stands for as soon as its text is read, so that no tree of the whole job is
@@ -445,7 +452,7 @@ class StripTaker {
 // All but the strips, with what was taken out of the tree.
 Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::string& file_name,
                    std::size_t least_strips) {
-  expect_format(root, file_name);
+  const std::size_t version = expect_format(root, file_name);
   std::vector<const char*> keys{"format", "version", "created_by",   "design",   "settings",
                                 "blade",  "strips",  "verification", "overrides"};
   const bool has_cell = root.json().is_object() && root.json().contains("cell");
@@ -453,7 +460,7 @@ Program program_of(const JsonNode& root, std::vector<Strip> strips, const std::s
   root.expect_keys(keys);
   Program program;
   program.created_by = text(root, "created_by");
-  program.design = design_of(root.field("design"));
+  program.design = design_of(root.field("design"), version);
   program.settings = settings_of(root.field("settings"));
   program.blade = blade_of(root.field("blade"));
   // The blade's own section has no use for it.

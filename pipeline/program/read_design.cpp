@@ -52,6 +52,7 @@ surface::DesignSurface read_design(const std::filesystem::path& file, const Prog
   DesignSettings settings = program.settings.design;
   settings.units = program.design.source_units;
   settings.up = std::string(1, program.design.up);
+  if (program.design.format) settings.format = surface::name(*program.design.format);
   return read_design(file, settings);
 }
 

@@ -109,6 +109,7 @@ elif check == "plan":
     files += [written_by_vtk(obj, name, writer, **how) for name, writer, how in VTK_FORMATS]
     for file in files:
         name, met = file.name, planned(file)
+        expect(met["design"]["format"] == file.suffix[1:], f"{name}: {met['design']}")
         expect(len(met["strips"]) == len(wanted["strips"]), f"{name}: {len(met['strips'])} strips")
         for strip, other in zip(met["strips"], wanted["strips"]):
             expect(len(strip["poses"]) == len(other["poses"]), f"{name}: {len(strip['poses'])} poses")

@@ -120,6 +120,7 @@ inline Program vault_program(const VaultOptions& options = {}) {
   program.design.file = "vault.obj";
   program.design.sha256 = std::string(64, 'a');
   program.design.source_units = "mm";
+  program.design.format = surface::FileFormat::kObj;
   program.design.keep = Keep::kBelow;
   program.design.vertices = 121;
   program.design.faces = 200;

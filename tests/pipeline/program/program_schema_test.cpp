@@ -47,6 +47,13 @@ TEST_F(ProgramSchema, AcceptsAGeneratedProgram) {
   EXPECT_TRUE(accepts(vault()));
 }
 
+TEST_F(ProgramSchema, AcceptsVersion1) {
+  Json program = vault();
+  program["version"] = 1;
+  program["design"].erase("format");
+  EXPECT_TRUE(accepts(program));
+}
+
 TEST_F(ProgramSchema, AcceptsAProgramWithArms) {
   Json program = Json::parse(to_json(testing::with_joints()));
   EXPECT_TRUE(accepts(program));
@@ -57,7 +64,10 @@ TEST_F(ProgramSchema, AcceptsAProgramWithArms) {
 TEST_F(ProgramSchema, RefusesABrokenProgram) {
   const std::pair<const char*, std::function<void(Json&)>> breakages[] = {
       {"format", [](Json& j) { j["format"] = "gcode"; }},
-      {"version", [](Json& j) { j["version"] = 2; }},
+      {"version", [](Json& j) { j["version"] = 3; }},
+      {"version of other keys", [](Json& j) { j["version"] = 1; }},
+      {"no format of the design", [](Json& j) { j["design"].erase("format"); }},
+      {"design's format", [](Json& j) { j["design"]["format"] = "step"; }},
       {"missing key", [](Json& j) { j.erase("overrides"); }},
       {"unknown key", [](Json& j) { j["note"] = 1; }},
       {"hash", [](Json& j) { j["design"]["sha256"] = "abc"; }},

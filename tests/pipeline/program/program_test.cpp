@@ -42,6 +42,26 @@ std::string refusal(const std::string& text) {
   return "";
 }
 
+TEST(ProgramVersion, OneIsReadAndWrittenAgainAsItWas) {
+  Program program = vault_program();
+  program.design.format.reset();
+  const std::string text = to_json(program);
+  const Json json = Json::parse(text);
+  EXPECT_EQ(json["version"], 1);
+  EXPECT_FALSE(json["design"].contains("format"));
+  EXPECT_EQ(to_json(parse_program(text, "job.json")), text);
+}
+
+TEST(ProgramVersion, TwoSaysWhatTheDesignWasReadAs) {
+  Program program = vault_program();
+  program.design.format = surface::FileFormat::kGltf;
+  const std::string text = to_json(program);
+  const Json json = Json::parse(text);
+  EXPECT_EQ(json["version"], 2);
+  EXPECT_EQ(json["design"]["format"], "gltf");
+  EXPECT_EQ(parse_program(text, "job.json").design.format, surface::FileFormat::kGltf);
+}
+
 struct Breakage {
   const char* name;
   std::function<void(Json&)> break_it;
@@ -72,7 +92,12 @@ INSTANTIATE_TEST_SUITE_P(
     Header, ParseProgram,
     ::testing::Values(
         Breakage{"AnotherFormat", [](Json& j) { j["format"] = "gcode"; }, "format: is not a cut program"},
-        Breakage{"AnotherVersion", [](Json& j) { j["version"] = 2; }, "version: unknown version (2, 1)"},
+        Breakage{"AnotherVersion", [](Json& j) { j["version"] = 3; }, "version: unknown version (3, 1 or 2)"},
+        Breakage{"VersionOfOtherKeys", [](Json& j) { j["version"] = 1; }, "unknown key \"format\""},
+        Breakage{"NoFormatOfTheDesign", [](Json& j) { j["design"].erase("format"); },
+                 "\"format\" is missing"},
+        Breakage{"UnknownFormatOfTheDesign", [](Json& j) { j["design"]["format"] = "step"; },
+                 "design.format: unknown"},
         Breakage{"MissingKey", [](Json& j) { j.erase("overrides"); }, "\"overrides\" is missing"},
         Breakage{"UnknownKey", [](Json& j) { j["note"] = 1; }, "unknown key \"note\""},
         Breakage{"PathForBaseName", [](Json& j) { j["design"]["file"] = "a/b.obj"; },
