@@ -102,15 +102,9 @@ PlannedStrip planned_strip(PosedStrip posed, const Settings& settings) {
 }
 
 DesignData design_data(const surface::DesignSurface& design, const Settings& settings) {
-  return {design.file_name,
-          design.sha256,
-          design.units,
-          design.format,
-          design.scale_to_mm,
-          design.up,
-          settings.design.keep,
-          design.health.vertices,
-          design.health.triangles,
+  return {design.file_name,     design.sha256,          design.units,
+          design.format,        design.scale_to_mm,     design.up,
+          settings.design.keep, design.health.vertices, design.health.triangles,
           design.health.bbox_mm};
 }
 
@@ -308,7 +302,8 @@ class Nearest {
     if (!verified_ && rank_) plan_swept(swept_, design, settings, hooks, watch, shown);
     if (!rank_) {
       // Without anything to try no part was found, which the judgement says.
-      if (waste_side(design.mesh, settings.design.keep) == 0) shown.refusals = {leaning_refusal(settings)};
+      if (waste_side(design.mesh, settings.design.keep) == 0)
+        shown.refusals = {leaning_refusal(design, settings)};
       pose_and_verify({}, design, settings, hooks, watch, shown);
       judge(settings, shown);
     }
@@ -319,8 +314,14 @@ class Nearest {
 
  private:
   // Nothing is tried where `keep` does not tell the waste's side.
-  static Refusal leaning_refusal(const Settings& settings) {
-    return {"design", "", Limit::kLean, 0, kLeastLean, say(Saying::kUpright, {name(settings.design.keep)})};
+  static Refusal leaning_refusal(const surface::DesignSurface& design, const Settings& settings) {
+    const bool closed = design.health.closed && !settings.design.facing;
+    return {"design",
+            "",
+            Limit::kLean,
+            0,
+            kLeastLean,
+            closed ? say(Saying::kClosed, {}) : say(Saying::kUpright, {name(settings.design.keep)})};
   }
 
   std::optional<Nearness> rank_;

@@ -143,6 +143,11 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
     {"motion.lead_mm ends nearer behind the block", "motion.lead_mm endet näher hinter dem Block"},
     {"design.keep = \"{}\" says nothing about an upright surface",
      "design.keep = \"{}\" sagt nichts über eine aufrechte Fläche"},
+    {"the design is closed, and a blade cuts one side of it: design.facing says which, and check proposes "
+     "one",
+     "der Entwurf ist geschlossen, und eine Klinge schneidet nur eine Seite davon: design.facing sagt, "
+     "welche; "
+     "check schlägt eine vor"},
     {"is the design really in {}? Else plan it in parts",
      "ist der Entwurf wirklich in {}? Sonst in Teilen planen"},
     {"first: {}", "die erste: {}"},

@@ -28,6 +28,9 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
      "{:.2g} {}"},
     {Saying::kLeadEndsNear, "motion.lead_mm ends nearer behind the block"},
     {Saying::kUpright, "design.keep = \"{}\" says nothing about an upright surface"},
+    {Saying::kClosed,
+     "the design is closed, and a blade cuts one side of it: design.facing says which, and check proposes "
+     "one"},
     {Saying::kUnitOrParts, "is the design really in {}? Else plan it in parts"},
     {Saying::kFirstWarning, "first: {}"},
     {Saying::kClampsWithin, "within {:g} mm if the clamps are within {:g} mm and {:g} mrad"},

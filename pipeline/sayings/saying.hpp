@@ -30,6 +30,7 @@ enum class Saying : std::uint8_t {
   kHeldBack,
   kLeadEndsNear,
   kUpright,
+  kClosed,
   kUnitOrParts,
   kFirstWarning,
   kClampsWithin,

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "pipeline/report/emit.hpp"
 #include "pipeline/report/json/report_json.hpp"
@@ -179,6 +180,25 @@ TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
 }
 
 // A bump that no blade forms, away from the middle: it is where a picture puts its ring.
+// A torus leans to no side as a whole.
+TEST(Plan, SaysOfAClosedDesignThatOneSideIsCut) {
+  const auto torus = [](double u, double v) {
+    const double a = 2 * std::numbers::pi * u, b = 2 * std::numbers::pi * v, out = 300 + 80 * std::cos(b);
+    return Eigen::Vector3d(out * std::cos(a), out * std::sin(a), 80 * std::sin(b));
+  };
+  surface::DesignSurface design = grid_design("torus", 48, 24, torus);
+  Settings settings;
+  settings.design.units = "mm";
+  for (const bool closed : {false, true}) {
+    design.health.closed = closed;
+    const PlanResult refused = plan(design, settings, {});
+    ASSERT_EQ(refused.refusals.size(), 1U);
+    EXPECT_EQ(refused.refusals[0].limit, Limit::kLean);
+    EXPECT_EQ(describe(refused.refusals[0]).find("design.facing") != std::string::npos, closed)
+        << describe(refused.refusals[0]);
+  }
+}
+
 TEST(Plan, TellsWhereAPartThatHasNoStripIsFarthestFromOne) {
   const auto bump = grid_design("bump", 40, 40, [](double u, double v) {
     const double r2 = std::pow(u - 0.25, 2) + std::pow(v - 0.25, 2);
