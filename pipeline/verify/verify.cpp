@@ -378,9 +378,11 @@ VerifyReport measure(const SweptSurface& cut, const Program& program, const surf
 VerifyReport measure(const Program& cut, const BladeTouches& touches, const surface::DesignSurface& design,
                      const VerifyOptions& options) {
   const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
-  return measure_runs(
-      [&](const auto& use) { each_swept_surface(cut, sample_mm, options.cut_vertices_at_once, use); },
-      touches, cut, design, options);
+  // A touch is of the strip that is nearest to it in all of the cut.
+  const std::size_t at_once =
+      touches.points.empty() ? options.cut_vertices_at_once : std::numeric_limits<std::size_t>::max();
+  return measure_runs([&](const auto& use) { each_swept_surface(cut, sample_mm, at_once, use); }, touches,
+                      cut, design, options);
 }
 
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
