@@ -350,6 +350,7 @@ class Builder {
       if (parts[i].size() <= kWidth) {
         append(parts[i], node, i, depth, tree);
       } else {
+        stop_point();
         set_child(tree.nodes[node], i, parts[i].box, static_cast<int>(tree.nodes.size()));
         join(grown[i], tree);
         grown[i] = {};  // or all of a large tree is held twice

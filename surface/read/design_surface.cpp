@@ -1,14 +1,17 @@
 #include "surface/read/design_surface.hpp"
 
 #include <openssl/evp.h>
+#include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/gltf.hpp"
 #include "surface/read/mesh_health.hpp"
 #include "surface/read/mesh_repair.hpp"
@@ -25,18 +28,40 @@ namespace {
   throw FileError(file.string() + ": " + why);
 }
 
-std::string read_whole(const std::filesystem::path& file) {
+// The bytes of a file.
+class FileBytes {
+ public:
+  FileBytes() = default;
+  explicit FileBytes(std::string bytes) : text_(std::move(bytes)) {}
+  FileBytes(std::unique_ptr<char[]> block, std::size_t size) : block_(std::move(block)), size_(size) {}
+
+  [[nodiscard]] std::string_view view() const {
+    return block_ ? std::string_view(block_.get(), size_) : std::string_view(text_);
+  }
+
+ private:
+  std::string text_;
+  std::unique_ptr<char[]> block_;
+  std::size_t size_ = 0;
+};
+
+using Stream = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+Stream opened(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) file_error(file, "no such file: check the path");
   if (std::filesystem::is_directory(status))
     file_error(file, "is a directory, not a file: name a mesh's file");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream(std::fopen(file.c_str(), "rb"), std::fclose);
+  Stream stream(std::fopen(file.c_str(), "rb"), std::fclose);
   if (!stream)
     file_error(file, std::string("cannot be opened (") + std::strerror(errno) + "): check the permissions");
+  return stream;
+}
+
+std::string read_whole(const std::filesystem::path& file) {
+  const Stream stream = opened(file);
   std::string text;
-  const auto size = std::filesystem::file_size(file, error);
-  if (!error) text.reserve(size);
   std::array<char, 1 << 16> block;
   for (std::size_t n = 0; (n = std::fread(block.data(), 1, block.size(), stream.get())) > 0;) {
     text.append(block.data(), n);
@@ -46,26 +71,71 @@ std::string read_whole(const std::filesystem::path& file) {
   return text;
 }
 
-std::string sha256_of(const std::string& bytes) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned int length = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 is not available from OpenSSL: check its configuration");
-  }
-  std::string hex;
-  for (unsigned int i = 0; i < length; ++i) {
-    constexpr const char* kDigits = "0123456789abcdef";
-    hex += kDigits[digest[i] >> 4];
-    hex += kDigits[digest[i] & 15];
-  }
-  return hex;
+// Large files are read in parts side by side: most of the time goes to new pages of memory.
+FileBytes read_bytes(const std::filesystem::path& file) {
+  constexpr std::size_t kLarge = std::size_t{1} << 20;
+  std::error_code error;
+  const std::uintmax_t size =
+      std::filesystem::is_regular_file(file, error) ? std::filesystem::file_size(file, error) : 0;
+  if (error || size < kLarge) return FileBytes(read_whole(file));
+  const Stream stream = opened(file);
+  std::unique_ptr<char[]> block(new char[size]);  // not set to 0, as make_unique would
+  std::atomic<bool> whole = true;
+  for_blocks(size, kLarge, [&](std::size_t from, std::size_t to) {
+    while (from < to) {
+      const ::ssize_t n =
+          ::pread(::fileno(stream.get()), block.get() + from, to - from, static_cast<::off_t>(from));
+      if (n > 0) {
+        from += static_cast<std::size_t>(n);
+      } else if (n == 0 || errno != EINTR) {
+        whole = false;
+        return;
+      }
+    }
+  });
+  // A file that changed its size or fails is read from its beginning, which tells what is wrong.
+  if (!whole || std::filesystem::file_size(file, error) != size) return FileBytes(read_whole(file));
+  return {std::move(block), size};
 }
 
-void to_design_frame(std::vector<Eigen::Vector3d>& positions, double scale, char up) {
-  for (Eigen::Vector3d& p : positions) {
-    p *= scale;
-    if (up == 'y') p = Eigen::Vector3d(p.x(), -p.z(), p.y());
+// The checksum of bytes that come one after another.
+class Sha256 {
+ public:
+  Sha256() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
+    check(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1);
   }
+  void add(std::string_view bytes) {
+    check(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()) == 1);
+  }
+  // In lower-case hex; nothing can be added afterwards.
+  [[nodiscard]] std::string end() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int length = 0;
+    check(EVP_DigestFinal_ex(context_.get(), digest.data(), &length) == 1);
+    std::string hex;
+    for (unsigned int i = 0; i < length; ++i) {
+      constexpr const char* kDigits = "0123456789abcdef";
+      hex += kDigits[digest[i] >> 4];
+      hex += kDigits[digest[i] & 15];
+    }
+    return hex;
+  }
+
+ private:
+  static void check(bool worked) {
+    if (!worked) throw std::runtime_error("SHA-256 is not available from OpenSSL: check its configuration");
+  }
+  std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> context_;
+};
+
+void to_design_frame(std::vector<Eigen::Vector3d>& positions, double scale, char up) {
+  for_blocks(positions.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      Eigen::Vector3d& p = positions[i];
+      p *= scale;
+      if (up == 'y') p = Eigen::Vector3d(p.x(), -p.z(), p.y());
+    }
+  });
 }
 
 Polygons parse(std::string_view bytes, FileFormat format, const std::filesystem::path& file, double limit) {
@@ -111,7 +181,9 @@ double scale_to_mm(const std::string& units) {
   throw std::logic_error("unknown unit ('" + units + "'): give mm, cm, m, in or ft");
 }
 
-DesignSurface surface_of(std::string text, const std::filesystem::path& file, const ReadOptions& options) {
+namespace {
+
+DesignSurface design_of(FileBytes bytes, const std::filesystem::path& file, const ReadOptions& options) {
   if (options.up != 'z' && options.up != 'y') {
     throw std::logic_error(std::string("unknown up axis ('") + options.up + "'): give z or y");
   }
@@ -120,11 +192,17 @@ DesignSurface surface_of(std::string text, const std::filesystem::path& file, co
   }
   DesignSurface design;
   design.file_name = file.filename().string();
+  const std::string_view text = bytes.view();
   design.format = options.format ? *options.format : format_of(text, text.size(), file);
   take_units(design, file, options);
-  Polygons polygons = parse(text, design.format, file, kLargestCoordinateMm / design.scale_to_mm);
-  design.sha256 = sha256_of(polygons.beside.empty() ? text : text + polygons.beside);
-  std::string().swap(text);
+  Polygons polygons;
+  Sha256 checksum;
+  side_by_side(
+      [&] { checksum.add(text); },
+      [&] { polygons = parse(text, design.format, file, kLargestCoordinateMm / design.scale_to_mm); });
+  checksum.add(polygons.beside);
+  design.sha256 = checksum.end();
+  bytes = {};
   std::string().swap(polygons.beside);
   design.place = polygons.place;
   warn_of_spacing(polygons, design.scale_to_mm, options.resolution_mm);
@@ -147,8 +225,14 @@ DesignSurface surface_of(std::string text, const std::filesystem::path& file, co
   return design;
 }
 
+}  // namespace
+
+DesignSurface surface_of(std::string bytes, const std::filesystem::path& file, const ReadOptions& options) {
+  return design_of(FileBytes(std::move(bytes)), file, options);
+}
+
 DesignSurface read_surface(const std::filesystem::path& file, const ReadOptions& options) {
-  return surface_of(read_whole(file), file, options);
+  return design_of(read_bytes(file), file, options);
 }
 
 DesignSurface read_obj(const std::filesystem::path& file, const ReadOptions& options) {

@@ -3,8 +3,11 @@
 #include <OpenMesh/Core/System/omstream.hh>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <utility>
+
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -22,12 +25,50 @@ std::array<int, 2> edge_between(int a, int b) {
 }
 
 void check(const TriangleSoup& soup) {
-  for (const auto& t : soup.triangles) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (t[i] < 0 || at(t[i]) >= soup.vertices.size() || t[i] == t[(i + 1) % 3])
-        throw std::logic_error("TriangleMesh: a triangle needs three different vertices of the mesh");
+  for_blocks(soup.triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) {
+      const auto& t = soup.triangles[f];
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (t[i] < 0 || at(t[i]) >= soup.vertices.size() || t[i] == t[(i + 1) % 3])
+          throw std::logic_error("TriangleMesh: a triangle needs three different vertices of the mesh");
+      }
     }
+  });
+}
+
+// For each corner the half-edge along its edge: edges are numbered by the first of their corners, whose
+// half-edge is the even one.
+struct Numbers {
+  std::vector<int> halfedge, border;  // border: the corners without a mate, ascending
+  std::size_t edges = 0;
+};
+
+Numbers number_edges(const std::vector<int>& mates) {
+  Numbers numbers{std::vector<int>(mates.size()), {}, 0};
+  const std::size_t blocks = (mates.size() + kBlock - 1) / kBlock;
+  const auto is_first = [&](std::size_t c) { return mates[c] < 0 || at(mates[c]) > c; };
+  std::vector<std::size_t> before(blocks, 0);
+  std::vector<std::vector<int>> border(blocks);
+  for_blocks(mates.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t c = from; c < to; ++c) {
+      before[from / kBlock] += is_first(c) ? 1U : 0U;
+      if (mates[c] < 0) border[from / kBlock].push_back(static_cast<int>(c));
+    }
+  });
+  for (std::size_t block = 0; block < blocks; ++block) {
+    numbers.edges += std::exchange(before[block], numbers.edges);
+    numbers.border.insert(numbers.border.end(), border[block].begin(), border[block].end());
   }
+  for_blocks(mates.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    auto edge = static_cast<int>(before[from / kBlock]);
+    for (std::size_t c = from; c < to; ++c) {
+      if (!is_first(c)) continue;
+      numbers.halfedge[c] = 2 * edge;
+      if (mates[c] >= 0) numbers.halfedge[at(mates[c])] = 2 * edge + 1;
+      ++edge;
+    }
+  });
+  return numbers;
 }
 
 // A surface has V + F edges less its Euler characteristic, which holes and handles lower: an eighth of the
@@ -46,10 +87,75 @@ HalfEdges::HalfEdges(TriangleSoup soup) : vertices_(soup.vertices.size()) {
     omerr().disable();
     return true;
   }();
-  add(soup);
+  std::optional<Mates> mates = plain_mates(vertices_, soup.triangles);
+  plain_ = mates.has_value();
+  if (mates) {
+    mesh_.resize(vertices_, 0, 0);
+    for_blocks(vertices_, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t v = from; v < to; ++v) mesh_.set_point(vertex(static_cast<int>(v)), soup.vertices[v]);
+    });
+    std::vector<Eigen::Vector3d>().swap(soup.vertices);
+    lay_out(soup.triangles, *std::move(mates));
+  } else {
+    add(soup);
+  }
   mesh_.add_property(corners_);
   mesh_.property(corners_).data_vector() = std::move(soup.triangles);
   if (!refused_.empty()) link_refused();
+}
+
+void HalfEdges::lay_out(const std::vector<std::array<int, 3>>& triangles, Mates mates) {
+  Numbers numbers = number_edges(mates.of_corner);
+  std::vector<int>().swap(mates.of_corner);
+  mesh_.resize(vertices_, numbers.edges, triangles.size());
+  border_ = std::move(numbers.border);
+  for_blocks(triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) {
+      const OpenMesh::FaceHandle face(static_cast<int>(f));
+      const int* h = &numbers.halfedge[3 * f];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Halfedge along(h[i]);
+        mesh_.set_face_handle(along, face);
+        mesh_.set_vertex_handle(along, vertex(triangles[f][(i + 1) % 3]));
+        mesh_.set_next_halfedge_handle(along, Halfedge(h[(i + 1) % 3]));
+      }
+      mesh_.set_halfedge_handle(face, Halfedge(h[2]));
+    }
+  });
+  for_blocks(vertices_, kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t v = from; v < to; ++v) {
+      const int corner = mates.lowest[v];
+      if (corner >= 0)
+        mesh_.set_halfedge_handle(vertex(static_cast<int>(v)), Halfedge(numbers.halfedge[at(corner)]));
+    }
+  });
+  set_border();
+}
+
+// The half-edges outside follow each other round the border; a vertex there leaves along its own.
+void HalfEdges::set_border() {
+  for (const int corner : border_) {
+    const Halfedge inside = at_corner(corner), outside = mesh_.opposite_halfedge_handle(inside);
+    const OpenMesh::VertexHandle from = mesh_.to_vertex_handle(inside);
+    mesh_.set_vertex_handle(outside, mesh_.to_vertex_handle(mesh_.prev_halfedge_handle(inside)));
+    mesh_.set_halfedge_handle(from, outside);
+  }
+  for (const int corner : border_) {
+    const Halfedge outside = mesh_.opposite_halfedge_handle(at_corner(corner));
+    mesh_.set_next_halfedge_handle(outside, mesh_.halfedge_handle(mesh_.to_vertex_handle(outside)));
+  }
+}
+
+std::vector<int> HalfEdges::border() const {
+  if (plain_) return border_;
+  std::vector<int> corners;
+  for (int f = 0; f < static_cast<int>(triangles().size()); ++f) {
+    Halfedge h = first(f);
+    for (int c = 3 * f; c < 3 * f + 3; ++c, h = mesh_.next_halfedge_handle(h)) {
+      if (!across(h).is_valid()) corners.push_back(c);
+    }
+  }
+  return corners;
 }
 
 void HalfEdges::add(const TriangleSoup& soup) {
@@ -91,6 +197,7 @@ bool HalfEdges::joined(int v, int other) const {
 }
 
 bool HalfEdges::has_seams() const {
+  if (plain_) return false;
   if (!refused_.empty()) return true;
   // A vertex has a half-edge out along the border for each of its fans: one walk over the half-edges finds
   // the second.

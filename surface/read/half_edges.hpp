@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "surface/read/mates.hpp"
 #include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::surface {
@@ -24,7 +25,8 @@ struct HalfEdgeTraits : OpenMesh::DefaultTraits {
 // oriented manifolds; a triangle that it refuses (a third one at an edge, one of the opposite sense, one at a
 // vertex that is surrounded already) lies beside the others in it, on copies of its vertices, and `across`
 // knows what lies beyond its edges. So every set of triangles has one structure, in which what is wrong can
-// be found and told; a mesh that can be sliced has no such triangles.
+// be found and told; a mesh that can be sliced has no such triangles. A plain surface (mates.hpp), as nearly
+// every design is, is laid out at once on all cores; OpenMesh is asked triangle by triangle for the others.
 class HalfEdges {
  public:
   using Mesh = OpenMesh::TriMesh_ArrayKernelT<HalfEdgeTraits>;
@@ -68,6 +70,12 @@ class HalfEdges {
   // Tells whether OpenMesh refused triangles, or holds vertices with several fans of them.
   [[nodiscard]] bool has_seams() const;
 
+  // Tells whether the triangles were found to be a plain surface: no edge of more than two, neighbours of one
+  // sense, and one fan at each vertex.
+  [[nodiscard]] bool plain() const { return plain_; }
+  // Returns the corners whose edge has nothing beyond it, ascending.
+  [[nodiscard]] std::vector<int> border() const;
+
  private:
   // A half-edge of a triangle by its edge's vertices, the lower one first.
   struct EdgeUse {
@@ -78,6 +86,9 @@ class HalfEdges {
     }
   };
 
+  // Lays the half-edges of a plain surface out as OpenMesh would, triangle by triangle.
+  void lay_out(const std::vector<std::array<int, 3>>& triangles, Mates mates);
+  void set_border();
   void add(const TriangleSoup& soup);
   void add_beside(const std::array<int, 3>& triangle);
   // Finds what lies beyond the edges of refused triangles.
@@ -86,6 +97,8 @@ class HalfEdges {
 
   Mesh mesh_;
   std::size_t vertices_ = 0;  // given; copies follow
+  bool plain_ = false;
+  std::vector<int> border_;  // of a plain surface: corners
   OpenMesh::FPropHandleT<std::array<int, 3>> corners_;
   std::vector<int> refused_;                       // triangles
   OpenMesh::HPropHandleT<Halfedge> across_;        // only where triangles were refused

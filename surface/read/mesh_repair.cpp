@@ -4,12 +4,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/first_of_equals.hpp"
 #include "surface/read/half_edges.hpp"
 #include "surface/read/needles.hpp"
@@ -24,8 +27,10 @@ namespace {
 
 // For each vertex the first one with exactly its coordinates; -0 and 0 are equal.
 std::vector<int> merge_positions(std::vector<Eigen::Vector3d>& positions) {
-  for (Eigen::Vector3d& p : positions)
-    p.array() += 0.0;  // turns -0 into 0, so that equal numbers have equal bits
+  for_blocks(positions.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    // Turns -0 into 0, so that equal numbers have equal bits.
+    for (std::size_t v = from; v < to; ++v) positions[v].array() += 0.0;
+  });
   const auto hash = [&](std::size_t v) {
     std::uint64_t h = 0;
     for (const double c : positions[v]) h = stir(h, std::bit_cast<std::uint64_t>(c));
@@ -49,6 +54,45 @@ std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangle
   };
   return first_of_equals(triangles.size(), hash,
                          [&](std::size_t f, std::size_t g) { return sorted(f) == sorted(g); });
+}
+
+// The parts of a plain surface, whose triangles at a vertex hang together: as many as its vertices fall into.
+std::size_t connected_parts(const TriangleMesh& mesh) {
+  // Each vertex refers to a lower one of its part or, the lowest, to itself; what refers to none yet is given
+  // the lower root of two that meet, by whichever thread comes first: the roots that are left are the same.
+  std::vector<int> lower(mesh.vertices().size());
+  std::iota(lower.begin(), lower.end(), 0);
+  const auto refers = [&](int v) { return std::atomic_ref<int>(lower[static_cast<std::size_t>(v)]); };
+  const auto root = [&](int v) {
+    for (int up = refers(v).load(std::memory_order_relaxed); up != v;) {
+      // Every other vertex on the way is led past the next one.
+      const int next = refers(up).load(std::memory_order_relaxed);
+      if (next != up) refers(v).compare_exchange_weak(up, next, std::memory_order_relaxed);
+      v = next;
+      up = refers(v).load(std::memory_order_relaxed);
+    }
+    return v;
+  };
+  const auto join = [&](int v, int w) {
+    for (;;) {
+      v = root(v);
+      w = root(w);
+      if (v == w) return;
+      if (v < w) std::swap(v, w);
+      int own = v;
+      if (refers(v).compare_exchange_strong(own, w, std::memory_order_relaxed)) return;
+    }
+  };
+  const auto triangles = mesh.triangles();
+  for_blocks(triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) {
+      join(triangles[f][0], triangles[f][1]);
+      join(triangles[f][1], triangles[f][2]);
+    }
+  });
+  std::size_t parts = 0;
+  for (std::size_t v = 0; v < lower.size(); ++v) parts += lower[v] == static_cast<int>(v) ? 1U : 0U;
+  return parts;
 }
 
 class Repair {
@@ -88,6 +132,9 @@ class Repair {
   }
 
   void cut_into_triangles(std::span<const int> first) {
+    faces_ = polygons_.faces();
+    first_place_ = polygons_.face_place[0];
+    if (polygons_.corners.size() == 3 * faces_ && take_triangles(first)) return;
     std::vector<int> corners;
     std::vector<std::array<int, 3>> pieces;
     std::size_t crossing = 0, crossing_place = 0;
@@ -105,13 +152,37 @@ class Repair {
       place_.resize(soup_.triangles.size(), polygons_.face_place[f]);
       if (pieces.empty()) ++health_.degenerate_faces;
     }
-    faces_ = polygons_.faces();
-    first_place_ = polygons_.face_place[0];
     polygons_ = {};  // as large as the mesh, and told
     if (crossing > 0) {
       health_.warnings.push_back(
           text_of(crossing, Warning::kNotSimplePolygon, {std::to_string(crossing_place)}));
     }
+  }
+
+  // Takes faces that are triangles already; those whose corners have merged have no area. False, and nothing
+  // done, where faces of other numbers of corners are among them.
+  bool take_triangles(std::span<const int> first) {
+    std::atomic<bool> all = true;
+    soup_.triangles.resize(faces_);
+    for_blocks(faces_, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to; ++f) {
+        const std::span<const int> face = polygons_.face(f);
+        if (face.size() != 3) {
+          all = false;
+          return;
+        }
+        for (std::size_t i = 0; i < 3; ++i) soup_.triangles[f][i] = first[static_cast<std::size_t>(face[i])];
+      }
+    });
+    if (!all) {
+      soup_.triangles.clear();
+      return false;
+    }
+    place_ = std::move(polygons_.face_place);
+    polygons_ = {};  // as large as the mesh, and told
+    keep_triangles([this](std::size_t f) { return has_three(f); });
+    health_.degenerate_faces += faces_ - soup_.triangles.size();
+    return true;
   }
 
   // The face's corners after merging, without repetitions of a neighbour.
@@ -128,7 +199,8 @@ class Repair {
   // The faces that look towards `direction`, before any is turned over.
   void take_facing(const Eigen::Vector3d& direction, double least_cosine) {
     const std::size_t all = soup_.triangles.size();
-    keep_triangles([&](const std::array<int, 3>& t) {
+    keep_triangles([&](std::size_t f) {
+      const std::array<int, 3>& t = soup_.triangles[f];
       const Eigen::Vector3d normal = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
       return normal.dot(direction) >= least_cosine * normal.norm() * direction.norm() && normal.norm() > 0;
     });
@@ -142,14 +214,30 @@ class Repair {
 
   template <class Wanted>
   void keep_triangles(const Wanted& wanted) {
+    std::vector<char> keeps(soup_.triangles.size());
+    std::atomic<bool> all = true;
+    for_blocks(keeps.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to; ++f) keeps[f] = wanted(f) ? 1 : 0;
+      if (std::find(keeps.begin() + static_cast<std::ptrdiff_t>(from),
+                    keeps.begin() + static_cast<std::ptrdiff_t>(to),
+                    0) != keeps.begin() + static_cast<std::ptrdiff_t>(to))
+        all = false;
+    });
+    if (all) return;
     std::size_t kept = 0;
     for (std::size_t f = 0; f < soup_.triangles.size(); ++f) {
-      if (!wanted(soup_.triangles[f])) continue;
+      if (keeps[f] == 0) continue;
       soup_.triangles[kept] = soup_.triangles[f];
       place_[kept++] = place_[f];
     }
     soup_.triangles.resize(kept);
     place_.resize(kept);
+  }
+
+  // Whether a triangle's corners are three vertices.
+  [[nodiscard]] bool has_three(std::size_t f) const {
+    const auto& t = soup_.triangles[f];
+    return t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
   }
 
   void mention_gaps(const TriangleMesh& mesh) {
@@ -169,7 +257,7 @@ class Repair {
       for (int& v : t) v = found.vertex[static_cast<std::size_t>(v)];
     }
     const std::size_t before = soup_.triangles.size();
-    keep_triangles([](const auto& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; });
+    keep_triangles([this](std::size_t f) { return has_three(f); });
     health_.degenerate_faces += before - soup_.triangles.size();
     stitched_ = found.joined;
     health_.repairs.push_back("stitched " + counted(found.joined, "border vertex", "border vertices") +
@@ -201,11 +289,7 @@ class Repair {
   // Of faces over the same three vertices the first stays, whichever way round the others are.
   void drop_duplicates() {
     const std::vector<int> first = match_triangles(soup_.triangles);
-    std::size_t face = 0;
-    keep_triangles([&](const auto&) {
-      const std::size_t f = face++;
-      return first[f] == static_cast<int>(f);
-    });
+    keep_triangles([&](std::size_t f) { return first[f] == static_cast<int>(f); });
     health_.duplicate_faces = first.size() - soup_.triangles.size();
     if (health_.duplicate_faces == 0) return;
     health_.repairs.push_back("dropped " + counted(health_.duplicate_faces, "face", "faces") +
@@ -217,9 +301,11 @@ class Repair {
     std::size_t merged = 0;
     for (std::size_t v = 0; v < first.size(); ++v) merged += first[v] != static_cast<int>(v) ? 1U : 0U;
     std::vector<int> renamed(first.size(), -1);
-    for (const auto& t : soup_.triangles) {
-      for (const int v : t) renamed[static_cast<std::size_t>(v)] = 0;
-    }
+    for_blocks(soup_.triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to; ++f)
+        for (const int v : soup_.triangles[f])
+          std::atomic_ref<int>(renamed[static_cast<std::size_t>(v)]).store(0, std::memory_order_relaxed);
+    });
     int kept = 0;
     for (std::size_t v = 0; v < renamed.size(); ++v) {
       if (renamed[v] < 0) continue;
@@ -227,9 +313,7 @@ class Repair {
       file_number_.push_back(static_cast<int>(v) + 1);
       renamed[v] = kept++;
     }
-    for (auto& t : soup_.triangles) {
-      for (int& v : t) v = renamed[static_cast<std::size_t>(v)];
-    }
+    if (static_cast<std::size_t>(kept) < first.size()) rename(renamed);
     health_.unused_vertices = first.size() - merged - stitched_ - static_cast<std::size_t>(kept);
     soup_.vertices.resize(static_cast<std::size_t>(kept));
     soup_.vertices.shrink_to_fit();
@@ -237,6 +321,13 @@ class Repair {
       health_.repairs.push_back("merged " + counted(merged, "vertex", "vertices") +
                                 " with another of exactly the same coordinates");
     }
+  }
+
+  void rename(std::span<const int> renamed) {
+    for_blocks(soup_.triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to; ++f)
+        for (int& v : soup_.triangles[f]) v = renamed[static_cast<std::size_t>(v)];
+    });
   }
 
   void report_crowded_edges(const TriangleMesh& mesh) {
@@ -262,6 +353,10 @@ class Repair {
 
   // Spreads a sense from face to face. In each component the sense that turns fewer faces wins.
   void turn_to_agree(TriangleMesh& mesh) {
+    if (mesh.half_edges().plain()) {
+      health_.components = connected_parts(mesh);
+      return;
+    }
     std::vector<Sense> sense(mesh.triangles().size(), Sense::kUnseen);
     std::vector<int> component;
     std::size_t turned = 0;

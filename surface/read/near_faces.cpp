@@ -1,9 +1,9 @@
 #include "surface/read/near_faces.hpp"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,10 +11,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
+
 namespace hotblade::surface {
 namespace {
 
-constexpr std::size_t kLeaf = 8;
 // Top nodes that portions are made of: some dozens of portions for each core.
 constexpr std::size_t kTopNodes = 64;
 
@@ -48,13 +49,26 @@ Four four(const float* from) {
 // past each box, and forgets it.
 template <class Box>
 bool overlap(const Box& a, const Box& b) {
+  using Pairs = long __attribute__((vector_size(16)));
   using Flags = int __attribute__((vector_size(16)));
-  using Pair = long __attribute__((vector_size(16)));
   constexpr Flags kAxes{-1, -1, -1, 0};
   const Four a_low = four(a.low.data()), a_high = four(a.high.data());
   const Four b_low = four(b.low.data()), b_high = four(b.high.data());
-  const auto apart = reinterpret_cast<Pair>(((a_low > b_high) | (b_low > a_high)) & kAxes);
+  const auto apart = reinterpret_cast<Pairs>(((a_low > b_high) | (b_low > a_high)) & kAxes);
   return (apart[0] | apart[1]) == 0;
+}
+
+constexpr float kSteps = 255;
+
+// A 255th of a leaf's size, and the numbers so many of them over its lowest and under its highest.
+float step_of(float low, float high) {
+  return (high - low) / kSteps;
+}
+float above(float low, int steps, float step) {
+  return low + static_cast<float>(steps) * step;
+}
+float below(float high, int steps, float step) {
+  return high - static_cast<float>(steps) * step;
 }
 
 template <class Box>
@@ -91,10 +105,12 @@ NearFaces::NearFaces(std::span<const Eigen::Vector3d> vertices,
   if (triangles.empty()) return;
   sort_faces(vertices, triangles);
   grow_tree();
+  pack_leaves(vertices, triangles);
+  enclose();
   divide();
 }
 
-// By the boxes' middles along the curve (Morton 1966); faces of one place keep their order.
+// By the boxes' middles along the curve (Morton 1966); faces of one cell of it keep their order.
 void NearFaces::sort_faces(std::span<const Eigen::Vector3d> vertices,
                            std::span<const std::array<int, 3>> triangles) {
   Eigen::Vector3d low = vertices[static_cast<std::size_t>(triangles[0][0])], high = low;
@@ -104,25 +120,94 @@ void NearFaces::sort_faces(std::span<const Eigen::Vector3d> vertices,
       high = high.cwiseMax(vertices[static_cast<std::size_t>(v)]);
     }
   }
-  constexpr double kCells = (1 << 21) - 1;
-  const double extent = (high - low).maxCoeff(), scale = extent > 0 ? kCells / extent : 0;
-  std::vector<std::pair<std::uint64_t, int>> keys(triangles.size());
-  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t f) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (const int v : triangles[f]) sum += vertices[static_cast<std::size_t>(v)] - low;
-    std::uint64_t key = 0;
-    for (Eigen::Index k = 0; k < 3; ++k)
-      key |= spread(static_cast<std::uint64_t>(std::clamp(sum[k] / 3 * scale, 0.0, kCells))) << k;
-    keys[f] = {key, static_cast<int>(f)};
+  // Key and number of a face in one: what the number leaves free is shared by the axes.
+  const int number_bits = static_cast<int>(std::bit_width(triangles.size())),
+            axis_bits = std::min(21, (64 - number_bits) / 3);
+  const auto cells = static_cast<double>((1 << axis_bits) - 1);
+  const double extent = (high - low).maxCoeff(), scale = extent > 0 ? cells / extent : 0;
+  std::vector<std::uint64_t> keys(triangles.size());
+  for_blocks(keys.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (const int v : triangles[f]) sum += vertices[static_cast<std::size_t>(v)] - low;
+      std::uint64_t key = 0;
+      for (Eigen::Index k = 0; k < 3; ++k)
+        key |= spread(static_cast<std::uint64_t>(std::clamp(sum[k] / 3 * scale, 0.0, cells))) << k;
+      keys[f] = key << number_bits | f;
+    }
   });
   tbb::parallel_sort(keys.begin(), keys.end());
   faces_.resize(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) faces_[i] = keys[i].second;
-  std::vector<std::pair<std::uint64_t, int>>().swap(keys);  // as much as two thirds of the boxes
-  boxes_.resize(faces_.size() + 1);
-  tbb::parallel_for(std::size_t{0}, faces_.size(), [&](std::size_t i) {
-    boxes_[i] = box_of<Box>(vertices, triangles[static_cast<std::size_t>(faces_[i])]);
+  const std::uint64_t number = (std::uint64_t{1} << number_bits) - 1;
+  for_blocks(keys.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) faces_[i] = static_cast<int>(keys[i] & number);
   });
+}
+
+void NearFaces::pack_leaves(std::span<const Eigen::Vector3d> vertices,
+                            std::span<const std::array<int, 3>> triangles) {
+  leaves_.resize(levels_[0].count);
+  for_blocks(leaves_.size(), kBlock / kLeaf, [&](std::size_t from, std::size_t to) {
+    std::array<Box, kLeaf> boxes{};
+    for (std::size_t leaf = from; leaf < to; ++leaf) {
+      const std::size_t first = leaf * kLeaf, count = std::min(kLeaf, faces_.size() - first);
+      for (std::size_t i = 0; i < count; ++i)
+        boxes[i] = box_of<Box>(vertices, triangles[static_cast<std::size_t>(faces_[first + i])]);
+      pack_leaf(leaf, std::span<const Box>(boxes).first(count));
+    }
+  });
+}
+
+// A share is lowered until what it unpacks to holds the box: one of 0 is the leaf's own end, which does.
+void NearFaces::pack_leaf(std::size_t leaf, std::span<const Box> boxes) {
+  Box whole = boxes[0];
+  for (const Box& box : boxes.subspan(1)) add(whole, box);
+  nodes_[leaf] = whole;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float low = whole.low[k], high = whole.high[k], step = step_of(low, high);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const auto steps = [&](float way) {
+        return step > 0 ? static_cast<int>(std::min(kSteps, way / step)) : 0;
+      };
+      int from = steps(boxes[i].low[k] - low), to = steps(high - boxes[i].high[k]);
+      while (from > 0 && above(low, from, step) > boxes[i].low[k]) --from;
+      while (to > 0 && below(high, to, step) < boxes[i].high[k]) --to;
+      leaves_[leaf].low[k][i] = static_cast<std::uint8_t>(from);
+      leaves_[leaf].high[k][i] = static_cast<std::uint8_t>(to);
+    }
+  }
+}
+
+// The faces that may meet a box. Bytes tell them from most others: a box begins beyond the end of `within`
+// where its share is over that end's, and one step more leaves room for rounding.
+void NearFaces::unpack(std::size_t leaf, const Box& within, Unpacked& some) const {
+  using Bytes = std::uint8_t __attribute__((vector_size(kLeaf)));
+  const Box& whole = nodes_[leaf];
+  const LeafBoxes& packed = leaves_[leaf];
+  std::array<float, 3> step{};
+  auto apart = Bytes{} > Bytes{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    step[k] = step_of(whole.low[k], whole.high[k]);
+    if (!(step[k] > 0)) continue;
+    const auto share = [&](float way) {
+      return static_cast<std::uint8_t>(std::clamp(way / step[k] + 1, 0.0F, kSteps));
+    };
+    Bytes low, high;
+    std::memcpy(&low, packed.low[k].data(), sizeof low);
+    std::memcpy(&high, packed.high[k].data(), sizeof high);
+    apart |= (low > share(within.high[k] - whole.low[k])) | (high > share(whole.high[k] - within.low[k]));
+  }
+  const std::size_t first = leaf * kLeaf, count = std::min(kLeaf, faces_.size() - first);
+  some.count = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (apart[i] != 0) continue;
+    Box& box = some.boxes[some.count];
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] = above(whole.low[k], packed.low[k][i], step[k]);
+      box.high[k] = below(whole.high[k], packed.high[k][i], step[k]);
+    }
+    some.faces[some.count++] = faces_[first + i];
+  }
 }
 
 void NearFaces::grow_tree() {
@@ -133,19 +218,16 @@ void NearFaces::grow_tree() {
     if (count == 1) break;
   }
   nodes_.resize(total + 1);
-  // The whole box of the items `first` to `last` of a list.
-  const auto whole = [](const std::vector<Box>& items, std::size_t first, std::size_t last) {
-    Box box = items[first];
-    for (std::size_t i = first + 1; i < last; ++i) add(box, items[i]);
-    return box;
-  };
-  for (std::size_t leaf = 0; leaf < levels_[0].count; ++leaf)
-    nodes_[leaf] = whole(boxes_, leaf * kLeaf, std::min(faces_.size(), (leaf + 1) * kLeaf));
+}
+
+void NearFaces::enclose() {
   for (std::size_t level = 1; level < levels_.size(); ++level) {
-    const auto [below, count_below] = levels_[level - 1];
-    for (std::size_t i = 0; i < levels_[level].count; ++i)
-      nodes_[levels_[level].first + i] =
-          whole(nodes_, below + 2 * i, below + std::min(count_below, 2 * i + 2));
+    const auto [below_first, count_below] = levels_[level - 1];
+    for (std::size_t i = 0; i < levels_[level].count; ++i) {
+      Box& box = nodes_[levels_[level].first + i];
+      box = nodes_[below_first + 2 * i];
+      if (2 * i + 1 < count_below) add(box, nodes_[below_first + 2 * i + 1]);
+    }
   }
 }
 
@@ -186,13 +268,14 @@ void NearFaces::between(std::size_t level, std::size_t node, std::size_t other, 
 }
 
 void NearFaces::compare(std::size_t leaf, std::size_t other, const Meet& meet) const {
-  const auto end = [&](std::size_t of) { return std::min(faces_.size(), (of + 1) * kLeaf); };
-  const Box& whole = nodes_[other];
-  for (std::size_t i = leaf * kLeaf; i < end(leaf); ++i) {
-    const Box& box = boxes_[i];
-    if (!overlap(box, whole)) continue;
-    for (std::size_t k = leaf == other ? i + 1 : other * kLeaf; k < end(other); ++k) {
-      if (overlap(box, boxes_[k])) meet(faces_[i], faces_[k]);
+  Unpacked own, others;
+  unpack(leaf, nodes_[other], own);
+  if (own.count == 0) return;
+  if (leaf != other) unpack(other, nodes_[leaf], others);
+  const Unpacked& with = leaf == other ? own : others;
+  for (std::size_t i = 0; i < own.count; ++i) {
+    for (std::size_t k = leaf == other ? i + 1 : 0; k < with.count; ++k) {
+      if (overlap(own.boxes[i], with.boxes[k])) meet(own.faces[i], with.faces[k]);
     }
   }
 }

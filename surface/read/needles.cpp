@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/triangle_mesh.hpp"
 
 namespace hotblade::surface {
@@ -101,9 +102,12 @@ class Needles {
 
   void find() {
     needles_.clear();
-    for (std::size_t f = 0; f < triangles_.size(); ++f) {
-      if (is_needle(f)) needles_.push_back(f);
-    }
+    std::vector<std::vector<std::size_t>> found((triangles_.size() + kBlock - 1) / kBlock);
+    for_blocks(triangles_.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to; ++f)
+        if (is_needle(f)) found[from / kBlock].push_back(f);
+    });
+    for (const auto& own : found) needles_.insert(needles_.end(), own.begin(), own.end());
   }
 
   void drop(const std::vector<bool>& dropped) {

@@ -21,8 +21,30 @@ constexpr std::array<std::string_view, 18> kPassedOver = {
     "vt",  "vn",     "vp",     "l",     "p",        "s",        "usemtl",     "mtllib",    "mg",
     "lod", "usemap", "maplib", "bevel", "c_interp", "d_interp", "shadow_obj", "trace_obj", "vw"};
 
+// Whether a byte may go on within a token: neither blank nor line end, nor a `\` that may join lines.
+constexpr std::array<bool, 256> kGoesOn = [] {
+  std::array<bool, 256> goes_on{};
+  for (int c = 0; c < 256; ++c) {
+    const char byte = static_cast<char>(c);
+    goes_on[static_cast<std::size_t>(c)] = !is_blank(byte) && !is_line_end(byte) && byte != '\\';
+  }
+  return goes_on;
+}();
+
 [[noreturn]] void fail_at(const std::string& name, std::size_t line, const std::string& what) {
   throw MeshError(name + ":" + std::to_string(line) + ": " + what);
+}
+
+// The number that a token of up to nine digits is; 0 for any other.
+int plain_index(std::string_view token) {
+  constexpr std::size_t kMostDigits = 9;
+  if (token.size() > kMostDigits) return 0;
+  int index = 0;
+  for (const char c : token) {
+    if (c < '0' || c > '9') return 0;
+    index = 10 * index + (c - '0');
+  }
+  return index;
 }
 
 // The place of the first NUL byte, looked for in pieces.
@@ -107,7 +129,8 @@ std::string_view ObjStatements::token() {
   skip_blanks();
   if (at_ == end_ || is_line_end(*at_) || *at_ == '#') return {};
   const char* start = at_;
-  while (at_ != end_ && !is_blank(*at_) && !is_line_end(*at_) && !joins_lines()) ++at_;
+  while (at_ != end_ && (kGoesOn[static_cast<unsigned char>(*at_)] || (*at_ == '\\' && !joins_lines())))
+    ++at_;
   last_ = at_;
   return {start, static_cast<std::size_t>(at_ - start)};
 }
@@ -193,6 +216,7 @@ void ObjStatements::read_vertex() {
 // The position index of a corner such as 3, 3/1, 3//2, 3/1/2 or -1/-1; a positive one may point ahead.
 int ObjStatements::corner(std::string_view token) const {
   const char* end = token.data() + token.size();
+  if (const int plain = plain_index(token); plain > 0) return plain - 1;
   long long index = 0;
   auto [rest, error] = std::from_chars(token.data(), end, index);
   if (error == std::errc::invalid_argument) reject_corner(token);

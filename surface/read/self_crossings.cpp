@@ -10,6 +10,7 @@
 
 #include "surface/read/near_faces.hpp"
 #include "surface/read/place_text.hpp"
+#include "surface/read/spread_fans.hpp"
 #include "surface/read/warning.hpp"
 
 namespace hotblade::surface {
@@ -98,7 +99,7 @@ bool cross(const Triangle& t, const Triangle& u) {
 
 class Faces {
  public:
-  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh) {
+  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh), spread_(spread_fans(mesh)) {
     for (const Eigen::Vector3d& p : mesh.vertices())
       largest_ = std::max(largest_, p.lpNorm<Eigen::Infinity>());
   }
@@ -112,12 +113,14 @@ class Faces {
     return t;
   }
 
-  // Told in plain numbers, without a doubt: a plane parts the faces, or, where they share a corner or an
-  // edge, parts them but for that. True of nearly all neighbours of a surface, flat ones among them, whose
-  // exact predicates would fail their filters. False: not known.
+  // Told in plain numbers, without a doubt: they are side by side about a vertex, or a plane parts the faces,
+  // or, where they share a corner or an edge, parts them but for that. True of nearly all neighbours of a
+  // surface, flat ones among them, whose exact predicates would fail their filters. False: not known.
   [[nodiscard]] bool surely_apart(int f, int g) const {
     const auto &t = mesh_.triangles()[static_cast<std::size_t>(f)],
                &u = mesh_.triangles()[static_cast<std::size_t>(g)];
+    for (const int v : t)
+      if ((v == u[0] || v == u[1] || v == u[2]) && spread_[static_cast<std::size_t>(v)] != 0) return true;
     // Shared corners last.
     std::array<int, 3> own_t{}, own_u{};
     std::size_t count = 0, shared = 3, count_u = 0, shared_u = 3;
@@ -185,21 +188,27 @@ class Faces {
     return box;
   }
   const TriangleMesh& mesh_;
-  double largest_ = 0;  // coordinate
+  std::vector<char> spread_;  // of each vertex: no two of its faces cross
+  double largest_ = 0;        // coordinate
 };
 
 }  // namespace
 
-SelfCrossings find_self_crossings(const TriangleMesh& mesh) {
+SelfCrossings find_self_crossings(const TriangleMesh& mesh, const std::function<void()>& watch) {
+  const auto look = [&] {
+    if (watch) watch();
+  };
   const Faces faces(mesh);
   const NearFaces near(mesh.vertices(), mesh.triangles());
   std::vector<SelfCrossings> found(near.portions());
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    look();
     near.visit(i, [&](int f, int g) {
       if (faces.surely_apart(f, g) || !cross(faces.triangle(f), faces.triangle(g))) return;
       found[i].count({std::min(f, g), std::max(f, g)}, 1);
     });
   });
+  look();  // a search that was ended beside others may return half done
   SelfCrossings result;
   for (const SelfCrossings& part : found) {
     if (part.pairs > 0) result.count(part.faces, part.pairs);
@@ -208,8 +217,8 @@ SelfCrossings find_self_crossings(const TriangleMesh& mesh) {
   return result;
 }
 
-std::string self_crossings_text(const DesignSurface& design) {
-  const SelfCrossings found = find_self_crossings(design.mesh);
+std::string self_crossings_text(const DesignSurface& design, const std::function<void()>& watch) {
+  const SelfCrossings found = find_self_crossings(design.mesh, watch);
   if (found.pairs == 0) return "";
   const auto place = [&](int f) { return std::to_string(design.face_place[static_cast<std::size_t>(f)]); };
   return text_of(

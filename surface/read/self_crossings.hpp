@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <string>
 
 #include "surface/read/design_surface.hpp"
@@ -26,11 +27,14 @@ struct SelfCrossings {
 
 // Returns how many pairs of faces cross, and where the first does. Boxes tell most pairs apart
 // (near_faces.hpp), a plane between the faces in plain numbers the next, and exact predicates (CGAL) the
-// rest.
-[[nodiscard]] SelfCrossings find_self_crossings(const TriangleMesh& mesh);
+// rest. `watch` is called before each of the search's portions, on its threads; what it throws ends the
+// search.
+[[nodiscard]] SelfCrossings find_self_crossings(const TriangleMesh& mesh,
+                                                const std::function<void()>& watch = {});
 
 // Returns what to tell about a design's crossing faces, with place and lines of the file; an empty text when
-// there are none.
-[[nodiscard]] std::string self_crossings_text(const DesignSurface& design);
+// there are none. `watch` as above.
+[[nodiscard]] std::string self_crossings_text(const DesignSurface& design,
+                                              const std::function<void()>& watch = {});
 
 }  // namespace hotblade::surface

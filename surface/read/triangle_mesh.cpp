@@ -27,14 +27,7 @@ int TriangleMesh::beyond(int corner) const {
 }
 
 std::vector<int> TriangleMesh::border() const {
-  std::vector<int> corners;
-  for (int f = 0; f < static_cast<int>(triangles_.size()); ++f) {
-    HalfEdges::Halfedge h = half_edges_->first(f);
-    for (int c = 3 * f; c < 3 * f + 3; ++c, h = half_edges_->mesh().next_halfedge_handle(h)) {
-      if (!half_edges_->across(h).is_valid()) corners.push_back(c);
-    }
-  }
-  return corners;
+  return half_edges_ ? half_edges_->border() : std::vector<int>();
 }
 
 std::vector<std::vector<int>> TriangleMesh::border_loops() const {

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
+
 namespace hotblade::surface {
 namespace {
 
@@ -27,29 +29,47 @@ constexpr int kMostFacets = 10'000;
 class Creases {
  public:
   Creases(const TriangleMesh& mesh, const CreaseLimits& limits) : mesh_(mesh), limits_(limits) {
-    normals_.reserve(mesh.triangles().size());
-    for (std::size_t f = 0; f < mesh.triangles().size(); ++f) {
-      const int corner = static_cast<int>(3 * f);
-      normals_.push_back((at(corner + 1) - at(corner)).cross(at(corner + 2) - at(corner)).stableNormalized());
-    }
+    // rounded_mm() of a fold is over the tolerance where the cosine of half of it is below this.
+    const double half = 1 / (1 + 2 * limits_.tolerance_mm / limits_.least_radius_mm);
+    constexpr double kMargin = 1e-9;  // far over the rounding of a cosine, and of no fold that matters
+    flat_ = 2 * half * half - 1 + kMargin;
   }
 
   [[nodiscard]] std::vector<int> run() const {
-    std::vector<int> found;
-    for (int corner = 0; corner < static_cast<int>(3 * normals_.size()); ++corner) {
-      const int other = mesh_.beyond(corner);
-      if (other > corner && is_crease(corner, other)) found.push_back(corner);
-    }
-    return found;
+    const std::size_t triangles = mesh_.triangles().size();
+    std::vector<std::vector<int>> found((triangles + kBlock - 1) / kBlock);
+    for_blocks(triangles, kBlock, [&](std::size_t from, std::size_t to) {
+      for (int corner = static_cast<int>(3 * from); corner < static_cast<int>(3 * to); ++corner) {
+        const int other = mesh_.beyond(corner);
+        if (other > corner && !surely_flat(corner / 3, other / 3) && is_crease(corner, other))
+          found[from / kBlock].push_back(corner);
+      }
+    });
+    std::vector<int> all;
+    for (const std::vector<int>& own : found) all.insert(all.end(), own.begin(), own.end());
+    return all;
   }
 
  private:
   [[nodiscard]] const Vector3d& at(int corner) const {
     return mesh_.vertices()[static_cast<std::size_t>(vertex_at(mesh_, corner))];
   }
-  [[nodiscard]] const Vector3d& normal(int face) const { return normals_[static_cast<std::size_t>(face)]; }
+  // Square to the face, as long as twice its area.
+  [[nodiscard]] Vector3d across(int face) const {
+    const int corner = 3 * face;
+    return (at(corner + 1) - at(corner)).cross(at(corner + 2) - at(corner));
+  }
+  [[nodiscard]] Vector3d normal(int face) const { return across(face).stableNormalized(); }
+
+  // Told without a root or an angle of nearly all edges of a smooth surface: their fold rounds off.
+  [[nodiscard]] bool surely_flat(int face, int other) const {
+    const Vector3d m = across(face), n = across(other);
+    const double cosine = m.dot(n), squares = m.squaredNorm() * n.squaredNorm();
+    return flat_ > 0 && cosine > 0 && squares > kLeastSquares && cosine * cosine > flat_ * flat_ * squares;
+  }
+
   [[nodiscard]] double turn(int face, int other) const {
-    const Vector3d &m = normal(face), &n = normal(other);
+    const Vector3d m = normal(face), n = normal(other);
     return std::atan2(m.cross(n).norm(), m.dot(n));
   }
 
@@ -97,7 +117,7 @@ class Creases {
 
   // Where a line in a triangle, from a point of the edge `entered`, meets one of the other two edges.
   [[nodiscard]] Exit leaves(int entered, const Vector3d& from, const Vector3d& along) const {
-    const Vector3d& n = normal(entered / 3);
+    const Vector3d n = normal(entered / 3);
     Exit best;
     for (int corner = next_corner(entered); corner != entered; corner = next_corner(corner)) {
       const Vector3d edge = at(next_corner(corner)) - at(corner), out = edge.cross(n);
@@ -109,9 +129,12 @@ class Creases {
     return best;
   }
 
+  // Smaller products of squared areas may have lost digits.
+  static constexpr double kLeastSquares = 1e-200;
+
   const TriangleMesh& mesh_;
   const CreaseLimits& limits_;
-  std::vector<Vector3d> normals_;
+  double flat_ = 1;  // the cosine of a fold above which it rounds off
 };
 
 // Creases that fade out inside a surface, as those of a groin vault do towards its crown, led on along the

@@ -5,9 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
+#include <numbers>
 #include <random>
 #include <variant>
 
+#include "surface/read/spread_fans.hpp"
 #include "tests/surface/meshes.hpp"
 
 namespace hotblade::surface {
@@ -130,6 +134,20 @@ TEST(SelfCrossings, AreNoneOnSurfacesThatOnlyTouchThemselves) {
   EXPECT_EQ(find_self_crossings(saddle).pairs, 0u);
 }
 
+TEST(SelfCrossings, AreNoLongerSearchedWhereTheWatchThrows) {
+  const TriangleMesh mesh(dome(500, 300, 40));
+  std::atomic<int> looks = 0;
+  (void)find_self_crossings(mesh, [&] { ++looks; });
+  EXPECT_GT(looks, 50);
+  const int whole = looks.exchange(0);
+  struct Ended {};
+  const auto ends = [&] {
+    if (++looks > 10) throw Ended{};
+  };
+  EXPECT_THROW((void)find_self_crossings(mesh, ends), Ended);
+  EXPECT_LT(looks, whole);
+}
+
 TEST(SelfCrossings, AreToldWithLinesAndPlace) {
   // Two plates that cross along x = 50.
   const std::string text =
@@ -139,6 +157,46 @@ TEST(SelfCrossings, AreToldWithLinesAndPlace) {
   EXPECT_THAT(self_crossings_text(design), AllOf(HasSubstr("pairs of faces cross"),
                                                  HasSubstr("lines 9 and 11"), HasSubstr("near (50.000, ")));
   EXPECT_EQ(self_crossings_text(read_text("v 0 0 0\nv 9 0 0\nv 9 9 0\nf 1 2 3\n")), "");
+}
+
+// A fan that is said to be spread has no two faces that cross, whatever its vertices; a smooth one is said to
+// be.
+TEST(SpreadFans, HaveNoFacesThatCross) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> any(-1, 1);
+  int spread = 0, folded = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const int rim = 3 + round % 6;
+    TriangleSoup fan{{Eigen::Vector3d(0, 0, 0.3 * any(random))}, {}};
+    const double turns = round % 7 == 0 ? 2 : 1, rough = 0.2 * (round % 5);
+    for (int i = 0; i < rim; ++i) {
+      const double angle = turns * 2 * std::numbers::pi * i / rim;
+      fan.vertices.emplace_back(std::cos(angle) + rough * any(random), std::sin(angle) + rough * any(random),
+                                0.3 * any(random));
+      fan.triangles.push_back({0, 1 + i, 1 + (i + 1) % rim});
+    }
+    const TriangleMesh mesh(fan);
+    const bool said = spread_fans(mesh)[0] != 0;
+    const std::size_t crossing = find_self_crossings(mesh).pairs;
+    // Without the centre's face among them the faces are compared by exact predicates.
+    TriangleSoup parted{{}, {}};
+    for (const auto& t : fan.triangles) {
+      for (const int v : t) parted.vertices.push_back(fan.vertices[static_cast<std::size_t>(v)]);
+      const auto last = static_cast<int>(parted.vertices.size());
+      parted.triangles.push_back({last - 3, last - 2, last - 1});
+    }
+    EXPECT_EQ(find_self_crossings(TriangleMesh(parted)).pairs, crossing) << round;
+    if (said) {
+      EXPECT_EQ(crossing, 0U) << round;
+    }
+    if (rough == 0 && turns == 1) {
+      EXPECT_TRUE(said) << round;
+    }
+    spread += said ? 1 : 0;
+    folded += crossing > 0 ? 1 : 0;
+  }
+  EXPECT_GT(spread, 1000);
+  EXPECT_GT(folded, 100);
 }
 
 }  // namespace

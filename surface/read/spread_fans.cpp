@@ -1,0 +1,68 @@
+#include "surface/read/spread_fans.hpp"
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "surface/read/blocks.hpp"
+#include "surface/read/half_edges.hpp"
+
+namespace hotblade::surface {
+namespace {
+
+// The edges that leave a vertex inside the surface, one after another round it, into `edges`; fewer than
+// three where it is on the border or has no triangles.
+void edges_about(const TriangleMesh& mesh, int v, std::vector<Eigen::Vector3d>& edges) {
+  const HalfEdges::Mesh& links = mesh.half_edges().mesh();
+  const auto vertices = mesh.vertices();
+  edges.clear();
+  const HalfEdges::Halfedge first = links.halfedge_handle(OpenMesh::VertexHandle(v));
+  if (!first.is_valid() || links.is_boundary(first)) return;
+  HalfEdges::Halfedge h = first;
+  do {
+    edges.push_back(vertices[static_cast<std::size_t>(links.to_vertex_handle(h).idx())] -
+                    vertices[static_cast<std::size_t>(v)]);
+    h = links.opposite_halfedge_handle(links.prev_halfedge_handle(h));
+  } while (h != first);
+}
+
+// Do the edges turn once about the vertex as seen along an axis, each step in the same sense and by less than
+// half a turn? A difference of coordinates has its exact sign, and the area of two differences is off by less
+// than 3.4e-16 of its terms.
+bool turn_once(const std::vector<Eigen::Vector3d>& edges, Eigen::Index x, Eigen::Index y, double sense) {
+  constexpr double kRounding = 4e-16, kLeast = 1e-280;  // less than this may have lost digits at the bottom
+  int turns = 0;
+  const Eigen::Vector3d* a = &edges.back();
+  for (const Eigen::Vector3d& b : edges) {
+    const double left = (*a)[x] * b[y], right = (*a)[y] * b[x], terms = std::abs(left) + std::abs(right);
+    if (!(sense * (left - right) > kRounding * terms + kLeast)) return false;
+    turns += (*a)[y] < 0 && b[y] >= 0 ? 1 : 0;
+    a = &b;
+  }
+  return turns == 1;
+}
+
+bool is_spread(const std::vector<Eigen::Vector3d>& edges) {
+  if (edges.size() < 3) return false;
+  Eigen::Vector3d normal = edges.back().cross(edges.front());
+  for (std::size_t i = 1; i < edges.size(); ++i) normal += edges[i - 1].cross(edges[i]);
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return turn_once(edges, (axis + 1) % 3, (axis + 2) % 3, normal[axis] < 0 ? -1 : 1);
+}
+
+}  // namespace
+
+std::vector<char> spread_fans(const TriangleMesh& mesh) {
+  std::vector<char> spread(mesh.vertices().size(), 0);
+  if (mesh.triangles().empty() || !mesh.half_edges().plain()) return spread;
+  for_blocks(spread.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    std::vector<Eigen::Vector3d> edges;
+    for (std::size_t v = from; v < to; ++v) {
+      edges_about(mesh, static_cast<int>(v), edges);
+      spread[v] = is_spread(edges) ? 1 : 0;
+    }
+  });
+  return spread;
+}
+
+}  // namespace hotblade::surface
