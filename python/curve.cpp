@@ -222,11 +222,11 @@ py::tuple project(const py::object& bezier, const std::string& method, const std
                         py::make_tuple(p.moved[0], p.moved[1]), p.angle_constraints_hold, name(p.status));
 }
 
-py::tuple sample(const py::object& curve, int n) {
+py::tuple sample(const py::object& curve, std::int64_t n) {
   const Elastica e = elastica_of(curve, "elastica");
-  in_range(n, "n", 2, 1e6);
+  in_range(static_cast<double>(n), "n", 2, 1e6);
   using Points = std::vector<elastica::CurvePoint>;
-  auto points = answered([&] { return std::make_unique<Points>(elastica::sample(e, n)); });
+  auto points = answered([&] { return std::make_unique<Points>(elastica::sample(e, static_cast<int>(n))); });
   const elastica::CurvePoint* first = points->data();
   const py::capsule owner = kept(points);
   constexpr py::ssize_t kRow = sizeof(elastica::CurvePoint), kNumber = sizeof(double);

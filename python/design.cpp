@@ -43,9 +43,10 @@ Design read_file(const py::object& file, const py::object& units, const py::obje
       read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up, "design.group"_a = group,
                                     "design.facing"_a = facing, "design.stitch_mm"_a = stitch_mm,
                                     "design.format"_a = format));
-  pipeline::take_format(path, !up.is_none(), settings.design);
-  expect_units(settings, path);
+  const bool turned = !up.is_none();
   const py::gil_scoped_release release;
+  pipeline::take_format(path, turned, settings.design);
+  expect_units(settings, path);
   return {pipeline::read_design(path, settings.design), settings.design, "", std::filesystem::absolute(path)};
 }
 
@@ -83,9 +84,10 @@ Design from_arrays(const py::object& vertices, const py::object& triangles, cons
   const std::string file = name.ends_with(".obj") ? name : name + ".obj";
   const Settings settings = read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up));
   expect_units(settings, file);
-  std::string text =
-      obj_text(numbers(vertices, "vertices", {kAny, 3}), whole_numbers(triangles, "triangles", {kAny, 3}));
+  const Numbers points = numbers(vertices, "vertices", {kAny, 3});
+  const auto faces = whole_numbers(triangles, "triangles", {kAny, 3});
   const py::gil_scoped_release release;
+  std::string text = obj_text(points, faces);
   return {
       surface::surface_of(text, file, pipeline::read_options(settings.design)), settings.design, text, {}};
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/advice/advice.hpp"
 #include "pipeline/advice/design_trials.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
@@ -95,7 +96,7 @@ class Planner {
       tell("arms", posed);
       hold_in_cell(design_.surface, *cell_, gpu::Backend::kCpu, result);
     }
-    if (std::string text = surface::self_crossings_text(design_.surface); !text.empty())
+    if (std::string text = surface::self_crossings_text(design_.surface, gpu::stop_point); !text.empty())
       warnings.push_back(std::move(text));
     result.warnings.insert(result.warnings.end(), warnings.begin(), warnings.end());
     if (may_try && !result.refusals.empty()) try_remedies(suggested, tell, planned, result);

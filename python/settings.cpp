@@ -72,9 +72,10 @@ std::vector<std::filesystem::path> files_of(const py::object& files) {
   return list;
 }
 
-}  // namespace
-
-namespace {
+Settings resolved(const pipeline::SettingsSources& sources) {
+  const py::gil_scoped_release release;
+  return pipeline::resolve(sources);
+}
 
 constexpr int kMostDepth = 2;  // of the lists of a setting: a list of pairs
 
@@ -103,6 +104,13 @@ std::string text_of(const py::handle& value, const std::string& key, int depth) 
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() != nullptr) throw py::error_already_set();
     return py::repr(py::float_(number)).cast<std::string>();
+  }
+  if (py::isinstance<py::dict>(value)) {
+    const std::string first =
+        value.begin() == value.end() ? "..." : py::str(*value.begin()).cast<std::string>();
+    throw pipeline::Error(
+        pipeline::ErrorKind::kBadSettings,
+        key + ": a mapping within the mapping: keys are whole here: \"" + key + "." + first + "\"");
   }
   throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
                         key + " (" + py::repr(value).cast<std::string>() +
@@ -143,20 +151,22 @@ void add_settings(py::module_& module) {
   py::class_<Settings, std::shared_ptr<Settings>>(module, "Settings",
                                                   "Every number a plan depends on, by key; it never changes.")
       .def(py::init([](const py::object& values) {
-             return pipeline::resolve({{}, {}, flags_of(values, "settings")});
+             return resolved({{}, {}, flags_of(values, "settings")});
            }),
            py::arg("values") = py::none())
       .def_static(
           "load",
           [](const py::object& files, const py::object& values) {
-            return pipeline::resolve({files_of(files), {}, flags_of(values, "settings")});
+            return resolved({files_of(files), {}, flags_of(values, "settings")});
           },
           py::arg("files"), py::arg("values") = py::none(),
           "Settings of TOML files in their order, with values on top.")
       .def(
           "changed",
           [](const Settings& settings, const py::object& values) {
-            return pipeline::with_flags(settings, flags_of(values, "settings"));
+            const std::vector<pipeline::SettingsFlag> flags = flags_of(values, "settings");
+            const py::gil_scoped_release release;
+            return pipeline::with_flags(settings, flags);
           },
           py::arg("values"), "The same settings with other values.")
       .def("__getitem__", &value_of)

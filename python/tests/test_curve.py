@@ -156,6 +156,7 @@ def test_arcs_are_those_of_the_command(program, order):
     (lambda: curve.project(np.zeros((4, 2)), threshold=2), hb.UsageError, "threshold: out of range"),
     (lambda: curve.sample([0] * 7, 5), hb.UsageError, "elastica: its length"),
     (lambda: curve.sample([0] * 6 + [1], 1), hb.UsageError, "n: out of range"),
+    (lambda: curve.sample([0] * 6 + [1], 10**12), hb.UsageError, "n: out of range"),
     (lambda: curve.sample([0, 0, 0, 1e8, 0, 0, 1e8], 5), hb.InputError, ""),
     (lambda: curve.equilibria([0, 0, 0], [1, 0], 2), hb.UsageError, r"b: shape \(2,\)"),
     (lambda: curve.equilibria([0, 0, 0], [1, 0, 0], -2), hb.UsageError, "length: out of range"),

@@ -3,6 +3,8 @@ import json
 import os
 import pickle
 import shutil
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -175,3 +177,45 @@ def test_names_of_files_may_be_any_bytes(samples, tmp_path):
     shutil.copy(samples / "saddle.obj", missing)
     design = hb.read(missing, "mm")
     assert design.name == os.path.basename(missing) and design.name in repr(design)
+
+
+def test_settings_within_settings_are_told_by_their_whole_key():
+    with pytest.raises(hb.UsageError, match='design: a mapping within the mapping: .*"design.tolerance_mm"'):
+        hb.Settings({"design": {"tolerance_mm": 0.5}})
+    with pytest.raises(hb.UsageError, match="design: a mapping within the mapping"):
+        hb.Settings({"design": {}})
+
+
+def longest_wait(call):
+    """The largest share of the call's time for which another thread of Python did not come to run."""
+    ticks, over = [], threading.Event()
+    def tick():
+        while not over.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    try:
+        while not ticks:
+            time.sleep(0.001)
+        began = time.perf_counter()
+        call()
+        ended = time.perf_counter()
+    finally:
+        over.set()
+        ticker.join()
+    times = [began, *(t for t in ticks if began < t < ended), ended]
+    return max(b - a for a, b in zip(times, times[1:])) / (ended - began)
+
+
+def test_other_threads_run_while_designs_are_made(tmp_path):
+    rows = 300
+    x, y = np.meshgrid(np.linspace(0, 600, rows), np.linspace(0, 400, rows))
+    vertices = np.column_stack([x.ravel(), y.ravel(), 60 * np.sin(np.pi * x / 600).ravel()])
+    corner = (np.arange(rows - 1)[:, None] * rows + np.arange(rows - 1)).ravel()
+    triangles = np.concatenate([np.column_stack([corner, corner + 1, corner + rows + 1]),
+                                np.column_stack([corner, corner + rows + 1, corner + rows])]).astype(np.int32)
+    hb.Design.from_arrays(vertices, triangles, "mm").save(tmp_path / "grid.obj")
+    for call in (lambda: hb.Design.from_arrays(vertices, triangles, "mm"), lambda: hb.read(tmp_path / "grid.obj", "mm")):
+        # Its own turn comes late on busy cores: the best of a few. A text made with the lock held takes a quarter.
+        assert min(longest_wait(call) for _ in range(5)) < 0.12

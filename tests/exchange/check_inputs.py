@@ -2,6 +2,7 @@
   formats    every sample as STL, PLY, glTF and GLB of assimp, and as STL and PLY of VTK, is the same surface
   plan       and gives the same plan
   convert    a documented conversion of another format gives the same surface
+  meshio     the documented line for meshio turns a VTK file into the surface it was written of; exit code 77 without meshio
   step       the documented line for gmsh turns a STEP file into its surface, in mm; exit code 77 without gmsh
   refused    units, axes and names that contradict the file are refused, with their exit codes
 Prints what differs, and exits with 1."""
@@ -124,6 +125,27 @@ elif check == "convert":
         back = folder / f"{sample}_out.obj"
         subprocess.run(["assimp", "export", dae, back], check=True, stdout=subprocess.DEVNULL)
         expect_same(back, checked(back, "--units", "mm"), checked(obj, "--units", "mm"))
+elif check == "meshio":
+    if shutil.which("meshio") is None:
+        print("meshio is not installed")
+        sys.exit(77)
+    page = (pathlib.Path(__file__).resolve().parents[2] / "docs/inputs.md").read_text()
+    line = re.search(r"`(meshio convert in[.]vtk [^`]*)`", page)[1].split()
+    for sample in ("hypar", "petal"):
+        lines = [words.split() for words in (samples / f"{sample}.obj").read_text().splitlines()]
+        points = [words[1:4] for words in lines if words[:1] == ["v"]]
+        faces = [[int(w.split("/")[0]) - 1 for w in words[1:]] for words in lines if words[:1] == ["f"]]
+        kinds = {3: 5, 4: 9}  # VTK's numbers for a triangle and a quadrilateral
+        work = folder / f"{sample}_vtk"
+        work.mkdir(exist_ok=True)
+        (work / "in.vtk").write_text("\n".join(
+            ["# vtk DataFile Version 3.0", sample, "ASCII", "DATASET UNSTRUCTURED_GRID", f"POINTS {len(points)} double",
+             *(" ".join(p) for p in points), f"CELLS {len(faces)} {sum(1 + len(f) for f in faces)}",
+             *(" ".join(map(str, [len(f), *f])) for f in faces), f"CELL_TYPES {len(faces)}",
+             *(str(kinds[len(f)]) for f in faces), ""]))
+        subprocess.run(line, check=True, stdout=subprocess.DEVNULL, cwd=work)
+        back = work / "out.obj"
+        expect_same(back, checked(back, "--units", "mm"), checked(samples / f"{sample}.obj", "--units", "mm"))
 elif check == "step":
     if shutil.which("gmsh") is None:
         print("gmsh is not installed")

@@ -1,7 +1,7 @@
 // Broken designs of every format: each reader must either accept or throw the error it promises; anything
 // else, and any report of the sanitizers it is built with, ends the run. usage: hotblade_fuzz_designs [ROUNDS
-// [SEED]]. A round breaks a design of each format and reads it; what was taken of every hundredth goes on
-// through repair and slicing. The seed makes a run repeatable.
+// [SEED]]. A round breaks a design of each format and reads it, an OBJ in parts too; what was taken of every
+// hundredth goes on through repair and slicing. The seed makes a run repeatable.
 #include <algorithm>
 #include <bit>
 #include <cstdint>
@@ -207,8 +207,9 @@ std::vector<DesignFile> small_designs() {
           {kGltf, small_gltf()}};
 }
 
+constexpr double kLimit = 1e7;
+
 surface::Polygons parsed(const DesignFile& design) {
-  constexpr double kLimit = 1e7;
   switch (design.format) {
     case surface::FileFormat::kObj:
       return surface::parse_obj(design.bytes, "fuzz.obj", kLimit);
@@ -236,6 +237,27 @@ void expect_whole(const surface::Polygons& polygons) {
   for (const std::uint32_t group : polygons.face_group) whole = whole && group < polygons.groups.size();
   for (std::size_t f = 0; f < polygons.faces() && whole; ++f) whole = polygons.face(f).size() >= 3;
   if (!whole) throw std::logic_error("a reader took a design that is not whole");
+}
+
+// OBJ text says the same, errors too, whatever the size of the parts that it is read in.
+void expect_the_same_in_parts(const std::string& text, std::size_t part_bytes) {
+  const auto read = [&](std::size_t bytes) -> std::pair<surface::Polygons, std::string> {
+    try {
+      return {surface::parse_obj(text, "fuzz.obj", kLimit, bytes), ""};
+    } catch (const surface::MeshError& error) {
+      return {{}, error.what()};
+    }
+  };
+  const auto [whole, error] = read(text.size() + 1);
+  const auto [parts, other] = read(part_bytes);
+  const bool same = error == other && whole.positions == parts.positions && whole.corners == parts.corners &&
+                    whole.first_corner == parts.first_corner && whole.face_place == parts.face_place &&
+                    whole.face_group == parts.face_group && whole.groups.size() == parts.groups.size() &&
+                    whole.warnings == parts.warnings;
+  if (!same) {
+    throw std::logic_error("an OBJ is another one read in parts of " + std::to_string(part_bytes) +
+                           " bytes: '" + error + "', '" + other + "'");
+  }
 }
 
 bool read_in_memory(const DesignFile& design) {
@@ -269,6 +291,7 @@ int main(int argc, char** argv) {
   const long rounds = argc > 1 ? std::atol(argv[1]) : 20000;
   const unsigned long seed = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 1;
   constexpr long kWholeWay = 100;
+  constexpr std::size_t kLargestPart = 400;  // bytes of about a thousand
   std::mt19937_64 random(seed);
   const fs::path file = fs::temp_directory_path() / ("hotblade_fuzz_designs_" + std::to_string(seed));
   const std::vector<DesignFile> designs = small_designs();
@@ -279,6 +302,8 @@ int main(int argc, char** argv) {
       const DesignFile changed{design.format, broken(design.bytes, random)};
       try {
         taken += read_in_memory(changed) ? 1 : 0;
+        if (changed.format == surface::FileFormat::kObj)
+          expect_the_same_in_parts(changed.bytes, 1 + random() % kLargestPart);
         if (i % kWholeWay == 0) read_and_slice(changed, file);
       } catch (const std::exception& error) {
         std::ofstream(file, std::ios::binary) << changed.bytes;
