@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
@@ -61,7 +62,7 @@ PlanResult plan_again(const ReadAgain& read, const Settings& settings, const Pla
   if (!strict) return result;
   (void)forecast_of(design, settings);
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
-  if (const std::string text = surface::self_crossings_text(design); !text.empty())
+  if (const std::string text = surface::self_crossings_text(design, gpu::stop_point); !text.empty())
     result.warnings.push_back(text);
   if (!result.warnings.empty()) refuse_warnings(result);
   return result;

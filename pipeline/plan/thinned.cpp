@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace hotblade::pipeline {
@@ -17,26 +18,45 @@ using Eigen::Vector3d;
 // Numbers for the cells met, in the order in which they are: an open hash table.
 class Cells {
  public:
-  explicit Cells(std::size_t most) {
-    while ((std::size_t{1} << bits_) < 2 * most) ++bits_;
-    keys_.assign(std::size_t{1} << bits_, kFree);
-    numbers_.resize(keys_.size());
-  }
+  Cells() : keys_(std::size_t{1} << bits_, kFree), numbers_(keys_.size()) {}
 
   int number(std::uint64_t key) {
-    constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
-    std::size_t i = (key * kSpread) >> (64 - bits_);
-    while (keys_[i] != key && keys_[i] != kFree) i = (i + 1) & (keys_.size() - 1);
-    if (keys_[i] == kFree) {
-      keys_[i] = key;
-      numbers_[i] = count_++;
+    std::size_t i = slot(key);
+    if (keys_[i] == key) return numbers_[i];
+    if (2 * static_cast<std::size_t>(count_ + 1) > keys_.size()) {
+      grow();
+      i = slot(key);
     }
-    return numbers_[i];
+    keys_[i] = key;
+    return numbers_[i] = count_++;
   }
 
  private:
   static constexpr std::uint64_t kFree = std::numeric_limits<std::uint64_t>::max();
-  int bits_ = 4;
+
+  // Where the key is, or would be.
+  [[nodiscard]] std::size_t slot(std::uint64_t key) const {
+    constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
+    std::size_t i = (key * kSpread) >> (64 - bits_);
+    while (keys_[i] != key && keys_[i] != kFree) i = (i + 1) & (keys_.size() - 1);
+    return i;
+  }
+
+  void grow() {
+    const std::vector<std::uint64_t> keys = std::exchange(keys_, {});
+    const std::vector<int> numbers = std::exchange(numbers_, {});
+    ++bits_;
+    keys_.assign(std::size_t{1} << bits_, kFree);
+    numbers_.resize(keys_.size());
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      if (keys[i] == kFree) continue;
+      const std::size_t there = slot(keys[i]);
+      keys_[there] = keys[i];
+      numbers_[there] = numbers[i];
+    }
+  }
+
+  int bits_ = 10;
   std::vector<std::uint64_t> keys_;
   std::vector<int> numbers_;
   int count_ = 0;
@@ -73,7 +93,7 @@ surface::TriangleMesh thinned(const surface::TriangleMesh& mesh, double cell_mm)
   const auto vertices = mesh.vertices();
   Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity());
   for (const Vector3d& p : vertices) low = low.cwiseMin(p);
-  Cells cells(vertices.size());
+  Cells cells;
   surface::TriangleSoup soup;
   std::vector<int> cell_of(vertices.size(), kNotMet), members;
   constexpr std::uint64_t kBits = 21;  // designs are at most 2e7 mm wide, cells millimetres

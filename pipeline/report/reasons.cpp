@@ -241,9 +241,10 @@ std::string reasons_section(const PlanResult& result, const Words& w) {
         "<ul>" + item(w("Creases"), creases_reason(result, w)) + "</ul>\n" + faces_table(result, w) + "<ul>";
   }
   html +=
-      item(w("Blade"),
-           w("The shortest that clears the block, bends within yield and holds its shape; the next "
-             "lengths of blade.free_lengths_mm come to this at the ribs, before weight is compensated:")) +
+      item(w("Blade"), w("The shortest that clears the block, bends within yield and holds its shape, or a "
+                         "longer one where the "
+                         "clamps' errors would move that most; the next lengths of "
+                         "blade.free_lengths_mm come to this at the ribs, before weight is compensated:")) +
       "</ul>\n<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const char* column : {"planes", "fitted with", "blade", "a shorter one", "a longer one"})
     html += "<th class=\"l\">" + w(column) + "<small></small></th>";
@@ -264,14 +265,20 @@ std::string reasons_section(const PlanResult& result, const Words& w) {
                      decision->fits[i].fit_mm);
       if (decision->fits[i].calm > 1) fit += ", " + w.format("{:g} times calmer", decision->fits[i].calm);
     }
+    std::string chosen = result.strips[i].blades ? blade_text(result.strips[i].blades->chosen, w) : "";
+    if (all_fits && decision->fits[i].before) {
+      const SweptFit& steadied = decision->fits[i];
+      chosen +=
+          "; " + w.format("the clamps' errors move it by {:.2f} mm instead of {:.2f} mm with {:.0f} mm",
+                          steadied.clamps_mm, steadied.before->clamps_mm, steadied.before->blade_length_mm);
+    }
     html += fmt::format("<tr id=\"why-{0}\" data-strip=\"{0}\"><td class=\"l\">{0}</td>", escaped(strip.id));
     const auto& blades = result.strips[i].blades;
     const auto other = [&](const std::optional<BladeTrial>& trial) {
       return trial ? blade_text(*trial, w) : w("the list has none");
     };
-    for (const std::string& cell :
-         {planes, fit, blades ? blade_text(blades->chosen, w) : std::string(),
-          blades ? other(blades->shorter) : std::string(), blades ? other(blades->longer) : std::string()})
+    for (const std::string& cell : {planes, fit, chosen, blades ? other(blades->shorter) : std::string(),
+                                    blades ? other(blades->longer) : std::string()})
       html += "<td class=\"l\">" + cell + "</td>";
     html += "</tr>\n";
   }

@@ -209,6 +209,8 @@ const char* way_text(SweepWay way) {
       return "rows of blocks";
     case SweepWay::kSplit:
       return "split where the one before fails";
+    case SweepWay::kUnsteady:
+      return "with shorter blades where steadier ones fail";
     case SweepWay::kCalmer:
       return "calmer where the one before fails";
     case SweepWay::kTurned:

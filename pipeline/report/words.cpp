@@ -341,11 +341,16 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"Direction", "Richtung"},
     {"Split", "Teilung"},
     {"Blade", "Klinge"},
-    {"The shortest that clears the block, bends within yield and holds its shape; the next lengths of "
+    {"The shortest that clears the block, bends within yield and holds its shape, or a longer one where the "
+     "clamps' errors would move that most; the next lengths of "
      "blade.free_lengths_mm come to this at the ribs, before weight is compensated:",
-     "Die kürzeste, die vom Block frei bleibt, sich unter der Fließgrenze biegt und ihre Form hält; mit "
+     "Die kürzeste, die vom Block frei bleibt, sich unter der Fließgrenze biegt und ihre Form hält, oder "
+     "eine "
+     "längere, wo die Fehler der Klemmen sie am meisten bewegen würden; mit "
      "den nächsten Längen von blade.free_lengths_mm kommt es an den Rippen, vor dem Ausgleich des "
      "Gewichts, dazu:"},
+    {"the clamps' errors move it by {:.2f} mm instead of {:.2f} mm with {:.0f} mm",
+     "die Fehler der Klemmen bewegen sie um {:.2f} mm statt um {:.2f} mm mit {:.0f} mm"},
     {"fitted with", "angepasst mit"},
     {"a shorter one", "eine kürzere"},
     {"a longer one", "eine längere"},
@@ -395,6 +400,8 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"of the whole", "des Ganzen"},
     {"rows of blocks", "Reihen von Blöcken"},
     {"split where the one before fails", "geteilt, wo der davor nicht genügt"},
+    {"with shorter blades where steadier ones fail",
+     "mit kürzeren Klingen, wo ruhiger gehaltene nicht genügen"},
     {"calmer where the one before fails", "ruhiger, wo der davor nicht genügt"},
     {"all smooth faces together", "alle glatten Flächen zusammen"},
     {"face {}: {}", "Fläche {}: {}"},

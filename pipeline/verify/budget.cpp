@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/verify/design_faces.hpp"
 
 namespace hotblade::pipeline {
@@ -51,6 +52,7 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLim
   };
   std::vector<double> chords;
   for (int c = 0; c < 3 * static_cast<int>(mesh.triangles().size()); ++c) {
+    gpu::stop_point();
     const int beyond = mesh.beyond(c);
     if (beyond < c) continue;  // none, or met from the other face
     if (std::binary_search(folds.begin(), folds.end(), c)) continue;

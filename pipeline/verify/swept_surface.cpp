@@ -271,8 +271,10 @@ void each_swept_surface(const Program& program, double sample_mm, std::size_t ve
                         const std::function<void(SweptSurface)>& use) {
   if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
   std::vector<StripGrid> grids(program.strips.size());
-  tbb::parallel_for(std::size_t{0}, grids.size(),
-                    [&](std::size_t i) { grids[i] = strip_grid(program.strips[i], sample_mm); });
+  tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
+    gpu::stop_point();
+    grids[i] = strip_grid(program.strips[i], sample_mm);
+  });
   gpu::stop_point();
   for (std::size_t first = 0, last = 0; first < grids.size(); first = last) {
     Counts counts;

@@ -33,24 +33,29 @@ namespace {
 // Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
 double clamp_mismatch_mm(const Program& program) {
   constexpr double kMmPerRad = 1000;
+  constexpr std::size_t kPosesAtOnce = 1024;
   const robot::ClampOffsets& offsets = program.settings.machine.clamps;
   std::vector<double> worst(program.strips.size(), 0);
   tbb::parallel_for(std::size_t{0}, worst.size(), [&](std::size_t i) {
-    const std::vector<BladePose>& poses = program.strips[i].poses;
-    std::vector<elastica::Elastica> blades;
-    std::vector<Frame> frames;
-    for (const BladePose& pose : poses) {
-      blades.push_back(pose.blade);
-      frames.push_back(pose.frame);
-    }
-    const std::vector<ClampPoses> planned = clamps(blades, frames);
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
-        const bool is_a = clamp == &ClampPoses::a;
-        const Pose is = robot::held(is_a ? poses[k].a : poses[k].b, is_a ? offsets.a : offsets.b),
-                   &should = planned[k].*clamp;
-        const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
-        if (!(off <= worst[i])) worst[i] = off;
+    const std::span<const BladePose> all(program.strips[i].poses);
+    for (std::size_t first = 0; first < all.size(); first += kPosesAtOnce) {
+      gpu::stop_point();
+      const auto poses = all.subspan(first, std::min(kPosesAtOnce, all.size() - first));
+      std::vector<elastica::Elastica> blades;
+      std::vector<Frame> frames;
+      for (const BladePose& pose : poses) {
+        blades.push_back(pose.blade);
+        frames.push_back(pose.frame);
+      }
+      const std::vector<ClampPoses> planned = clamps(blades, frames);
+      for (std::size_t k = 0; k < poses.size(); ++k) {
+        for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
+          const bool is_a = clamp == &ClampPoses::a;
+          const Pose is = robot::held(is_a ? poses[k].a : poses[k].b, is_a ? offsets.a : offsets.b),
+                     &should = planned[k].*clamp;
+          const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
+          if (!(off <= worst[i])) worst[i] = off;
+        }
       }
     }
   });
@@ -210,7 +215,10 @@ class CutMeasurement {
       compared.resize(on_design.size());
       for_each_of(compared.size(),
                   [&](std::size_t i) { compared[i] = compare_with_design(cut, first + i, on_design[i]); });
-      for (std::size_t i = 0; i < compared.size(); ++i) count(cut, first + i, compared[i]);
+      for (std::size_t i = 0; i < compared.size(); ++i) {
+        gpu::stop_point();
+        count(cut, first + i, compared[i]);
+      }
     }
     report_.to_design = to_design_.used();
     report_.cut_samples += cut.vertices.size();
@@ -281,6 +289,7 @@ class CutMeasurement {
   void count_design() {
     sampler_.each(kAtOnce, [&](std::size_t first, const DesignSamples& samples) {
       for (std::size_t i = 0; i < samples.points.size(); ++i) {
+        gpu::stop_point();
         const NearestCut& found = nearest_[first + i];
         if (found.uncut) {
           report_.uncut_mm2 += samples.areas[i];

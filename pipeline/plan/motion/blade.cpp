@@ -33,7 +33,7 @@ struct RibCheck {
   Limit limit = Limit::kNone;
   double value = 0;
   double margin = std::numeric_limits<double>::infinity();
-  double curvature = 0, clamp_curvature = 0, clearance = 0;
+  double curvature = 0, clamp_curvature = 0, clearance = 0, sag_mm = 0;
 };
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -142,8 +142,8 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, double 
   if (free.crosses_itself) return {Limit::kSelfCrossing, 1};
   c.margin = elastica::stability_margin(curve);
   if (c.margin < settings.blade.min_margin) return {Limit::kPlannedMargin, c.margin};
-  const double sag = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
-  if (!(sag <= most_sag_mm)) return {Limit::kSag, sag};
+  c.sag_mm = sag_error_mm(curve.elastica(), s0, placed, settings.blade);
+  if (!(c.sag_mm <= most_sag_mm)) return {Limit::kSag, c.sag_mm};
   return c;
 }
 
@@ -201,6 +201,7 @@ BladeChoice summarise(const std::vector<RibCheck>& checks, double length, double
     choice.largest_curvature_per_mm = std::max(choice.largest_curvature_per_mm, c.curvature);
     choice.clamp_curvature_per_mm = std::max(choice.clamp_curvature_per_mm, c.clamp_curvature);
     choice.smallest_clearance_mm = std::min(choice.smallest_clearance_mm, c.clearance);
+    choice.sag_mm = std::max(choice.sag_mm, c.sag_mm);
   }
   return choice;
 }
@@ -321,7 +322,7 @@ FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::
 }
 
 BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, const Block& block,
-                         const Settings& settings, std::optional<double> sag_mm) {
+                         const Settings& settings, std::optional<double> sag_mm, double least_mm) {
   const double most_sag_mm = sag_mm.value_or(kSagShare * settings.design.tolerance_mm);
   const Eigen::Vector3d down = axes.planes.normal(0.5 * (ribs.front().offset_mm + ribs.back().offset_mm));
   std::vector<PlacedRib> placed;
@@ -341,6 +342,7 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
   std::size_t furthest = 0;
   std::vector<std::string> details;
   for (const double length : settings.blade.free_lengths_mm) {
+    if (length < least_mm) continue;
     const LengthTrial trial = try_length(placed, between, length, most_sag_mm, settings);
     if (trial.choice) {
       report.choice = trial.choice;

@@ -18,7 +18,8 @@ struct BladeChoice {
   double length_mm = 0, share_a = 0.5;
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
   double clamp_curvature_per_mm =
-      0;  // the larger of both clamps and all ribs: the moment there over the stiffness
+      0;              // the larger of both clamps and all ribs: the moment there over the stiffness
+  double sag_mm = 0;  // what weight moves the cut by at the ribs, at most
 };
 
 // The choice, or why there is none.
@@ -53,9 +54,10 @@ inline constexpr std::size_t kBladeSamples = 97;
 inline constexpr double kFreePartDepthMm = 0.1;
 
 // Returns the blade for a strip's ribs. It hangs as in a block that lies with its middle plane level, sweep
-// downwards. Its weight may move the cut by `sag_mm`; a quarter of the tolerance where nothing is said.
+// downwards. Its weight may move the cut by `sag_mm`; a quarter of the tolerance where nothing is said. No
+// blade shorter than `least_mm` is looked at.
 [[nodiscard]] BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes,
                                        const Block& block, const Settings& settings,
-                                       std::optional<double> sag_mm = {});
+                                       std::optional<double> sag_mm = {}, double least_mm = 0);
 
 }  // namespace hotblade::pipeline

@@ -53,10 +53,15 @@ BladePlace place_of(const BladeShape& shape) {
           shape.foam1,     shape.in_foam, shape.rib0, shape.rib1};
 }
 
-// Flat arc and a working shape joined by a straight line in the state at the blade's middle.
+// Flat arc and a working shape joined by a line in the state at the blade's middle, straight where nothing
+// else is said.
 struct Forming {
   BladeShape worked;
   MidState mid, flat;
+
+  // Of the share: the tensions come behind the curvature by this. At 1 the way is a straight line in the
+  // state, on which a blade that its tension holds straight would bow the more the more it is bent at once.
+  double tension_power = 1;
 
   Forming(const BladeShape& shape, double side) : worked(shape), mid(mid_state(shape.blade)) {
     flat = mid;
@@ -68,8 +73,9 @@ struct Forming {
   [[nodiscard]] BladePlace place(double share) const {
     MidState m = mid;
     m.kappa = flat.kappa + share * (mid.kappa - flat.kappa);
-    m.tension1 = share * mid.tension1;
-    m.tension2 = share * mid.tension2;
+    const double tension = tension_power == 1 ? share : std::pow(share, tension_power);
+    m.tension1 = tension * mid.tension1;
+    m.tension2 = tension * mid.tension2;
     return {worked.offset_mm, half_from_middle(m), -0.5 * m.length, m.length, 0, 0, false};
   }
   [[nodiscard]] BladeShape at(double share) const { return shape_of(place(share)); }
@@ -84,15 +90,37 @@ double smallest_margin(const Forming& forming) {
   return least;
 }
 
+// The largest curvature on that way, over that of the working shape.
+double sharpening(const Forming& forming) {
+  constexpr int kShapes = 8;
+  double most = 0;
+  for (int i = 1; i < kShapes; ++i) {
+    const BladeShape shape = forming.at(static_cast<double>(i) / kShapes);
+    most = std::max(most, elastica::ElasticaCurve(shape.blade).max_abs_curvature());
+  }
+  return most / elastica::ElasticaCurve(forming.worked.blade).max_abs_curvature();
+}
+
 // The flat arc bends to the side the working shape turns to; to the other one where that way is closer to a
 // snap.
-Forming form(const BladeShape& shape, double min_margin) {
+Forming form_beside(const BladeShape& shape, double min_margin, double tension_power) {
   const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
   Forming forming(shape, turn < 0 ? -1 : 1);
+  forming.tension_power = tension_power;
   const double margin = smallest_margin(forming);
   if (margin >= min_margin) return forming;
   Forming other(shape, turn < 0 ? 1 : -1);
+  other.tension_power = tension_power;
   return smallest_margin(other) > margin ? other : forming;
+}
+
+// The same, its tensions later where the blade would be bent more sharply on the way than at its end.
+Forming form(const BladeShape& shape, double min_margin) {
+  constexpr double kSharper = 1.2, kLater = 6;
+  const Forming straight = form_beside(shape, min_margin, 1);
+  if (!(sharpening(straight) > kSharper)) return straight;
+  const Forming later = form_beside(shape, min_margin, kLater);
+  return sharpening(later) < sharpening(straight) ? later : straight;
 }
 
 // Of parallel planes: where the block ends on the waste side.

@@ -80,11 +80,14 @@ StripPlan make_strip_plan(const RibAxes& axes, const std::vector<RibFit>& ribs, 
   StripPlan strip;
   static_cast<RibAxes&>(strip) = axes;
   strip.ribs = ribs;
+  // Only the block asks for them, and they are most of what a plan of many ribs holds.
+  for (RibFit& rib : strip.ribs) std::vector<Eigen::Vector2d>().swap(rib.beside);
   strip.blade_length_mm = blade.length_mm;
   strip.share_a = blade.share_a;
   strip.smallest_margin = blade.smallest_margin;
   strip.largest_curvature_per_mm = blade.largest_curvature_per_mm;
   strip.smallest_clearance_mm = blade.smallest_clearance_mm;
+  strip.sag_mm = blade.sag_mm;
   strip.block = block_around(ribs, axes, settings.stock);
   strip.design_to_cell = on_table(ribs, axes, settings);
   return strip;

@@ -24,9 +24,9 @@ struct RibFit {
   std::vector<Eigen::Vector2d> target;  // evenly spaced, strip axes; empty where the design says nothing
   std::vector<Eigen::Vector2d> course;  // the whole rib, evenly spaced
   DesignPart own;                       // what of it forms the design
-  std::vector<Eigen::Vector2d>
-      beside;               // points of the sections between this rib and the next ones, for the block
-  elastica::Bezier bezier;  // after projection where its lambda-residual was above the threshold
+  std::vector<Eigen::Vector2d> beside;  // points of the sections between this rib and the next ones, for the
+                                        // block; none in a StripPlan
+  elastica::Bezier bezier;              // after projection where its lambda-residual was above the threshold
   double lambda_residual = 0;
   bool projected = false;
   double bezier_deviation_mm = 0;  // Bezier before projection against target

@@ -33,6 +33,7 @@ struct StripPlan : RibAxes {
   double joint_fit_mm = 0;  // what fitting it together with its neighbours added to its largest deviation
   SeamFacts seam_before;    // largest, to the strips before that it meets; zeros where there is none
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
+  double sag_mm = 0;  // what weight moves the cut by at the ribs, before it is compensated
 
   // Returns what is formed at an offset: between sections no less than what the ones around it form, and
   // never nothing.

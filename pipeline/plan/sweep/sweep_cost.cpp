@@ -18,6 +18,25 @@ double cost_mm(const FollowedPart& part) {
   return part.deviation_mm + sag + kPerDepth * part.clamp_depth_mm + kSharpMm * std::max(0.0, sharp);
 }
 
+double cost_mm(const HeldBlade& blade) {
+  return blade.deviation_mm + blade.clamps_mm + blade.unknown_sag_mm;
+}
+
+bool clamps_lead(const HeldBlade& blade) {
+  return blade.clamps_mm > std::max(blade.deviation_mm, blade.unknown_sag_mm);
+}
+
+bool worth_steadying(const HeldBlade& steadier, const HeldBlade& blade, bool longer) {
+  // A longer blade takes room in the cell, and another of the list.
+  const double share = longer ? 0.9 : 0.98;
+  return cost_mm(steadier) < share * cost_mm(blade);
+}
+
+double steady_deviation_mm(double before_mm, double wanted_mm, double tolerance_mm) {
+  constexpr double kMoreShare = 0.2;
+  return std::max(before_mm, wanted_mm) + kMoreShare * tolerance_mm;
+}
+
 double cost_mm(const UnfollowedPart& part) {
   if (part.empty) return 2 * kHopeless_mm;
   constexpr double kPerRad = 1e3;  // mm: what faces away is worse than what is too long for a block

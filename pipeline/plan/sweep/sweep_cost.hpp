@@ -21,6 +21,22 @@ struct FollowedPart {
 // Returns the deviation with what of the sag is not known and what the blade's limits are missed by.
 [[nodiscard]] double cost_mm(const FollowedPart& part);
 
+// What of the error budget a strip's blade decides: its length, its share of it before the part, its tension.
+struct HeldBlade {
+  double deviation_mm = 0;    // largest of the fit
+  double clamps_mm = 0;       // what the clamps' errors move the cut by, at most
+  double unknown_sag_mm = 0;  // what of its weight is not known, or not compensated
+};
+// Returns the sum.
+[[nodiscard]] double cost_mm(const HeldBlade& blade);
+// Whether the clamps' errors are the largest of the three: then a steadier blade is looked for.
+[[nodiscard]] bool clamps_lead(const HeldBlade& blade);
+// Whether a blade that is as long, or a longer one, costs so much less that it is worth the fit.
+[[nodiscard]] bool worth_steadying(const HeldBlade& steadier, const HeldBlade& blade, bool longer);
+// Returns what a steadier blade may deviate by: a fifth of the tolerance more than the one before, or than
+// what is wanted of a fit.
+[[nodiscard]] double steady_deviation_mm(double before_mm, double wanted_mm, double tolerance_mm);
+
 // A part that no family is fitted to: by how much it is too large, too steep or too curved for one; 0: not.
 struct UnfollowedPart {
   bool empty = false;  // no plane meets it

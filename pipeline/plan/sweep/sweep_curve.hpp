@@ -39,6 +39,8 @@ class SweepCurve {
     return (before_ < half_ && s_mm <= -before_ * step_mm_) ||
            (behind_ < half_ && s_mm >= behind_ * step_mm_);
   }
+  // Of the whole curve, to either side.
+  [[nodiscard]] double reach_mm() const { return half_ * step_mm_; }
   // Nodes from one end of what there is to the other, the middle among them.
   [[nodiscard]] const std::vector<SweepPoint>& nodes() const { return nodes_; }
   [[nodiscard]] SweepPoint at(double s_mm) const;  // clamped to what there is

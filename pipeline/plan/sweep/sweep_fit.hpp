@@ -18,6 +18,13 @@
 
 namespace hotblade::pipeline {
 
+// What the clamps err by, and the weight of a mm that this moves the blade by against a mm of the fit; 0:
+// none.
+struct ClampPull {
+  double position_mm = 0, angle_rad = 0;
+  double weight = 0;
+};
+
 struct SweepFitOptions {
   int coefficients = 7;        // of each function; at least 4
   double blade_length_mm = 0;  // free length, its middle on the family's x; the limits below hold on it
@@ -29,9 +36,10 @@ struct SweepFitOptions {
   };
   std::optional<Box> block;
   double over_first_mm = 4, over_last_mm = 4;  // the family goes on past the first and last section
-  double calm = 1;                             // factor of the pull towards few and smooth tensions
-  int most_iterations = 40;                    // of each stage
-  bool turn_planes = false;                    // whether the report says what turning the planes would do
+  ClampPull clamp_pull{};
+  double calm = 1;           // factor of the pull towards few and smooth tensions
+  int most_iterations = 40;  // of each stage
+  bool turn_planes = false;  // whether the report says what turning the planes would do
   std::vector<double> exponents{
       2};  // of the mean that is made small, stage by stage; the last ones near the maximum
 };

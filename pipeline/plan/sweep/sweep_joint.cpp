@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <memory>
 #include <stdexcept>
 
@@ -103,6 +104,9 @@ struct SectionTerms {
       limit(turn_term(*end, state, options));
       limit(clamp_term(*end, state, x, options));
     }
+    limit(tension_term(state, curve, options));
+    limit(clamp_error_term(state, curve, section->samples.front().q.x() - x,
+                           section->samples.back().q.x() - x, options));
     gather();
   }
 
@@ -222,26 +226,31 @@ class SectionCost : public ceres::CostFunction {
   const SectionTerms& terms_;
 };
 
-class ProbeCost : public ceres::CostFunction {
+// Probes of the same blocks, a row each: the solver's lists are as long as it has costs with two blocks each,
+// and made in one go that nothing can stop.
+class ProbesCost : public ceres::CostFunction {
  public:
-  explicit ProbeCost(const ProbeTerms& terms) : terms_(terms) {
-    set_num_residuals(1);
+  explicit ProbesCost(std::vector<const ProbeTerms*> probes) : probes_(std::move(probes)) {
+    set_num_residuals(static_cast<int>(probes_.size()));
     mutable_parameter_block_sizes()->assign(2 * kSpan, kState);
   }
   bool Evaluate(double const* const* /*unknowns*/, double* residuals, double** jacobians) const override {
-    residuals[0] = terms_.residual;
+    for (std::size_t i = 0; i < probes_.size(); ++i) residuals[i] = probes_[i]->residual;
     if (!jacobians) return true;
+    using Rows = Eigen::Matrix<double, kState, Eigen::Dynamic>;
     for (std::size_t k = 0; k < 2 * kSpan; ++k) {
       if (!jacobians[k]) continue;
-      const ProbeTerms::Side& side = terms_.sides[k / kSpan];
-      Eigen::Map<ByState> jacobian(jacobians[k]);
-      jacobian = side.at.value[k % kSpan] * side.by;
+      Eigen::Map<Rows> rows(jacobians[k], kState, std::ssize(probes_));
+      for (std::size_t i = 0; i < probes_.size(); ++i) {
+        const ProbeTerms::Side& side = probes_[i]->sides[k / kSpan];
+        rows.col(static_cast<std::ptrdiff_t>(i)) = side.at.value[k % kSpan] * side.by;
+      }
     }
     return true;
   }
 
  private:
-  const ProbeTerms& terms_;
+  std::vector<const ProbeTerms*> probes_;
 };
 
 // The sum of some blocks with weights, number by number, times a weight each.
@@ -288,6 +297,24 @@ std::vector<double*> blocks_at(Unknowns& unknowns, const BasisValues& at) {
   std::vector<double*> blocks;
   for (std::size_t k = 0; k < kSpan; ++k) blocks.push_back(unknowns.block(at.first + static_cast<int>(k)));
   return blocks;
+}
+
+// Probes that depend on the same blocks, together; in the order of the first of each.
+std::vector<std::vector<const ProbeTerms*>> by_blocks(
+    const std::vector<std::unique_ptr<ProbeTerms>>& probes) {
+  std::vector<std::vector<const ProbeTerms*>> together;
+  std::map<std::array<const double*, 2>, std::size_t> known;
+  for (const auto& probe : probes) {
+    std::array<const double*, 2> first{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ProbeTerms::Side& side = probe->sides[i];
+      first[i] = side.unknowns->block(side.at.first);
+    }
+    const auto [held, fresh] = known.try_emplace(first, together.size());
+    if (fresh) together.emplace_back();
+    together[held->second].push_back(probe.get());
+  }
+  return together;
 }
 
 // At most so many places along a seam, both of its ends among them.
@@ -382,11 +409,13 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   ceres::Problem problem(owned);
   for (const auto& section : terms.sections)
     problem.AddResidualBlock(new SectionCost(*section), nullptr, blocks_at(*section->unknowns, section->at));
-  for (const auto& probe : terms.probes) {
-    std::vector<double*> blocks = blocks_at(*probe->sides[0].unknowns, probe->sides[0].at);
-    const std::vector<double*> others = blocks_at(*probe->sides[1].unknowns, probe->sides[1].at);
-    blocks.insert(blocks.end(), others.begin(), others.end());
-    problem.AddResidualBlock(new ProbeCost(*probe), nullptr, blocks);
+  for (std::vector<const ProbeTerms*>& probes : by_blocks(terms.probes)) {
+    std::vector<double*> blocks;
+    for (const ProbeTerms::Side& side : probes.front()->sides) {
+      const std::vector<double*> some = blocks_at(*side.unknowns, side.at);
+      blocks.insert(blocks.end(), some.begin(), some.end());
+    }
+    problem.AddResidualBlock(new ProbesCost(std::move(probes)), nullptr, blocks);
   }
   for (Unknowns& u : unknowns) add_smoothness(problem, u);
   ceres::Solver::Options solver;

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "gpu/backend/stop.hpp"
-#include "pipeline/plan/sweep/sweep_cost.hpp"
+#include "pipeline/plan/motion/rib_clamp_error.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -55,8 +55,8 @@ SweepEffort close_effort() {
   return {7, 16, 35, {2, 4, 8}, 15, 1, true};
 }
 
-SweepEffort final_effort(int coefficients, double calm) {
-  return {coefficients, coefficients > 10 ? 48 : 40, 20, {2, 4, 8, 16}, 20, calm};
+SweepEffort final_effort(int coefficients, double calm, const Steadying& steadying) {
+  return {coefficients, coefficients > 10 ? 48 : 40, 20, {2, 4, 8, 16}, 20, calm, false, steadying};
 }
 
 double PartFitter::clear_mm() const {
@@ -127,11 +127,15 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   options.exponents = effort.exponents;
   options.most_iterations = effort.most_iterations;
   options.calm = effort.calm;
+  options.clamp_pull = {settings_.machine.clamp_error_mm, settings_.machine.clamp_error_rad,
+                        effort.steadying.weight};
   options.turn_planes = effort.turn_planes && !data.axes.planes.turns();
   options.over_first_mm = over_first_mm(data);
   options.over_last_mm = over_last_mm(data);
-  constexpr double kRadiusReserve = 1.06;
-  options.smallest_radius_mm = kRadiusReserve / max_curvature_per_mm(settings_.blade);
+  // A blade that is made steady bends at its free ends, and goes on so past the first and the last section.
+  constexpr double kRadiusReserve = 1.06, kSteadyReserve = 1.2;
+  const double reserve = effort.steadying.weight > 0 ? kSteadyReserve : kRadiusReserve;
+  options.smallest_radius_mm = reserve / max_curvature_per_mm(settings_.blade);
   const Vector2d around(clear_mm(), clear_mm());
   options.block = SweepFitOptions::Box{
       data.low - around - Vector2d(0, settings_.stock.base_mm - settings_.stock.border_mm),
@@ -186,9 +190,13 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
   constexpr int kLooks = 4;
   // A clamp that comes so far into the block's clearance pulls at the fit: a longer blade may serve better.
   constexpr double kPulls_mm = 0.05;
+  const auto blade_over = [&](double rib_mm) {
+    const double shortest = blade_for(rib_mm);
+    return shortest == 0 ? 0 : std::max(shortest, effort.steadying.blade_mm);
+  };
   bool needed = true;  // the fit so far is too long for its blade, or there is none
   for (int look = 0; look < kLooks; ++look) {
-    const double blade = blade_for(rib);
+    const double blade = blade_over(rib);
     if (blade == 0) {
       fit.refusal = unreached(rib);
       return fit;
@@ -204,7 +212,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     fit = std::move(tried);
     from = &fit.family;
     rib = rib_length(fit);
-    needed = blade_for(rib) != blade;
+    needed = blade_over(rib) != blade;
     if (!needed && fit.clamp_depth_mm > kPulls_mm && blade < settings_.blade.free_lengths_mm.back())
       rib = std::max(rib, blade - 2 * clear_mm() + 1);
   }
@@ -239,7 +247,7 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
   SweptStrip made;
   for (int look = 0; look < kLooks; ++look) {
     made = make_swept_strip(*part.surface, part.axes, part.seams, fit, fit.formed_by.get(), part.bands.get(),
-                            settings_);
+                            effort.steadying.blade_mm, settings_);
     if (!made.strip || part.axes.planes.turns()) return made;
     const SweepBlade was = fit.formed_by ? fit.formed_by->blade() : SweepBlade{};
     if (std::abs(was.length_mm - made.blade.length_mm) <= kSameBladeMm &&
@@ -292,9 +300,66 @@ double PartFitter::wanted_mm() const {
   return kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
 }
 
+HeldBlade PartFitter::held(const PartPlan& plan) const {
+  // In a fan nothing of it is compensated.
+  const double left = robot::kSagUnknownShare + (plan.strip->planes.turns() ? 1 : 0);
+  return {plan.fit.max_mm, rib_clamp_error_mm(*plan.strip, settings_.machine), left * plan.strip->sag_mm};
+}
+
+// The strip fitted on with blades of this length and this pull, where it stays as near as it is to be.
+std::optional<PartPlan> PartFitter::steadier(const SweepPart& part, const PartPlan& plan, const PartFit& from,
+                                             const Steadying& steadying) const {
+  const double most_mm = steady_deviation_mm(plan.fit.max_mm, wanted_mm(), settings_.design.tolerance_mm);
+  PartPlan other = plan;
+  other.steadying = steadying;
+  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, steadying);
+  other.fit = fit(part, effort, &from);
+  if (!other.fit.holds() || !(other.fit.max_mm <= most_mm)) return std::nullopt;
+  SweptStrip made = strip_of(part, effort, other.fit);
+  if (!made.strip || !(other.fit.max_mm <= most_mm)) return std::nullopt;
+  other.strip = std::move(made.strip);
+  other.held = held(other);
+  return other;
+}
+
+PartPlan PartFitter::steadied(const SweepPart& part, PartPlan plan) const {
+  plan.held = held(plan);
+  // Where the budget only warns, the shortest blade and the nearest fit are kept.
+  if (settings_.design.over_budget != OverBudget::kRefuse || !clamps_lead(*plan.held)) return plan;
+  // With a fifth, a blade that moves by 1 mm counts as much as one that is off by 0.2 mm everywhere.
+  constexpr std::array<double, 3> kPulls{0.2, 0.1, 0.05};
+  const double own_mm = plan.strip->blade_length_mm;
+  PartPlan best = plan;
+  for (const double length_mm : settings_.blade.free_lengths_mm) {
+    if (length_mm < own_mm) continue;
+    const auto take = [&](std::optional<PartPlan> other) {
+      if (!other || !(cost_mm(*other->held) < cost_mm(*best.held))) return false;
+      best = std::move(*other);
+      return true;
+    };
+    bool helps = false;
+    // A longer blade alone, and one that is pulled to be steady as strongly as its fit lets it.
+    if (length_mm > own_mm) helps = take(steadier(part, plan, plan.fit, {0, length_mm}));
+    for (const double pull : kPulls) {
+      std::optional<PartPlan> other = steadier(part, plan, best.fit, {pull, length_mm});
+      const bool near = other.has_value();
+      helps = take(std::move(other)) || helps;
+      if (near) break;
+    }
+    if (!helps && length_mm > own_mm) break;
+  }
+  const bool longer = best.strip->blade_length_mm > own_mm;
+  if (!worth_steadying(*best.held, *plan.held, longer)) return plan;
+  best.unsteady = std::make_shared<const PartPlan>(std::move(plan));
+  return best;
+}
+
 PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
-  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm);
-  PartPlan now{fit(part, effort, &plan.fit), std::nullopt, std::nullopt, plan.calm};
+  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, plan.steadying);
+  PartPlan now = plan;
+  now.fit = fit(part, effort, &plan.fit);
+  now.strip.reset();
+  now.refusal.reset();
   if (!now.fit.holds()) {
     now.refusal = now.fit.refusal;
     return now;
@@ -319,7 +384,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
     watch_();
     const PartFit& fit = plans[i].fit;
-    const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm);
+    const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm, plans[i].steadying);
     SweepData data = sections_of(parts[i], effort, fit.formed_by.get());
     SweepFitOptions options = options_for(data, effort);
     options.blade_length_mm = fit.blade_length_mm;
@@ -334,8 +399,9 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     static_cast<SweepFitReport&>(plan.fit) = fits[i];
     weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joined[i].data);
     plan.fit.cost_mm = cost_of(plan.fit, parts[i].axes.planes.turns());
-    SweptStrip made = make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit,
-                                       plan.fit.formed_by.get(), parts[i].bands.get(), settings_);
+    SweptStrip made =
+        make_swept_strip(*parts[i].surface, parts[i].axes, parts[i].seams, plan.fit, plan.fit.formed_by.get(),
+                         parts[i].bands.get(), plan.steadying.blade_mm, settings_);
     plan.strip = std::move(made.strip);
     if (plan.strip) {
       plan.strip->joint_fit_mm = std::max(0.0, plan.fit.max_mm - alone_mm);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "pipeline/plan/sweep/sweep_cost.hpp"
 #include "pipeline/plan/sweep/sweep_joint.hpp"
 #include "pipeline/plan/sweep/sweep_strip.hpp"
 
@@ -25,6 +26,13 @@ struct SweepPart {
       nullptr;  // by the speeds of its strip in a former plan; none: not known
 };
 
+// How a strip is made steadier against its clamps' errors: by a fit that is pulled to what they move least,
+// and by a blade that is at least as long as said. Zeros: not at all.
+struct Steadying {
+  double weight = 0;  // ClampPull
+  double blade_mm = 0;
+};
+
 // What a fit costs and how close it is.
 struct SweepEffort {
   int coefficients, sections;
@@ -33,11 +41,12 @@ struct SweepEffort {
   int most_iterations;
   double calm = 1;
   bool turn_planes = false;  // SweepFitOptions
+  Steadying steadying{};
 };
 
 [[nodiscard]] SweepEffort cheap_effort();
 [[nodiscard]] SweepEffort close_effort();
-[[nodiscard]] SweepEffort final_effort(int coefficients, double calm);
+[[nodiscard]] SweepEffort final_effort(int coefficients, double calm, const Steadying& steadying = {});
 
 // A fit, what weight moves the cut where the design is steepest, and how stable its blade is.
 struct PartFit : SweepFitReport {
@@ -64,6 +73,9 @@ struct PartPlan {
   std::optional<StripPlan> strip;
   std::optional<Refusal> refusal;
   double calm = 0;  // of the strip's fit (SweepFitOptions)
+  Steadying steadying{};
+  std::optional<HeldBlade> held{};             // of a strip that was looked at for a steadier blade
+  std::shared_ptr<const PartPlan> unsteady{};  // what it was before it was made steadier; none: it was not
 };
 
 // Pulls towards few and smooth tensions that parts are planned with, one after the other.
@@ -84,6 +96,11 @@ class PartFitter {
   // Closer and closer fits with more and more ribs, as long as these help; calmer ones, and none but those
   // that are calmer than `calmer_than`, where the blade does not serve.
   [[nodiscard]] PartPlan plan(const SweepPart& part, const PartFit& start, double calmer_than = 0) const;
+
+  // The plan with the blade, and the tension, that the clamps' errors move less, where the error budget is
+  // binding (design.over_budget) and these are most of what the strip's blade adds to it: the lengths of the
+  // list from its own on, as long as they help.
+  [[nodiscard]] PartPlan steadied(const SweepPart& part, PartPlan plan) const;
 
   // A plan's fit carried on with the part as it is now, as by other bands.
   [[nodiscard]] PartPlan again(const SweepPart& part, const PartPlan& plan) const;
@@ -112,6 +129,9 @@ class PartFitter {
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
   void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
   [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
+  [[nodiscard]] HeldBlade held(const PartPlan& plan) const;
+  [[nodiscard]] std::optional<PartPlan> steadier(const SweepPart& part, const PartPlan& plan,
+                                                 const PartFit& from, const Steadying& steadying) const;
   [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const;
 
   const Settings& settings_;

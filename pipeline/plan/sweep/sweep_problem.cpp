@@ -84,7 +84,7 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
     const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);
     Normal normal;
     add_samples(j, first, state, curve, all, normal);
-    add_limits(state, curve, normal);
+    add_limits(j, state, curve, normal);
     first += data_.sections[j].samples.size();
     all.value += normal.value;
     const Vector5 gradient = normal.gradient.cwiseProduct(scale_);
@@ -122,13 +122,18 @@ void SweepProblem::add_samples(std::size_t section, std::size_t first, const Swe
   }
 }
 
-void SweepProblem::add_limits(const SweepState& state, const SweepCurve& curve, Normal& normal) const {
+void SweepProblem::add_limits(std::size_t section, const SweepState& state, const SweepCurve& curve,
+                              Normal& normal) const {
   Normal limits;
   for (const SweepPoint& node : curve.nodes()) limits.add(radius_term(node, options_));
   for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
     limits.add(turn_term(*end, state, options_));
     limits.add(clamp_term(*end, state, family_.x_mm, options_));
   }
+  const std::vector<SweepSample>& samples = data_.sections[section].samples;
+  limits.add(tension_term(state, curve, options_));
+  limits.add(clamp_error_term(state, curve, samples.front().q.x() - family_.x_mm,
+                              samples.back().q.x() - family_.x_mm, options_));
   const double share = 1 / static_cast<double>(data_.sections.size());
   normal.value += share * limits.value;
   normal.gradient += share * limits.gradient;

@@ -54,7 +54,8 @@ class SweepProblem {
   [[nodiscard]] SweepState state_at(const Eigen::VectorXd& unknowns, const BasisValues& basis) const;
   void add_samples(std::size_t section, std::size_t first, const SweepState& state, const SweepCurve& curve,
                    SweepEvaluation& all, Normal& normal) const;
-  void add_limits(const SweepState& state, const SweepCurve& curve, Normal& normal) const;
+  void add_limits(std::size_t section, const SweepState& state, const SweepCurve& curve,
+                  Normal& normal) const;
   void add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluation& all) const;
 
   const SweepData& data_;

@@ -1,5 +1,6 @@
 #include "pipeline/plan/sweep/sweep_seams.hpp"
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_terms.hpp"
 
 #include <Eigen/Geometry>
@@ -125,6 +126,7 @@ double away_mm(const FormedPoint& p, const SweepFamily& family, double reach_mm)
 std::vector<PartSeam> seams_of(const std::vector<SeamSide>& parts, const SweepSectionOptions& options) {
   std::vector<PartSeam> seams;
   for (std::size_t i = 0; i < parts.size(); ++i) {
+    gpu::stop_point();
     for (std::size_t k = i + 1; k < parts.size(); ++k) {
       for (const SweepSeam& seam : *parts[i].seams) {
         const auto same = std::find_if(parts[k].seams->begin(), parts[k].seams->end(),
@@ -152,6 +154,7 @@ SeamFacts seam_facts(const PartSeam& seam, const SweepFamily& first, const Sweep
                      double reach_mm) {
   SeamFacts facts;
   for (const SeamPlace& place : seam.places) {
+    gpu::stop_point();
     std::array<double, SeamPlace::kProbes> gap{};
     for (std::size_t i = 0; i < gap.size(); ++i)
       gap[i] = away_mm(place.on[0][i], first, reach_mm) - away_mm(place.on[1][i], second, reach_mm);

@@ -122,16 +122,24 @@ class Search {
       if (!plan.strip) plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
     });
     gpu::stop_point();
+    if (all_made(tried.plans)) {
+      tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+        PartPlan& plan = tried.plans[i];
+        if (!plan.held) plan = fitter_.steadied(tried.layout.parts[i], std::move(plan));
+      });
+      gpu::stop_point();
+    }
     return join_parts(tried);
+  }
+
+  static bool all_made(const std::vector<PartPlan>& plans) {
+    return std::all_of(plans.begin(), plans.end(),
+                       [](const PartPlan& plan) { return plan.strip.has_value(); });
   }
 
   // Fits planned parts together; whether all have a strip.
   bool join_parts(Tried& tried) const {
     tried.joined = tried.plans;
-    const auto all_made = [](const std::vector<PartPlan>& plans) {
-      return std::all_of(plans.begin(), plans.end(),
-                         [](const PartPlan& plan) { return plan.strip.has_value(); });
-    };
     if (!all_made(tried.plans)) return false;
     tried.joined = fitter_.join(tried.layout.parts, std::move(tried.joined));
     return all_made(tried.joined);
@@ -166,8 +174,24 @@ class Search {
 
   [[nodiscard]] double nominal_band_mm() const { return settings_.blade.band_mm(settings_.motion.feed_mm_s); }
 
-  // Plans the parts and has the whole judged; whether it is taken.
+  // Plans the parts and has the whole judged, what fails of it once more as it was before its blades were
+  // made steadier; whether it is taken.
   bool look_at(Tried& tried, const JudgeSweep& judge) const {
+    if (look_once(tried, judge)) return true;
+    bool any = false;
+    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
+      PartPlan& plan = tried.plans[i];
+      if (!tried.failed[i] || !plan.unsteady) continue;
+      const std::shared_ptr<const PartPlan> before = plan.unsteady;
+      plan = *before;
+      any = true;
+    }
+    if (!any) return false;
+    tried.way = SweepWay::kUnsteady;
+    return look_once(tried, judge);
+  }
+
+  bool look_once(Tried& tried, const JudgeSweep& judge) const {
     const std::size_t count = tried.layout.parts.size();
     if (plan_parts(tried) && bands_) settle_bands(tried);
     const SweptPlan plan = plan_of(tried);
@@ -354,7 +378,13 @@ class Search {
       const std::string id = fmt::format("S{:03}", i + 1);
       if (std::isfinite(part.fit.max_mm)) plan.deviation_mm = std::max(plan.deviation_mm, part.fit.max_mm);
       plan.sag_mm = std::max(plan.sag_mm, part.fit.sag_mm);
-      plan.fits.push_back({part.fit.family.count(), part.calm, part.fit.blade_length_mm, part.fit.max_mm});
+      SweptFit fit{part.fit.family.count(), part.calm, part.fit.blade_length_mm, part.fit.max_mm, 0, {}};
+      if (part.held) fit.clamps_mm = part.held->clamps_mm;
+      if (part.unsteady) {
+        const PartPlan& before = *part.unsteady;
+        fit.before = {before.strip->blade_length_mm, before.fit.max_mm, before.held->clamps_mm};
+      }
+      plan.fits.push_back(fit);
       if (part.strip) {
         plan.strips.push_back(*part.strip);
         plan.strips.back().id = id;
@@ -400,6 +430,8 @@ const char* name(SweepWay way) {
       return "calmer";
     case SweepWay::kTurned:
       return "turned";
+    case SweepWay::kUnsteady:
+      return "unsteady";
     case SweepWay::kFaces:
       return "faces";
   }

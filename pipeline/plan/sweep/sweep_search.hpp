@@ -18,12 +18,13 @@ namespace hotblade::pipeline {
 
 // How a layout came about.
 enum class SweepWay {
-  kEven,    // even parts of the whole
-  kRows,    // rows of blocks
-  kSplit,   // what failed of the try before, split at its place
-  kCalmer,  // what failed of the try before, fitted more calmly
-  kTurned,  // the planes of the try before, turned until its fit was nearer
-  kFaces,   // smooth faces that meet in creases, the plans of all together
+  kEven,      // even parts of the whole
+  kRows,      // rows of blocks
+  kSplit,     // what failed of the try before, split at its place
+  kCalmer,    // what failed of the try before, fitted more calmly
+  kTurned,    // the planes of the try before, turned until its fit was nearer
+  kUnsteady,  // what failed of the try before, with the blades that its strips had before they were steadied
+  kFaces,     // smooth faces that meet in creases, the plans of all together
 };
 [[nodiscard]] const char* name(SweepWay way);
 
@@ -32,6 +33,12 @@ struct SweptFit {
   int coefficients = 0;  // of each function of the sweep
   double calm = 0;       // SweepFitOptions
   double blade_length_mm = 0, fit_mm = 0;
+  double clamps_mm = 0;  // what the clamps' errors move its own strip by; 0: it has none
+  // Of a strip whose blade was made steadier against them, what it was before.
+  struct Before {
+    double blade_length_mm = 0, fit_mm = 0, clamps_mm = 0;
+  };
+  std::optional<Before> before{};
 };
 
 // A layout with its parts fitted closely.

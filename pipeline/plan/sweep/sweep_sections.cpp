@@ -8,6 +8,8 @@
 #include <numbers>
 #include <utility>
 
+#include "gpu/backend/stop.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -179,8 +181,10 @@ class Slicer {
   Slicer(const WasteSurface& surface, const RibAxes& axes, const SweepSectionOptions& options)
       : surface_(surface), axes_(axes), options_(options) {
     vertices_.reserve(surface.points.size());
-    for (std::size_t i = 0; i < surface.points.size(); ++i)
+    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+      gpu::stop_point();
       vertices_.push_back(moved(surface.points[i], surface.normals[i], axes, options));
+    }
     data_.axes = axes;
   }
 
@@ -194,6 +198,7 @@ class Slicer {
     thinned_.assign(offsets_.size(), Thinned(options_.sample_mm));
     runs_.resize(options_.gap_mm ? offsets_.size() : 0);
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      gpu::stop_point();
       if (in_reach(t)) cut(t);
     }
     for (std::size_t k = 0; k < offsets_.size(); ++k) {
@@ -293,6 +298,7 @@ class Slicer {
     for (std::size_t i = 0; i < vertices_.size(); ++i) inside_of[i] = inside(vertices_[i].world);
     std::vector<Vector3d> own;
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      gpu::stop_point();
       if (!in_reach(t)) continue;
       const auto& corners = surface_.triangles[t];
       const bool whole = !axes_.planes.closed() && std::all_of(corners.begin(), corners.end(), [&](int c) {
@@ -482,6 +488,7 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
                        {}};
   surface.corners = corners_of(surface.points, surface.border);
   for (const auto& t : triangles) {
+    gpu::stop_point();
     const auto corner = [&](std::size_t c) -> const Vector3d& {
       return vertices[static_cast<std::size_t>(t[c % 3])];
     };
@@ -506,6 +513,7 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
     return i;
   };
   for (const auto& t : surface.triangles) {
+    gpu::stop_point();
     const bool near = std::all_of(seams.begin(), seams.end(), [&](const SweepSeam& seam) {
       return std::any_of(t.begin(), t.end(), [&](int v) {
         return behind(seam, surface.points[static_cast<std::size_t>(v)]) >= -reach_mm;
@@ -535,6 +543,7 @@ RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& plan
   Eigen::Vector2d mean(0, 0);
   double whole = 0;
   for (const auto& t : surface.triangles) {
+    gpu::stop_point();
     const auto at = [](const std::vector<Vector3d>& all, int i) -> const Vector3d& {
       return all[static_cast<std::size_t>(i)];
     };

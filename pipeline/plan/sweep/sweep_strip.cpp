@@ -86,7 +86,7 @@ std::vector<Vector2d> target_of(const std::vector<Foot>& feet, const elastica::E
 class StripMaker {
  public:
   StripMaker(const WasteSurface& surface, const RibAxes& axes, const std::vector<SweepSeam>& seams,
-             const SweepFitReport& fit, const SweepSag* sag, const SweptBands* bands,
+             const SweepFitReport& fit, const SweepSag* sag, const SweptBands* bands, double least_blade_mm,
              const Settings& settings)
       : surface_(surface),
         axes_(axes),
@@ -94,6 +94,7 @@ class StripMaker {
         fit_(fit),
         sag_(sag),
         bands_(bands),
+        least_blade_mm_(least_blade_mm),
         settings_(settings) {}
 
   SweptStrip run() {
@@ -110,7 +111,7 @@ class StripMaker {
     const double sag = axes_.planes.turns() ? left : left / robot::kSagUnknownShare;
     const RibAxes& axes = axes_;
     const BladeReport blade =
-        choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag);
+        choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag, least_blade_mm_);
     if (!blade.choice) {
       made.refusal = blade.refusal;
       return made;
@@ -253,6 +254,7 @@ class StripMaker {
   const SweepFitReport& fit_;
   const SweepSag* sag_;
   const SweptBands* bands_;
+  double least_blade_mm_;
   const Settings& settings_;
   std::vector<double> offsets_, slopes_;  // of the sections
   std::vector<std::vector<Foot>> feet_;
@@ -276,8 +278,9 @@ SweepSectionOptions section_options(const Settings& settings, const std::vector<
 
 SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
                             const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
-                            const SweepSag* sag, const SweptBands* bands, const Settings& settings) {
-  return StripMaker(surface, axes, seams, fit, sag, bands, settings).run();
+                            const SweepSag* sag, const SweptBands* bands, double least_blade_mm,
+                            const Settings& settings) {
+  return StripMaker(surface, axes, seams, fit, sag, bands, least_blade_mm, settings).run();
 }
 
 }  // namespace hotblade::pipeline

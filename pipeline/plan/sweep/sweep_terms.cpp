@@ -1,7 +1,10 @@
 #include "pipeline/plan/sweep/sweep_terms.hpp"
 
+#include <Eigen/LU>
 #include <array>
 #include <limits>
+
+#include "elastica/blade/continuation.hpp"
 
 namespace hotblade::pipeline {
 
@@ -17,8 +20,8 @@ constexpr std::array<double, 5> kSmoothOf{0.3, 0.6, 1, 1, 1};
 // them.
 constexpr std::array<double, 5> kCalmOf{0, 0, 0, 2e-4, 7e-5};
 // A radius of a tenth less than allowed counts as half a mm at each node of a blade; a clamp 10 mm too near
-// as 1 mm, an end turned 0.1 rad too far as 1 mm.
-constexpr double kRadiusWeight = 5, kClampWeight = 0.1, kTurnWeight = 10;
+// as 1 mm, an end turned 0.1 rad too far as 1 mm, a tension a tenth too large as 0.5 mm.
+constexpr double kRadiusWeight = 5, kClampWeight = 0.1, kTurnWeight = 10, kTensionWeight = 5;
 
 // How deep a point lies in a box, and which way is out; nothing outside.
 struct Depth {
@@ -116,6 +119,86 @@ LimitTerm clamp_term(const SweepPoint& end, const SweepState& state, double x_mm
 double clamp_depth_mm(const SweepPoint& end, const SweepState& state, double x_mm,
                       const SweepFitOptions& options) {
   return clamp_term(end, state, x_mm, options).over / kClampWeight;
+}
+
+double moved_by_clamps_mm(const SweepCurve& curve, double from_mm, double to_mm, const ClampPull& clamps) {
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  // What the middle's place and turn and the three numbers of the bend do to a point.
+  const auto by_all = [](const SweepPoint& p) {
+    Eigen::Matrix<double, 3, 6> by = Eigen::Matrix<double, 3, 6>::Zero();
+    by(0, 0) = by(1, 1) = by(2, 2) = 1;
+    by(0, 2) = -p.position.y();
+    by(1, 2) = p.position.x();
+    by.topRightCorner<2, 3>() = p.by_bend;
+    by.bottomRightCorner<1, 3>() = p.theta_by_bend;
+    return by;
+  };
+  const std::vector<SweepPoint>& nodes = curve.nodes();
+  Matrix6 ends, wrong = Matrix6::Zero();
+  for (const Eigen::Index end : {0, 1}) {
+    const SweepPoint& p = end == 0 ? nodes.front() : nodes.back();
+    const Eigen::Index row = 3 * end;
+    ends.middleRows<3>(row) = by_all(p);
+    wrong.block<2, 1>(row, row) = clamps.position_mm * p.tangent;
+    wrong.block<2, 1>(row, row + 1) = clamps.position_mm * p.normal();
+    wrong(row + 2, row + 2) = clamps.angle_rad;
+  }
+  // Numbers of one size: the bend's by what it does over half the blade.
+  const double half = curve.reach_mm();
+  Eigen::Matrix<double, 6, 1> units;
+  units << 1, 1, 1 / half, 2 / (half * half), 6 / (half * half * half), 6 / (half * half * half);
+  const Matrix6 change = units.asDiagonal() * Matrix6(ends * units.asDiagonal()).partialPivLu().solve(wrong);
+  double most = 0;
+  const auto look = [&](const SweepPoint& p) {
+    const double across = (p.normal().transpose() * by_all(p).topRows<2>() * change).cwiseAbs().sum();
+    if (!(across <= most)) most = across;
+  };
+  const double step = 2 * half / static_cast<double>(nodes.size() - 1);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const double s = step * static_cast<double>(i) - half;
+    if (s > from_mm && s < to_mm) look(nodes[i]);
+  }
+  look(curve.at(from_mm));
+  look(curve.at(to_mm));
+  return std::isfinite(most) ? most : std::numeric_limits<double>::infinity();
+}
+
+LimitTerm tension_term(const SweepState& state, const SweepCurve& curve, const SweepFitOptions& options) {
+  LimitTerm term;
+  if (!(options.clamp_pull.weight > 0)) return term;
+  // From there on the way of a blade is searched in smaller steps (continuation.cpp).
+  constexpr double kMost = 0.5 * elastica::kLargestTension;
+  const double length = 2 * curve.reach_mm(), by = -length * length / kMost;
+  const double over = by * state.bend.tension1 - 1;
+  if (over <= 0) return term;
+  term.over = kTensionWeight * over;
+  term.by[3] = kTensionWeight * by;
+  return term;
+}
+
+LimitTerm clamp_error_term(const SweepState& state, const SweepCurve& curve, double from_mm, double to_mm,
+                           const SweepFitOptions& options) {
+  LimitTerm term;
+  const ClampPull& clamps = options.clamp_pull;
+  if (!(clamps.weight > 0)) return term;
+  // Where a section passes straight it moves without bound: what is far off pulls by no more than this.
+  constexpr double kMost_mm = 20;
+  const auto pull = [&](const SweepCurve& c) {
+    const double moved_mm = moved_by_clamps_mm(c, from_mm, to_mm, clamps);
+    return clamps.weight * (std::isfinite(moved_mm) ? moved_mm / (1 + moved_mm / kMost_mm) : kMost_mm);
+  };
+  term.over = pull(curve);
+  // What moves the blade's ends by a thousandth of a millimetre.
+  const double half = curve.reach_mm();
+  const std::array<double, 3> steps{2e-3 / (half * half), 6e-3 / (half * half * half),
+                                    6e-3 / (half * half * half)};
+  for (int k = 0; k < 3; ++k) {
+    Bend up = state.bend;
+    const double h = steps[static_cast<std::size_t>(k)];
+    (k == 0 ? up.kappa : k == 1 ? up.tension1 : up.tension2) += h;
+    term.by[2 + k] = (pull(SweepCurve(up, half)) - term.over) / h;
+  }
+  return term;
 }
 
 double smooth_weight(int function, int coefficients) {

@@ -50,6 +50,18 @@ struct LimitTerm {
 [[nodiscard]] double clamp_depth_mm(const SweepPoint& end, const SweepState& state, double x_mm,
                                     const SweepFitOptions& options);
 
+// Returns what the clamps' errors move the part of a blade between two arc lengths from its middle by, across
+// itself, mm: what elastica::sensitivity says, at the curve's nodes. Infinite where the blade is straight.
+[[nodiscard]] double moved_by_clamps_mm(const SweepCurve& curve, double from_mm, double to_mm,
+                                        const ClampPull& clamps);
+// Returns by how much a blade that is pulled to be steady is more taut than its shape can be followed by its
+// clamps with something to spare.
+[[nodiscard]] LimitTerm tension_term(const SweepState& state, const SweepCurve& curve,
+                                     const SweepFitOptions& options);
+// Returns what the clamps' errors move it by as a number that is made small; nothing where it has no weight.
+[[nodiscard]] LimitTerm clamp_error_term(const SweepState& state, const SweepCurve& curve, double from_mm,
+                                         double to_mm, const SweepFitOptions& options);
+
 // Returns the weight of the second differences of one of the five functions, and of its values.
 [[nodiscard]] double smooth_weight(int function, int coefficients);
 [[nodiscard]] double calm_weight(int function, double calm);

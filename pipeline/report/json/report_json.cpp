@@ -124,10 +124,18 @@ Json decisions_json(const std::vector<Decision>& decisions) {
   for (const Decision& d : decisions) {
     Json fits = Json::array();
     for (const SweptFit& f : d.fits) {
+      Json before;
+      if (f.before) {
+        before = {{"blade_length_mm", f.before->blade_length_mm},
+                  {"fit_mm", f.before->fit_mm},
+                  {"clamp_error_mm", f.before->clamps_mm}};
+      }
       fits.push_back({{"coefficients", f.coefficients},
                       {"calm", f.calm},
                       {"blade_length_mm", f.blade_length_mm},
-                      {"fit_mm", std::isfinite(f.fit_mm) ? Json(f.fit_mm) : Json()}});
+                      {"fit_mm", std::isfinite(f.fit_mm) ? Json(f.fit_mm) : Json()},
+                      {"clamp_error_mm", f.clamps_mm > 0 ? Json(f.clamps_mm) : Json()},
+                      {"before_steadying", before}});
     }
     list.push_back({{"way", name(d.way)},
                     {"normal", vector_json(d.normal)},

@@ -26,9 +26,10 @@ struct Sample {
 
 class PlanSample : public ::testing::TestWithParam<Sample> {};
 
-PlanResult plan_sample(const std::string& name) {
+PlanResult plan_sample(const std::string& name, OverBudget over_budget = OverBudget::kWarn) {
   const std::string base = hotblade::testing::source_dir() + "/samples/" + name;
-  const Settings settings = resolve({{base + ".toml"}, {}, {}});
+  Settings settings = resolve({{base + ".toml"}, {}, {}});
+  settings.design.over_budget = over_budget;
   return plan(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings, {});
 }
 
@@ -53,6 +54,29 @@ INSTANTIATE_TEST_SUITE_P(
                       Sample{"window", 1, 0.6}, Sample{"branch", 1, 0.4}, Sample{"ragged", 1, 0.3},
                       Sample{"wave_wall", 6, 0.95}, Sample{"corner", 3, 0.9}, Sample{"petal", 1, 0.2}),
     [](const ::testing::TestParamInfo<Sample>& sample) { return std::string(sample.param.name); });
+
+TEST(Plan, ChoosesBladesThatClampsErrorsMoveLessAndSaysWhatTheyWereBefore) {
+  // The bump's sections are nearly straight at its foot: with the shortest blades, untaut, its budget is 6
+  // mm.
+  const PlanResult result = plan_sample("bump", OverBudget::kRefuse);
+  ASSERT_TRUE(result.refusals.empty());
+  const PlanResult shortest = plan_sample("bump");
+  for (const SweptFit& fit : shortest.decisions.back().fits) EXPECT_FALSE(fit.before);
+  const Decision& taken = result.decisions.back();
+  ASSERT_EQ(taken.fits.size(), result.strips.size());
+  double before_mm = 0, most_mm = 0;
+  for (std::size_t i = 0; i < result.strips.size(); ++i) {
+    const StripFacts& strip = result.strips[i];
+    const SweptFit& fit = taken.fits[i];
+    ASSERT_TRUE(fit.before) << strip.id;
+    EXPECT_GE(strip.blade_length_mm, fit.before->blade_length_mm);
+    EXPECT_LT(fit.fit_mm, fit.before->fit_mm + 0.3 * result.program.settings.design.tolerance_mm);
+    EXPECT_LT(fit.clamps_mm, 0.5 * fit.before->clamps_mm);
+    before_mm = std::max(before_mm, fit.before->clamps_mm);
+    most_mm = std::max(most_mm, strip.motion.clamp_error_mm);
+  }
+  EXPECT_LT(most_mm, 0.2 * before_mm);
+}
 
 TEST(Plan, GivesTheSameBytesWithOneThreadAndTwo) {
   std::string texts[2];

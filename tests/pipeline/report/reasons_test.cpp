@@ -111,6 +111,15 @@ TEST(Reasons, OfABladeAreTheLimitOfTheShorterAndTheWeightOfTheLonger) {
   }
 }
 
+TEST(Reasons, OfASteadierBladeAreWhatTheClampsErrorsMovedTheShorterOne) {
+  PlanResult result = planned();
+  SweptFit& fit = result.decisions.back().fits.front();
+  fit.clamps_mm = 0.45;
+  fit.before = SweptFit::Before{400, 0.1, 6.5};
+  EXPECT_THAT(reasons_section(result, kEnglish),
+              HasSubstr("the clamps' errors move it by 0.45 mm instead of 6.50 mm with 400 mm"));
+}
+
 TEST(Reasons, HaveARowForEachStripThatTheViewFinds) {
   const std::string html = reasons_section(planned(), kEnglish);
   for (const Strip& strip : planned().program.strips)

@@ -59,8 +59,8 @@ TEST(Words, OfGermanAreThereForEveryPage) {
 
 TEST(Words, OfGermanAreThereForEveryWayThatATryCameAbout) {
   PlanResult result = plan(cylinder_design(), in_german(), {});
-  for (const SweepWay way :
-       {SweepWay::kEven, SweepWay::kRows, SweepWay::kSplit, SweepWay::kCalmer, SweepWay::kTurned}) {
+  for (const SweepWay way : {SweepWay::kEven, SweepWay::kRows, SweepWay::kSplit, SweepWay::kCalmer,
+                             SweepWay::kTurned, SweepWay::kUnsteady}) {
     result.decisions.back().way = way;
     EXPECT_NO_THROW((void)report_html(result, {}, "none")) << name(way);
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "elastica/blade/sensitivity.hpp"
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "pipeline/plan/sweep/sweep_problem.hpp"
@@ -63,6 +64,19 @@ TEST(SweepCurve, DerivativesAreThoseOfFiniteDifferences) {
       EXPECT_LT((p.by_bend.col(k) - by).norm(), 1e-4 * size) << s << " " << k;
       EXPECT_NEAR(p.theta_by_bend[k], (high.theta - low.theta) / (2 * steps[k]), 1e-4 * turns);
     }
+  }
+}
+
+TEST(SweepCurve, IsMovedByItsClampsErrorsAsTheElasticaIs) {
+  Bends bends;
+  const ClampPull errors{0.1, 2e-4, 1};
+  for (int i = 0; i < 50; ++i) {
+    const Bend bend = bends.next();
+    elastica::MidState middle{0, 0, 0, bend.kappa, bend.tension1, bend.tension2, 600};
+    const double exact =
+        elastica::sensitivity(elastica::from_mid_state(middle), {0.1, 2e-4, 100, 480}).total_mm;
+    // Both look at places some mm apart.
+    EXPECT_NEAR(moved_by_clamps_mm(SweepCurve(bend, 300), -200, 180, errors), exact, 0.05 * exact) << i;
   }
 }
 
@@ -145,7 +159,7 @@ TEST(SweepFit, RecoversASurfaceSweptByExactElastica) {
 }
 
 // The problem's gradient with all of the blade's limits at work.
-void expect_gradient(double exponent) {
+void expect_gradient(double exponent, double pull = 0) {
   const SweepFamily f = family(6);
   const SweepData data = data_of(family(5));
   SweepFitOptions options;
@@ -154,6 +168,7 @@ void expect_gradient(double exponent) {
   options.smallest_radius_mm = 650;
   options.largest_turn_rad = 0.3;
   options.block = SweepFitOptions::Box{{-420, -300}, {450, 300}};
+  options.clamp_pull = {0.1, 2e-4, pull};
   SweepProblem problem(data, options, f);
   problem.set_exponent(exponent, 20);
   const Eigen::VectorXd at = problem.pack(f);
@@ -174,6 +189,38 @@ TEST(SweepProblem, GradientOfTheMeanSquareIsThatOfFiniteDifferences) {
 
 TEST(SweepProblem, GradientOfAHigherMeanIsThatOfFiniteDifferences) {
   expect_gradient(8);
+}
+
+TEST(SweepProblem, GradientOfAPullAgainstClampsErrorsIsThatOfFiniteDifferences) {
+  expect_gradient(2, 0.2);
+}
+
+TEST(SweepFit, MakesABladeSteadyThatIsNearlyStraight) {
+  // A strip whose sections are arcs of 20 m radius, which say next to nothing of their tension.
+  SweepFamily shallow = family(5);
+  shallow.coefficients.bottomRows<4>().setZero();
+  shallow.coefficients.row(2).setConstant(5e-5);
+  const SweepData data = data_of(shallow);
+  SweepFitOptions options;
+  options.coefficients = 5;
+  options.blade_length_mm = 1000;
+  options.exponents = {2, 8};
+  const SweepFitReport plain = fit_sweep(data, options);
+  options.clamp_pull = {0.1, 2e-4, 0.2};
+  const SweepFitReport steady = fit_sweep(data, options, &plain.family);
+  const auto most_moved = [&](const SweepFamily& f) {
+    double most = 0;
+    for (const SweepSection& section : data.sections)
+      most = std::max(most, moved_by_clamps_mm(SweepCurve(f.at(section.offset_mm).bend, 500), -200, 200,
+                                               options.clamp_pull));
+    return most;
+  };
+  EXPECT_GT(most_moved(plain.family), 5);
+  EXPECT_LT(most_moved(steady.family), 0.3 * most_moved(plain.family));
+  EXPECT_LT(steady.max_mm, 0.8);  // a fifth of a mm for each mm that it is steadier
+  // No more taut than its clamps can be followed with half of the most to spare.
+  for (const SweepSection& section : data.sections)
+    EXPECT_GT(steady.family.at(section.offset_mm).bend.tension1 * 1000 * 1000, -65);
 }
 
 TEST(SweepFit, KeepsTheClampsOutOfTheBlockAndItsEndsFromTurning) {

@@ -8,8 +8,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_strip.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -182,6 +184,22 @@ TEST(SweepJoint, EndsWhereItsWatchThrows) {
   EXPECT_GE(told, 2);
   struct Ended {};
   EXPECT_THROW((void)fit_together(halves.parts, halves.met, [] { throw Ended(); }), Ended);
+}
+
+// Each takes a tenth of a second or more on a roof, and ends when it is told to.
+TEST(SweepSeams, AndSectionsAreGivenUpWhereTheWorkIsToEnd) {
+  const Halves halves(Vector3d::UnitY());
+  const SweepFamily& family = halves.parts[0].start;
+  gpu::Stop stop;
+  stop.ask();
+  const auto ended = [&](const std::function<void()>& work) {
+    EXPECT_THROW(gpu::run_stoppable(1, stop, work), gpu::Stopped);
+  };
+  ended([&] { (void)seam_facts(halves.met[0], family, family, kReachMm); });
+  const SweepSectionOptions options =
+      section_options(halves.settings, halves.seams[0], 40, 20, nullptr, nullptr);
+  ended([&] { (void)sweep_sections(halves.surface, halves.axes, options); });
+  ended([&] { (void)seams_of({{}, {}}, options); });
 }
 
 TEST(SweepJoint, RefusesAPartWithoutSections) {
