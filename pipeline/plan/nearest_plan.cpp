@@ -5,6 +5,12 @@
 
 namespace hotblade::pipeline {
 
+std::vector<double> deviations_with_sag_mm(const PlanResult& result) {
+  std::vector<double> deviations;
+  for (const StripFacts& strip : result.strips) deviations.push_back(strip.deviation_with_sag_mm());
+  return deviations;
+}
+
 std::vector<bool> too_far_strips(const PlanResult& result) {
   std::vector<bool> far;
   for (const StripFacts& strip : result.strips) {

@@ -110,13 +110,13 @@ DesignData design_data(const surface::DesignSurface& design, const Settings& set
 
 // Strips are posed side by side and handed over in their order.
 void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings, const PlanHooks& hooks,
-                 PlanResult& result) {
+                 MotionLook look, PlanResult& result) {
   const std::size_t count = strips.size();
   std::vector<PlannedStrip> planned(count);
   std::mutex telling;
   std::size_t told = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    PosedStrip posed{strips[i], move_blade(strips[i], settings)};
+    PosedStrip posed{strips[i], move_blade(strips[i], settings, look)};
     posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
     planned[i] = planned_strip(std::move(posed), settings);
     const std::scoped_lock lock(telling);
@@ -147,23 +147,30 @@ void measure_ribs(Program& program, gpu::Backend backend) {
   }
 }
 
-void measure_cut(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result) {
-  const Settings& settings = result.program.settings;
+VerifyOptions verify_options(const Settings& settings, gpu::Backend backend) {
   VerifyOptions options;
   options.tolerance_mm = settings.design.tolerance_mm;
   options.max_uncut_share = settings.design.max_uncut_share;
   options.backend = backend;
   options.min_margin = settings.blade.min_margin;
-  result.verification = verify(result.program, design, options);
+  return options;
+}
+
+void take_report(VerifyReport report, PlanResult& result) {
+  result.verification = std::move(report);
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
   }
 }
 
+void measure_cut(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result) {
+  take_report(verify(result.program, design, verify_options(result.program.settings, backend)), result);
+}
+
 // Poses strips, and measures what they cut.
 void pose_and_verify(const std::vector<StripPlan>& strips, const surface::DesignSurface& design,
                      const Settings& settings, const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
-  pose_strips(strips, settings, hooks, result);
+  pose_strips(strips, settings, hooks, MotionLook::kFull, result);
   watch.lap("pose");
   measure_ribs(result.program, hooks.backend);
   hooks.progress("verify", kPosed);
@@ -178,8 +185,7 @@ void judge(const Settings& settings, PlanResult& result) {
     result.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
   }
   for (const StripFacts& f : result.strips) {
-    const double together =
-        f.deviation_max_mm + robot::kSagUnknownShare * (f.droop_error_mm + f.motion.in_plane_sag_mm);
+    const double together = f.deviation_with_sag_mm();
     if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
       continue;
     result.refusals.push_back({f.id, "", Limit::kDeviationWithSag, together, settings.design.tolerance_mm});
@@ -252,12 +258,11 @@ Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   d.normal = swept.planes.normal(0);
   d.fan = swept.planes.turns();
   d.fit_mm = swept.deviation_mm;
+  d.strips = swept.parts;
   if (!swept.refusals.empty()) {
-    d.strips = swept.strips.size() + swept.refusals.size();
     d.stopped_by = swept.refusals.front();
     return d;
   }
-  d.strips = result.strips.size();
   for (const StripFacts& f : result.strips) d.ribs += f.ribs;
   d.deviation_mm = result.verification.deviation.max;
   d.passed = result.refusals.empty();
@@ -280,6 +285,22 @@ void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, co
   result.refusals = swept.refusals;
   pose_and_verify(swept.strips, design, settings, hooks, watch, result);
   judge(settings, result);
+}
+
+// Looks at each of a plan's strips by itself, more coarsely than in full: where it leaves the design and what
+// of its motion is refused.
+PlanResult plan_alone(const SweptPlan& swept, const surface::DesignSurface& design, const Settings& settings,
+                      const PlanHooks& hooks, const PlanResult& result) {
+  PlanResult alone;
+  alone.program = result.program;
+  pose_strips(swept.strips, settings, hooks, MotionLook::kCoarse, alone);
+  constexpr double kCoarser = 2;
+  VerifyOptions options = verify_options(alone.program.settings, hooks.backend);
+  options.sample_mm *= kCoarser;
+  options.cut_only = true;
+  take_report(measure(alone.program, {}, design, options), alone);
+  judge(settings, alone);
+  return alone;
 }
 
 // The refused plan that comes nearest to one that passes: what is shown when none does.
@@ -340,6 +361,11 @@ std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, 
   return bands;
 }
 
+SweepVerdict verdict_on(const PlanResult& looked) {
+  return {looked.refusals.empty(), failed_strips(looked), too_far_strips(looked),
+          deviations_with_sag_mm(looked)};
+}
+
 // Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
 // looked at in full, `progress` of the rest. Returns the plan that is shown.
 SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
@@ -355,7 +381,7 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
     if (!whole || !other.refusals.empty()) {
       nearest.offer(swept, whole ? &other : nullptr);
       progress.next_try();
-      return whole ? SweepVerdict{false, failed_strips(other), too_far_strips(other)} : SweepVerdict{};
+      return whole ? verdict_on(other) : SweepVerdict{};
     }
     other.decisions = std::move(result.decisions);
     other.times = std::move(result.times);
@@ -364,13 +390,21 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
     taken = swept;
     return {true, {}};
   };
+  const auto judged_alone = [&](const SweptPlan& swept) -> SweepVerdict {
+    watch.lap("sweep");
+    const PlanResult alone = plan_alone(swept, design, settings, hooks, result);
+    watch.lap("look");
+    result.decisions.push_back(decision_of(swept, alone));
+    result.decisions.back().alone = true;
+    return verdict_on(alone);
+  };
   const auto watched = [&] { progress.fitted(); };
   BandsOfSweep bands;
   if (settings.blade.melt.by_speed())
     bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
   std::vector<PlanesTried> ranking;
   try {
-    ranking = search_sweeps(design, settings, judged, watched, bands);
+    ranking = search_sweeps(design, settings, {judged, judged_alone}, watched, bands);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
@@ -413,6 +447,7 @@ void append(SweptPlan& whole, SweptPlan face) {
     refusal.strip = renamed(refusal.strip);
     whole.refusals.push_back(std::move(refusal));
   }
+  whole.parts += face.parts;
   whole.fits.insert(whole.fits.end(), face.fits.begin(), face.fits.end());
   whole.deviation_mm = std::max(whole.deviation_mm, face.deviation_mm);
   whole.sag_mm = std::max(whole.sag_mm, face.sag_mm);

@@ -13,6 +13,7 @@
 #include "pipeline/program/program.hpp"
 #include "pipeline/stock/nest.hpp"
 #include "pipeline/verify/verify.hpp"
+#include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
 
@@ -40,6 +41,10 @@ struct StripFacts {
   double plane_turn_rad = 0;            // between the first and the last rib's plane; 0: they are parallel
   std::optional<BladeTrials> blades{};  // of a plan that passed
 
+  // Returns its deviation with what of its sag is not known.
+  [[nodiscard]] double deviation_with_sag_mm() const {
+    return deviation_max_mm + robot::kSagUnknownShare * (droop_error_mm + motion.in_plane_sag_mm);
+  }
   // Returns the radius where the blade is bent most; 0 for a straight one.
   [[nodiscard]] double smallest_radius_mm() const {
     return motion.largest_curvature_per_mm > 0 ? 1 / motion.largest_curvature_per_mm : 0;
@@ -68,6 +73,7 @@ struct Decision {
   double fit_mm = 0;        // what the fit itself was off, where that was found
   double deviation_mm = 0;  // verified; 0 where it never came to that
   bool passed = false, taken = false;
+  bool alone = false;                   // each strip looked at by itself, before they are fitted together
   std::optional<Refusal> stopped_by{};  // the first of what it failed by
 
   // Returns what it failed by, in words; empty: nothing.

@@ -209,6 +209,8 @@ const char* way_text(SweepWay way) {
       return "rows of blocks";
     case SweepWay::kSplit:
       return "split where the one before fails";
+    case SweepWay::kMet:
+      return "fitted together by what the one before found";
     case SweepWay::kUnsteady:
       return "with shorter blades where steadier ones fail";
     case SweepWay::kCalmer:
@@ -253,7 +255,8 @@ std::string decisions_section(const PlanResult& result, const Words& w) {
     html += fmt::format(
         "<tr><td class=\"l\">{}</td><td class=\"l\">{}{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td "
         "class=\"l say\">{}</td></tr>\n",
-        of_face(face_of(result, &FacePlanned::decisions, i), w(way_text(d.way)), w),
+        of_face(face_of(result, &FacePlanned::decisions, i),
+                w(way_text(d.way)) + (d.alone ? ", " + w("strips by themselves") : std::string()), w),
         d.fan ? w("a fan, in the middle") + " " : std::string(),
         d.way == SweepWay::kFaces ? w("each face's own") : vector_text(d.normal, 1e4), d.strips, d.ribs,
         mm(d.fit_mm), mm(d.deviation_mm), escaped(found));

@@ -149,14 +149,15 @@ class CutMeasurement {
         to_design_(design.mesh, program, options_.backend),
         sample_mm_(bounded(options.sample_mm, design.health.area_mm2)),
         sampler_(mesh_, sample_mm_),
-        nearest_(sampler_.count()) {
+        nearest_(options.cut_only ? 0 : sampler_.count()) {
     report_.area_mm2 = design.health.area_mm2;
-    report_.design_samples = sampler_.count();
+    report_.design_samples = nearest_.size();
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
   }
 
   void add(const SweptSurface& cut, const BladeTouches& touches) {
     cut_to_design(cut);
+    if (options_.cut_only) return;
     // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
     // little.
     constexpr double kLeastCellMm = 100;
@@ -168,7 +169,7 @@ class CutMeasurement {
 
   // What is told of all that was added.
   VerifyReport take() {
-    count_design();
+    if (!options_.cut_only) count_design();
     for (const Touched& t : touched_) add(t.depth, t.at, t.strip);
     report_.deviation = statistics_.result();
     report_.histogram = statistics_.histogram(options_.tolerance_mm);

@@ -33,6 +33,8 @@ struct VerifyOptions {
   double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
+  // Only what is cut against the design: nothing is said of what of the design is left uncut.
+  bool cut_only = false;
   // Vertices of the cut that are made and searched at once, whole strips: memory, 600 bytes a vertex. Values
   // depend on it by rounding only.
   std::size_t cut_vertices_at_once = 1 << 18;

@@ -8,13 +8,14 @@ import pytest
 import hotblade as hb
 
 
-def panel(name, first, bend, width=300):
-    """The OBJ of a vault of 300 mm and a name, with its first vertex number."""
+def panel(name, first, bend, width=300, across=0.0):
+    """The OBJ of a vault of 300 mm and a name, with its first vertex number; a dome where it is bent across too."""
     lines, n = [f"g {name}"], 13
     for i in range(n):
         for j in range(n):
             x, y = width * i / (n - 1), 300 * j / (n - 1)
-            lines.append(f"v {x} {y} {150 + bend * math.sin(math.pi * x / width)}")
+            z = 150 + bend * math.sin(math.pi * x / width) + across * math.sin(math.pi * y / width)
+            lines.append(f"v {x} {y} {z}")
     for i in range(n - 1):
         for j in range(n - 1):
             a = first + n * i + j
@@ -27,7 +28,7 @@ def facade(tmp_path_factory, program):
     """A batch of two panels in two cases, one of which is refused, planned; and one more that is not."""
     place = tmp_path_factory.mktemp("facade")
     left, end = panel("left", 1, 30)
-    right, _ = panel("right", end, 140, 160)
+    right, _ = panel("right", end, 140, 160, 140)
     (place / "facade.obj").write_text(left + right)
     program("batch", "init", place / "all", "--design", place / "facade.obj", "--split", "group", "--units", "mm",
             "--pictures", "none", "--sweep", "design.tolerance_mm=1,2", "-q")

@@ -228,18 +228,21 @@ void refuse_instability(const std::vector<PoseCheck>& checks, const robot::Blade
 
 }  // namespace
 
-void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion) {
+void check_blade(const StripPlan& strip, const Settings& settings, MotionLook look, BladeMotion& motion) {
   const robot::Blade& blade = settings.blade;
   const std::vector<PoseCheck> checks = check_poses(motion.poses, strip, blade, settings.machine.clamps);
   collect(checks, motion);
-  const std::vector<PoseMargin> margins = weigh_margins(motion);
-  weigh_clamp_errors(strip, settings.machine, margins, motion);
-  warn_of_straight_blades(strip, settings, margins, motion);
+  std::vector<PoseMargin> margins;
+  if (look == MotionLook::kFull) {
+    margins = weigh_margins(motion);
+    weigh_clamp_errors(strip, settings.machine, margins, motion);
+    warn_of_straight_blades(strip, settings, margins, motion);
+  }
   Refuser refuse(strip, motion);
   refuse_bending(checks, settings.blade, refuse);
   refuse_places(checks, settings.stock, refuse);
   refuse_instability(checks, blade, settings, motion, refuse);
-  refuse_near_folds(margins, motion, settings, refuse);
+  if (look == MotionLook::kFull) refuse_near_folds(margins, motion, settings, refuse);
 }
 
 }  // namespace hotblade::pipeline

@@ -7,7 +7,7 @@
 namespace hotblade::pipeline {
 
 // Fills the loads of motion.poses and the extremes of `motion`, and adds a refusal for each limit that a pose
-// exceeds, of the pose where it is worst.
-void check_blade(const StripPlan& strip, const Settings& settings, BladeMotion& motion);
+// exceeds, of the pose where it is worst. A coarse look leaves out what the clamps' errors do.
+void check_blade(const StripPlan& strip, const Settings& settings, MotionLook look, BladeMotion& motion);
 
 }  // namespace hotblade::pipeline

@@ -210,7 +210,12 @@ void time_facts(const std::vector<BladePose>& poses, MotionFacts& facts) {
   }
 }
 
-BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
+BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook look) {
+  // What a blade cuts between two places that it goes through in half a second it goes through evenly enough.
+  // The clamps of a fan leave their common plane between waypoints: there no step is longer.
+  constexpr double kCoarser = 8;
+  Settings settings = given;
+  if (look == MotionLook::kCoarse && !strip.planes.turns()) settings.motion.waypoint_s *= kCoarser;
   BladeMotion motion;
   const BladePath path = make_path(strip, settings);
   for (const Stretch& stretch : path.stretches) {
@@ -233,7 +238,7 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& settings) {
     refuse(slow.pose, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
            why_slow(slow, motion.poses, strip.planes.turns(), settings.motion));
   }
-  check_blade(strip, settings, motion);
+  check_blade(strip, settings, look, motion);
   round_judgement(motion.poses);
   return motion;
 }

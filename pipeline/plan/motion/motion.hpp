@@ -53,7 +53,15 @@ struct BladeMotion {
 // Sets how long a strip and its cut take.
 void time_facts(const std::vector<BladePose>& poses, MotionFacts& facts);
 
-// Returns the motion of the blade through the strip: every stretch of its path timed and checked.
-[[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings);
+// How closely a motion is looked at.
+enum class MotionLook {
+  kFull,
+  kCoarse,  // waypoints farther apart, and the clamps' errors left out, which take most of the time
+};
+
+// Returns the motion of the blade through the strip: every stretch of its path timed and checked. A coarse
+// look finds what a strip cuts and refuses no motion that a full one would not.
+[[nodiscard]] BladeMotion move_blade(const StripPlan& strip, const Settings& settings,
+                                     MotionLook look = MotionLook::kFull);
 
 }  // namespace hotblade::pipeline

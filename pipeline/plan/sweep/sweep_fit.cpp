@@ -112,4 +112,13 @@ SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options, 
   return report;
 }
 
+SweepFitReport measured_family(const SweepData& data, const SweepFitOptions& options,
+                               const SweepFamily& family) {
+  SweepFitReport report;
+  report.family = family;
+  const SweepProblem problem(data, options, family);
+  problem.measure(problem.evaluate(problem.pack(family), problem.first_feet()), report);
+  return report;
+}
+
 }  // namespace hotblade::pipeline

@@ -74,4 +74,8 @@ struct SweepFitReport {
 [[nodiscard]] SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options,
                                        const SweepFamily* start = nullptr);
 
+// Returns what a fit's report says of a family that was not fitted.
+[[nodiscard]] SweepFitReport measured_family(const SweepData& data, const SweepFitOptions& options,
+                                             const SweepFamily& family);
+
 }  // namespace hotblade::pipeline

@@ -28,6 +28,9 @@ static_assert(kExponent == 8, "terms are written out for it");
 // A gap counts as three times as large a deviation of a whole strip: at a tenth of this weight gaps of the
 // samples are twice as large, at ten times it deviations grow by a tenth and blades come near to a snap.
 constexpr double kSeamWeight = 10;
+// What a single sample is off by beyond what its part may deviate, against a seam's mean gap: with it a part
+// goes beyond by a tenth of what it would without, with a tenth of it by twice as much.
+constexpr double kOverWeight = 100;
 
 // The unknowns of one part: a block of five for each coefficient.
 struct Unknowns {
@@ -90,12 +93,14 @@ struct SectionTerms {
     const SweepFitOptions& options = unknowns->part->options;
     const double x = unknowns->part->start.x_mm;
     rows_.clear();
-    const double samples = std::sqrt(unknowns->samples);
+    const double samples = std::sqrt(unknowns->samples), over_weight = std::sqrt(kOverWeight);
     for (std::size_t i = 0; i < feet.size(); ++i) {
       const SampleTerm term = sample_term(section->samples[i], state, curve, x, feet[i]);
       feet[i] = term.foot_mm;
       const double share = std::abs(term.away_mm) / unknowns->scale_mm, grown = share * share * share;
       add(grown * term.away_mm / samples, 0.5 * kExponent * grown / samples, term.by);
+      const double over_mm = std::abs(term.away_mm) - unknowns->part->most_mm;
+      if (over_mm > 0) add(over_weight * std::copysign(over_mm, term.away_mm), over_weight, term.by);
     }
     const double weight = 1 / std::sqrt(static_cast<double>(unknowns->part->data.sections.size()));
     const auto limit = [&](const LimitTerm& term) { add(weight * term.over, weight, term.by); };
@@ -339,10 +344,7 @@ std::vector<const SeamPlace*> spread(const std::vector<SeamPlace>& places, std::
 
 SweepFitReport report_of(const Unknowns& unknowns, const ceres::Solver::Summary& summary) {
   const JointPart& part = *unknowns.part;
-  SweepFitReport report;
-  report.family = unknowns.family();
-  const SweepProblem problem(part.data, part.options, report.family);
-  problem.measure(problem.evaluate(problem.pack(report.family), problem.first_feet()), report);
+  SweepFitReport report = measured_family(part.data, part.options, unknowns.family());
   report.iterations = static_cast<int>(summary.iterations.size());
   report.converged = summary.IsSolutionUsable();
   return report;

@@ -3,11 +3,13 @@
 //
 // The terms are those of the single fit (sweep_terms.hpp), with the samples' distances to the power
 // `exponent` so that the largest are held; a seam adds the square of what stands between both surfaces, on it
-// and on either side, so that they meet without step and kink. One sparse least-squares problem for all
+// and on either side, so that they meet without step and kink. What a sample is farther off than its part may
+// deviate counts as well: no seam is closed by a part that fails. One sparse least-squares problem for all
 // strips (Ceres).
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_fit.hpp"
@@ -18,8 +20,9 @@ namespace hotblade::pipeline {
 struct JointPart {
   SweepData data;
   SweepFitOptions options;
-  SweepFamily start;       // its own fit
-  double wanted_mm = 0.1;  // distances below this are as good as none
+  SweepFamily start;                                         // its own fit
+  double wanted_mm = 0.1;                                    // distances below this are as good as none
+  double most_mm = std::numeric_limits<double>::infinity();  // a sample beyond this makes the part fail
 };
 
 // Returns the fits of all parts, in their order. The same input gives the same bytes, whatever the number of

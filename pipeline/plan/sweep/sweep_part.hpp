@@ -76,6 +76,9 @@ struct PartPlan {
   Steadying steadying{};
   std::optional<HeldBlade> held{};             // of a strip that was looked at for a steadier blade
   std::shared_ptr<const PartPlan> unsteady{};  // what it was before it was made steadier; none: it was not
+  // What its strip was found to be off by, with what of its sag is not known, beyond what its fit was off by
+  // at its samples; none: it was not looked at.
+  std::optional<double> beyond_fit_mm{};
 };
 
 // Pulls towards few and smooth tensions that parts are planned with, one after the other.
@@ -105,10 +108,13 @@ class PartFitter {
   // A plan's fit carried on with the part as it is now, as by other bands.
   [[nodiscard]] PartPlan again(const SweepPart& part, const PartPlan& plan) const;
 
-  // Strips that meet at seams fitted together, from the plans of their own; all parts have a strip. A strip
-  // whose blade is lost so has none any more.
+  // Strips that meet at seams fitted together, from the plans of their own; all parts have a strip. Where no
+  // blade takes what a strip would be so, it goes towards it as far as one does.
   [[nodiscard]] std::vector<PartPlan> join(const std::vector<SweepPart>& parts,
                                            std::vector<PartPlan> plans) const;
+
+  // What a part's fit may be off by, as far as is known, for its strip to stay within the tolerance.
+  [[nodiscard]] double most_mm(const PartPlan& plan) const;
 
   // Foam between a rib's end and its clamp, and a little more.
   [[nodiscard]] double clear_mm() const;
@@ -130,6 +136,8 @@ class PartFitter {
   void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
   [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
   [[nodiscard]] HeldBlade held(const PartPlan& plan) const;
+  [[nodiscard]] PartPlan met(const SweepPart& part, const JointPart& joint, const SweepFamily& together,
+                             const PartPlan& own) const;
   [[nodiscard]] std::optional<PartPlan> steadier(const SweepPart& part, const PartPlan& plan,
                                                  const PartFit& from, const Steadying& steadying) const;
   [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const;

@@ -25,9 +25,10 @@ using Eigen::Vector3d;
 class Search {
  public:
   Search(const surface::DesignSurface& design, double waste_side, const Settings& settings,
-         const WatchSweeps& watch, const BandsOfSweep& bands)
+         const SweepJudges& judges, const WatchSweeps& watch, const BandsOfSweep& bands)
       : mesh_(design.mesh),
         settings_(settings),
+        judges_(judges),
         bands_(bands),
         fitter_(settings, watch),
         layouts_(design.mesh, waste_surface(design.mesh, waste_side),
@@ -35,10 +36,12 @@ class Search {
 
   [[nodiscard]] const std::vector<PlanesTried>& tried_planes() const { return tried_planes_; }
 
-  void run(const JudgeSweep& judge) {
+  void run() {
     // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
     constexpr std::size_t kMostEven = 4, kMostTries = 3;
     constexpr int kMostRounds = 8;
+    // A round that ends at strips by themselves takes a tenth of the time of one that fits and measures all.
+    constexpr int kMostRoundsOfMany = 16;
     const std::size_t fewest = layouts_.fewest_parts();
     // A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
     constexpr std::size_t kMostStrips = 2000;
@@ -46,37 +49,38 @@ class Search {
       SweptPlan none;
       none.refusals = {{"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
                         say(Saying::kUnitOrParts, {settings_.design.units})}};
-      (void)judge(none);
+      (void)judges_.together(none);
       return;
     }
     if (fewest > kMostEven) {
-      Tried tried{layouts_.in_rows(), SweepWay::kRows, {}, {}, {}, {}, {}};
-      if (!look_at(tried, judge)) (void)settle(tried, judge, kMostRounds);
+      Tried tried = first_try(layouts_.in_rows(), SweepWay::kRows);
+      tried.many = true;
+      // Shown, where the search ends at strips that fail by themselves.
+      if (!look_at(tried) && !settle(tried, kMostRoundsOfMany) && tried.lone) (void)look_together(tried);
       return;
     }
     std::size_t tries = 0;
     Tried nearest, hopeless;
     for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
       // One failing strip split costs no more strips than even parts do.
-      if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1 && settle(nearest, judge, 1))
-        return;
+      if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1 && settle(nearest, 1)) return;
       const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
       if (hopeless.layout.parts.empty() && !ranked.empty())
-        hopeless = {ranked.front(), SweepWay::kEven, {}, {}, {}, {}, {}};
+        hopeless = first_try(ranked.front(), SweepWay::kEven);
       std::vector<Tried> failed;
       for (const Layout& layout : near) {
-        failed.push_back({layout, SweepWay::kEven, {}, {}, {}, {}, {}});
-        if (look_at(failed.back(), judge)) return;
+        failed.push_back(first_try(layout, SweepWay::kEven));
+        if (look_at(failed.back())) return;
       }
       for (Tried& tried : failed) {
-        if (turn_on(tried, judge)) return;
+        if (turn_on(tried)) return;
         if (better(tried, nearest)) nearest = std::move(tried);
       }
       tries += near.empty() ? 0 : 1;
     }
     if (nearest.layout.parts.empty()) nearest = std::move(hopeless);
-    if (!nearest.layout.parts.empty()) (void)settle(nearest, judge, kMostRounds);
+    if (!nearest.layout.parts.empty()) (void)settle(nearest, kMostRounds);
   }
 
  private:
@@ -88,6 +92,9 @@ class Search {
     std::vector<PartPlan> joined;  // fitted together at their seams
     std::vector<bool> failed, too_far;
     std::vector<bool> halves;  // parts that came of the last split
+    bool many = false;         // parts: each is looked at by itself first
+    std::vector<bool> served;  // those that were, and did not fail
+    bool lone = false;         // the last look was at parts by themselves
     // Whether all of these fail again.
     [[nodiscard]] bool fruitless() const {
       for (std::size_t i = 0; i < halves.size(); ++i) {
@@ -107,14 +114,21 @@ class Search {
     }
   };
 
+  static Tried first_try(Layout layout, SweepWay way) {
+    Tried tried;
+    tried.layout = std::move(layout);
+    tried.way = way;
+    return tried;
+  }
+
   static bool better(const Tried& a, const Tried& b) {
     if (b.layout.parts.empty()) return true;
     return std::pair(a.layout.parts.size() + a.failing(), a.layout.cost_mm) <
            std::pair(b.layout.parts.size() + b.failing(), b.layout.cost_mm);
   }
 
-  // Plans the parts that have none yet, and fits them together; whether all have a strip.
-  bool plan_parts(Tried& tried) const {
+  // Plans the parts that have none yet.
+  void plan_parts(Tried& tried) const {
     const std::size_t count = tried.layout.parts.size();
     tried.plans.resize(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -129,7 +143,6 @@ class Search {
       });
       gpu::stop_point();
     }
-    return join_parts(tried);
   }
 
   static bool all_made(const std::vector<PartPlan>& plans) {
@@ -153,7 +166,7 @@ class Search {
     constexpr double kSameMm = 0.005;
     for (int look = 0; look < kLooks; ++look) {
       Tried before = tried;
-      const auto bands = bands_(plan_of(tried));
+      const auto bands = bands_(plan_of(tried, tried.joined));
       double change = 0;
       for (std::size_t i = 0; i < bands.size(); ++i) {
         if (!bands[i]) continue;
@@ -176,27 +189,97 @@ class Search {
 
   // Plans the parts and has the whole judged, what fails of it once more as it was before its blades were
   // made steadier; whether it is taken.
-  bool look_at(Tried& tried, const JudgeSweep& judge) const {
-    if (look_once(tried, judge)) return true;
+  bool look_at(Tried& tried) const {
+    if (look_once(tried)) return true;
     bool any = false;
     for (std::size_t i = 0; i < tried.plans.size(); ++i) {
       PartPlan& plan = tried.plans[i];
       if (!tried.failed[i] || !plan.unsteady) continue;
       const std::shared_ptr<const PartPlan> before = plan.unsteady;
       plan = *before;
+      if (tried.many) tried.served[i] = false;
       any = true;
     }
     if (!any) return false;
     tried.way = SweepWay::kUnsteady;
-    return look_once(tried, judge);
+    return look_once(tried);
   }
 
-  bool look_once(Tried& tried, const JudgeSweep& judge) const {
+  bool look_once(Tried& tried) const {
+    plan_parts(tried);
+    return (!tried.many || serve_alone(tried)) && look_together(tried);
+  }
+
+  // Has the parts looked at by themselves that were not so before; whether all of them serve.
+  bool serve_alone(Tried& tried) const {
     const std::size_t count = tried.layout.parts.size();
-    if (plan_parts(tried) && bands_) settle_bands(tried);
-    const SweptPlan plan = plan_of(tried);
-    const SweepVerdict verdict = judge(plan);
+    tried.served.resize(count);
+    tried.joined = tried.plans;
+    tried.lone = true;
+    tried.failed.assign(count, false);
+    tried.too_far.assign(count, false);
+    // Of the tolerance: a strip that is farther off by itself seldom stays within it where it meets others,
+    // and is found out by one measurement of all after the other.
+    constexpr double kMeets = 1.0;
+    std::vector<std::size_t> looked;
+    for (std::size_t i = 0; i < count; ++i) {
+      const PartPlan& plan = tried.plans[i];
+      if (plan.strip) {
+        if (!tried.served[i]) looked.push_back(i);
+        continue;
+      }
+      tried.failed[i] = true;
+      tried.too_far[i] = plan.refusal && plan.refusal->limit == Limit::kDeviation;
+    }
+    if (looked.empty() && tried.failing() == 0) return true;
+    const SweepVerdict verdict = judges_.alone(plan_of(
+        tried, tried.plans, [&](std::size_t i) { return !tried.plans[i].strip || !tried.served[i]; }));
+    for (std::size_t k = 0; k < looked.size(); ++k) {
+      const std::size_t i = looked[k];
+      tried.failed[i] = !verdict.failed.empty() && verdict.failed[k];
+      tried.too_far[i] = !verdict.too_far.empty() && verdict.too_far[k];
+      if (!verdict.deviation_mm.empty()) {
+        tried.plans[i].beyond_fit_mm = verdict.deviation_mm[k] - tried.plans[i].fit.max_mm;
+        if (verdict.deviation_mm[k] > kMeets * settings_.design.tolerance_mm)
+          tried.failed[i] = tried.too_far[i] = true;
+      }
+      tried.served[i] = !tried.failed[i];
+    }
+    return tried.failing() == 0;
+  }
+
+  // Fits the parts together and has the whole judged, as long as what is found of them may let a next fit
+  // meet better; whether it is taken.
+  bool look_together(Tried& tried) const {
+    constexpr int kMeetings = 2;
+    for (int meeting = 0; meeting < kMeetings; ++meeting) {
+      if (meet(tried)) return true;
+      if (!may_meet(tried)) return false;
+      tried.way = SweepWay::kMet;
+    }
+    return meet(tried);
+  }
+
+  // Whether each strip that failed would serve by its own fit, and left the design too far as it met others.
+  [[nodiscard]] bool may_meet(const Tried& tried) const {
+    bool any = false;
+    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
+      if (!tried.failed[i]) continue;
+      const PartPlan& plan = tried.plans[i];
+      if (!tried.joined[i].strip || !tried.too_far[i] || !plan.beyond_fit_mm) return false;
+      if (!(plan.fit.max_mm <= fitter_.most_mm(plan))) return false;
+      any = true;
+    }
+    return any;
+  }
+
+  bool meet(Tried& tried) const {
+    const std::size_t count = tried.layout.parts.size();
+    if (join_parts(tried) && bands_) settle_bands(tried);
+    const SweptPlan plan = plan_of(tried, tried.joined);
+    const SweepVerdict verdict = judges_.together(plan);
     if (verdict.taken) return true;
+    tried.lone = false;
     tried.failed.assign(count, false);
     tried.too_far.assign(count, false);
     for (std::size_t i = 0; i < count; ++i) {
@@ -205,6 +288,8 @@ class Search {
       tried.failed[i] = refused ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
       tried.too_far[i] = refused ? refusal && refusal->limit == Limit::kDeviation
                                  : !verdict.too_far.empty() && verdict.too_far[i];
+      if (!refused && !verdict.deviation_mm.empty())
+        tried.plans[i].beyond_fit_mm = verdict.deviation_mm[i] - tried.joined[i].fit.max_mm;
     }
     return false;
   }
@@ -212,32 +297,34 @@ class Search {
   // Planes that served their samples and failed when all of the cut was looked at are turned on, as those are
   // that do not serve: before a panel takes a strip more, its planes come as near as they can. Whether the
   // plan was taken.
-  bool turn_on(Tried& tried, const JudgeSweep& judge) const {
+  bool turn_on(Tried& tried) const {
     if (tried.layout.turned) return false;
     Layout nearer = turned_on(tried.layout);
     if (!(nearer.cost_mm < tried.layout.cost_mm)) return false;
-    Tried other{std::move(nearer), SweepWay::kTurned, {}, {}, {}, {}, {}};
-    if (look_at(other, judge)) return true;
+    Tried other = first_try(std::move(nearer), SweepWay::kTurned);
+    if (look_at(other)) return true;
     if (better(other, tried)) tried = std::move(other);
     return false;
   }
 
   // Splits what fails until nothing does; whether a plan was taken.
-  bool settle(Tried& tried, const JudgeSweep& judge, int rounds) const {
+  bool settle(Tried& tried, int rounds) const {
     // Rounds in a row in which every half failed again. Parts that are too large or face away may need a few
     // of them; where blades were tried, as many say enough.
     constexpr int kTooLarge = 3, kTooHard = 3;
     // A design that takes more than twice the parts that its size asks for is no design for a blade.
     const std::size_t most = 2 * tried.layout.parts.size() + 16;
     int too_large = 0, too_hard = 0;
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < rounds;) {
       const bool planned = tried.any_planned();
       // One that is calm may pass its neighbour's place at the seam on, which then has to be calm as well.
-      while (planned && calm(tried)) {
-        if (look_at(tried, judge)) return true;
-      }
-      if (!split(tried) || tried.layout.parts.size() > most) return false;
-      if (look_at(tried, judge)) return true;
+      const bool calmed = planned && calm(tried);
+      const bool splits = tried.many ? tried.failing() > 0 : !calmed;
+      if (!calmed && !splits) return false;
+      if (splits && !split(tried, most)) return false;
+      if (look_at(tried)) return true;
+      if (!splits) continue;
+      ++round;
       const bool fruitless = tried.fruitless();
       too_large = fruitless && !tried.any_planned() ? too_large + 1 : 0;
       too_hard = fruitless && planned ? too_hard + 1 : 0;
@@ -246,8 +333,8 @@ class Search {
     return false;
   }
 
-  // Calmer fits of the failing strips, which lead the blade past a snap, but no nearer to the design; whether
-  // there are any.
+  // Calmer fits of the failing strips, which lead the blade past a snap, but no nearer to the design; these
+  // are no longer taken for failing. Whether there are any.
   bool calm(Tried& tried) const {
     bool any = false;
     for (std::size_t i = 0; i < tried.failed.size(); ++i) {
@@ -259,14 +346,16 @@ class Search {
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);
+      if (tried.many) tried.served[i] = false;
+      tried.failed[i] = false;
       tried.way = SweepWay::kCalmer;
       any = true;
     }
     return any;
   }
 
-  // The failing parts as two each; false where one cannot be split.
-  [[nodiscard]] bool split(Tried& tried) const {
+  // The failing parts as two each, or as they are: false where one cannot be split, or all would be too many.
+  [[nodiscard]] bool split(Tried& tried, std::size_t most) const {
     const std::size_t count = tried.layout.parts.size();
     std::vector<std::vector<FittedPart>> pieces(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -278,6 +367,7 @@ class Search {
     gpu::stop_point();
     Tried next;
     next.way = SweepWay::kSplit;
+    next.many = tried.many;
     next.layout.planes = tried.layout.planes;
     next.layout.named = tried.layout.named;
     for (std::size_t i = 0; i < count; ++i) {
@@ -287,13 +377,16 @@ class Search {
         next.layout.add({tried.layout.parts[i], tried.layout.fits[i]});
         next.plans.push_back(tried.plans.empty() ? PartPlan{} : tried.plans[i]);
         next.halves.push_back(false);
+        next.served.push_back(!tried.served.empty() && tried.served[i]);
       }
       for (FittedPart& piece : pieces[i]) {
         next.layout.add(std::move(piece));
         next.plans.emplace_back();
         next.halves.push_back(true);
+        next.served.push_back(false);
       }
     }
+    if (next.layout.parts.size() > most) return false;
     tried = std::move(next);
     return true;
   }
@@ -369,12 +462,17 @@ class Search {
     return step.norm() > most_rad ? Eigen::Vector2d(most_rad / step.norm() * step) : step;
   }
 
-  [[nodiscard]] static SweptPlan plan_of(const Tried& tried) {
+  // Of the parts that are asked for, with plans of their own or joined ones.
+  [[nodiscard]] static SweptPlan plan_of(
+      const Tried& tried, const std::vector<PartPlan>& plans,
+      const std::function<bool(std::size_t)>& asked = [](std::size_t) { return true; }) {
     SweptPlan plan;
     plan.way = tried.way;
     plan.planes = tried.layout.planes;
-    for (std::size_t i = 0; i < tried.joined.size(); ++i) {
-      const PartPlan& part = tried.joined[i];
+    plan.parts = plans.size();
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+      if (!asked(i)) continue;
+      const PartPlan& part = plans[i];
       const std::string id = fmt::format("S{:03}", i + 1);
       if (std::isfinite(part.fit.max_mm)) plan.deviation_mm = std::max(plan.deviation_mm, part.fit.max_mm);
       plan.sag_mm = std::max(plan.sag_mm, part.fit.sag_mm);
@@ -410,6 +508,7 @@ class Search {
 
   const surface::TriangleMesh& mesh_;
   const Settings& settings_;
+  const SweepJudges& judges_;
   const BandsOfSweep& bands_;
   std::vector<PlanesTried> tried_planes_;
   PartFitter fitter_;
@@ -430,6 +529,8 @@ const char* name(SweepWay way) {
       return "calmer";
     case SweepWay::kTurned:
       return "turned";
+    case SweepWay::kMet:
+      return "met";
     case SweepWay::kUnsteady:
       return "unsteady";
     case SweepWay::kFaces:
@@ -439,12 +540,12 @@ const char* name(SweepWay way) {
 }
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
-                                       const JudgeSweep& judge, const WatchSweeps& watch,
+                                       const SweepJudges& judges, const WatchSweeps& watch,
                                        const BandsOfSweep& bands) {
   const double side = waste_side(design.mesh, settings.design.keep);
   if (side == 0) return {};
-  Search search(design, side, settings, watch, bands);
-  search.run(judge);
+  Search search(design, side, settings, judges, watch, bands);
+  search.run();
   return search.tried_planes();
 }
 

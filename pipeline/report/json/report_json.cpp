@@ -147,6 +147,7 @@ Json decisions_json(const std::vector<Decision>& decisions) {
                     {"deviation_mm", d.deviation_mm},
                     {"passed", d.passed},
                     {"taken", d.taken},
+                    {"alone", d.alone},
                     {"why", d.why()}});
   }
   return list;

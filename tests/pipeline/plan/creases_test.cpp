@@ -121,6 +121,34 @@ TEST(Plan, TrianglesThatTakeSeveralBlocksAreCut) {
   expect_passes(plan(design, back(), {}), 7, 1);
 }
 
+// A vault so narrow and high that its strips' blades snap or hang too far where they meet at any price.
+TEST(Plan, AVaultWhoseStripsMeetAsFarAsTheirBladesGoIsCut) {
+  constexpr double kWide = 160, kHigh = 140, kLong = 300;
+  const surface::DesignSurface design = grid_design("narrow", 12, 12, [](double u, double v) {
+    return Vector3d(kWide * u, kLong * v, kHigh * std::sin(M_PI * u));
+  });
+  expect_passes(plan(design, back(), {}), 4, 1);
+}
+
+// A shell in rows of blocks: each strip by itself first, then all together.
+TEST(Plan, OfManyBlocksLooksAtStripsByThemselvesFirst) {
+  const surface::DesignSurface design = grid_design("shell", 60, 60, [](double u, double v) {
+    const double x = 2 * u - 1, y = 2 * v - 1;
+    return Vector3d(1500 * x, 1500 * y,
+                    300 - 150 * (x * x + y * y) + 25 * std::sin(5 * x + 1) * std::sin(4 * y));
+  });
+  const PlanResult result = plan(design, back(), {});
+  expect_passes(result, 20, 1);
+  ASSERT_GE(result.decisions.size(), 2U);
+  EXPECT_TRUE(result.decisions.front().alone);
+  EXPECT_FALSE(result.decisions.front().taken);
+  EXPECT_FALSE(result.decisions.back().alone);
+  EXPECT_TRUE(result.decisions.back().taken);
+  EXPECT_EQ(result.decisions.back().strips, result.strips.size());
+  // A coarse look at a strip that then hardly moves finds what the full one does.
+  EXPECT_NEAR(result.decisions.front().deviation_mm, result.decisions.back().deviation_mm, 0.1);
+}
+
 TEST(PlanCreases, AFaceThatNoBladeFollowsIsRefusedByItsStrip) {
   // The second plate has dents of a radius of some mm.
   const surface::DesignSurface design = grid_design("dents", 80, 30, [](double u, double v) {

@@ -80,7 +80,14 @@ TEST(Words, OfGermanAreThereForEveryReason) {
   refused.strips = 1;
   refused.normal = Eigen::Vector3d::UnitZ();
   result.decisions.insert(result.decisions.begin(), refused);
-  EXPECT_THAT(report_html(result, {}, "none"), HasSubstr("Streifen wurden versucht und abgelehnt"));
+  Decision met = refused;
+  met.way = SweepWay::kMet;
+  met.alone = true;
+  result.decisions.insert(result.decisions.begin(), met);
+  const std::string page = report_html(result, {}, "none");
+  EXPECT_THAT(page, HasSubstr("Streifen wurden versucht und abgelehnt"));
+  EXPECT_THAT(page,
+              HasSubstr("zusammen angepasst nach dem, was sich an dem davor fand, Streifen jeder für sich"));
 }
 
 TEST(Words, OfGermanAreThereForARefusedPlan) {

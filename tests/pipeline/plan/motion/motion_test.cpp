@@ -21,10 +21,11 @@ const Planned& planned() {
   static const Planned p = [] {
     const Settings settings = along_x();
     std::vector<StripPlan> strips;
-    (void)search_sweeps(cylinder_design(), settings, [&](const SweptPlan& swept) -> SweepVerdict {
+    const auto take = [&](const SweptPlan& swept) -> SweepVerdict {
       strips = swept.strips;
       return {true, {}};
-    });
+    };
+    (void)search_sweeps(cylinder_design(), settings, {take, take});
     if (strips.size() != 1) throw std::runtime_error("the cylinder makes one strip");
     return Planned{strips.front(), move_blade(strips.front(), settings)};
   }();

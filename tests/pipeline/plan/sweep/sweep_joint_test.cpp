@@ -145,6 +145,34 @@ TEST_P(SweptTogether, ClosesTheGapAndKeepsTheDeviation) {
   }
 }
 
+// The samples of one part are moved away from the other's, so that closing the gap costs deviation.
+TEST_P(SweptTogether, LeavesAGapOpenRatherThanAPartBeyondWhatItMayDeviate) {
+  constexpr double kApartMm = 0.8, kMore = 1.1, kNearMm = 0.02;
+  Halves halves(GetParam());
+  for (SweepSection& section : halves.parts[0].data.sections)
+    for (SweepSample& sample : section.samples) sample.q.y() += kApartMm;
+  double own_mm = 0;
+  for (JointPart& part : halves.parts) {
+    const SweepFitReport own = fit_sweep(part.data, part.options);
+    part.start = own.family;
+    own_mm = std::max(own_mm, own.max_mm);
+    EXPECT_NEAR(measured_family(part.data, part.options, own.family).max_mm, own.max_mm, 1e-6);
+  }
+  const auto largest_mm = [](const std::vector<SweepFitReport>& fits) {
+    return std::max(fits[0].max_mm, fits[1].max_mm);
+  };
+  const auto gap_mm = [&](const std::vector<SweepFitReport>& fits) {
+    return seam_facts(halves.met[0], fits[0].family, fits[1].family, kReachMm).gap_mm;
+  };
+  const auto closed = fit_together(halves.parts, halves.met);
+  for (JointPart& part : halves.parts) part.most_mm = kMore * own_mm;
+  const auto held = fit_together(halves.parts, halves.met);
+  EXPECT_GT(largest_mm(closed), kMore * own_mm + 2 * kNearMm);
+  EXPECT_LT(largest_mm(held), kMore * own_mm + kNearMm);
+  EXPECT_GT(gap_mm(held), gap_mm(closed));
+  EXPECT_LT(gap_mm(held), kApartMm);
+}
+
 TEST_P(SweptTogether, IsTheSameForADesignThatLiesElsewhere) {
   const Eigen::Isometry3d turn =
       Eigen::Translation3d(3000, -200, 80) * Eigen::AngleAxisd(0.6, Vector3d(1, 2, -1).normalized());

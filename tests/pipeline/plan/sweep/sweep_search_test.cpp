@@ -38,10 +38,11 @@ Settings back_of() {
 
 SweptPlan first_plan(const surface::DesignSurface& design, const Settings& settings) {
   SweptPlan found;
-  search_sweeps(design, settings, [&](const SweptPlan& plan) -> SweepVerdict {
+  const auto judge = [&](const SweptPlan& plan) -> SweepVerdict {
     found = plan;
     return {plan.refusals.empty(), {}};
-  });
+  };
+  search_sweeps(design, settings, {judge, judge});
   return found;
 }
 
@@ -198,6 +199,73 @@ TEST(SweepSearch, SplitsWhatNoBlockHolds) {
     EXPECT_LE(size[2], 600);
   }
   EXPECT_LT(largest_distance(plan, Eigen::Isometry3d::Identity()), plan.deviation_mm + 0.1);
+}
+
+// What the search asks for, of a patch in small blocks whose strip of this name fails by itself at first.
+struct ManyParts {
+  struct Look {
+    bool alone = false;
+    std::vector<std::string> ids;
+  };
+  std::vector<Look> looks;
+
+  ManyParts(const std::string& fails, bool always) {
+    Settings small = back_of();
+    small.stock.max_size_mm = {300, 300, 300};
+    const auto told = [&](const SweptPlan& plan, bool alone) {
+      Look& look = looks.emplace_back();
+      look.alone = alone;
+      for (const StripPlan& strip : plan.strips) look.ids.push_back(strip.id);
+    };
+    const auto together = [&](const SweptPlan& plan) -> SweepVerdict {
+      told(plan, false);
+      return {!always, {}};
+    };
+    const auto alone = [&](const SweptPlan& plan) -> SweepVerdict {
+      const bool first = looks.empty();
+      told(plan, true);
+      SweepVerdict verdict{!first && !always, {}, {}};
+      if (verdict.taken) return verdict;
+      for (const StripPlan& strip : plan.strips) verdict.failed.push_back(always || strip.id == fails);
+      verdict.too_far = verdict.failed;
+      return verdict;
+    };
+    search_sweeps(patch_design(), small, {together, alone});
+  }
+};
+
+TEST(SweepSearch, OfManyPartsLooksAtEachByItselfAndThenAtAllTogether) {
+  const ManyParts many("S002", false);
+  ASSERT_EQ(many.looks.size(), 3U);
+  const std::size_t count = many.looks[0].ids.size();
+  ASSERT_GT(count, 4U);
+  EXPECT_TRUE(many.looks[0].alone);
+  // The halves of what failed, and nothing else.
+  EXPECT_TRUE(many.looks[1].alone);
+  EXPECT_EQ(many.looks[1].ids, (std::vector<std::string>{"S002", "S003"}));
+  EXPECT_FALSE(many.looks[2].alone);
+  EXPECT_EQ(many.looks[2].ids.size(), count + 1);
+}
+
+TEST(SweepSearch, OfManyPartsThatFailByThemselvesShowsAllTogetherOnce) {
+  const ManyParts many("", true);
+  ASSERT_GT(many.looks.size(), 2U);
+  for (const ManyParts::Look& look : many.looks) EXPECT_EQ(look.alone, &look != &many.looks.back());
+}
+
+TEST(SweepSearch, OfFewPartsLooksAtAllTogetherOnly) {
+  Settings small = back_of();
+  small.stock.max_size_mm = {420, 600, 300};
+  bool alone = false;
+  search_sweeps(patch_design(), small,
+                {[](const SweptPlan& plan) -> SweepVerdict {
+                   return {plan.refusals.empty(), {}};
+                 },
+                 [&](const SweptPlan&) -> SweepVerdict {
+                   alone = true;
+                   return {};
+                 }});
+  EXPECT_FALSE(alone);
 }
 
 }  // namespace
