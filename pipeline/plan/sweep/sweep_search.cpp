@@ -218,9 +218,6 @@ class Search {
     tried.lone = true;
     tried.failed.assign(count, false);
     tried.too_far.assign(count, false);
-    // Of the tolerance: a strip that is farther off by itself seldom stays within it where it meets others,
-    // and is found out by one measurement of all after the other.
-    constexpr double kMeets = 1.0;
     std::vector<std::size_t> looked;
     for (std::size_t i = 0; i < count; ++i) {
       const PartPlan& plan = tried.plans[i];
@@ -238,11 +235,8 @@ class Search {
       const std::size_t i = looked[k];
       tried.failed[i] = !verdict.failed.empty() && verdict.failed[k];
       tried.too_far[i] = !verdict.too_far.empty() && verdict.too_far[k];
-      if (!verdict.deviation_mm.empty()) {
+      if (!verdict.deviation_mm.empty())
         tried.plans[i].beyond_fit_mm = verdict.deviation_mm[k] - tried.plans[i].fit.max_mm;
-        if (verdict.deviation_mm[k] > kMeets * settings_.design.tolerance_mm)
-          tried.failed[i] = tried.too_far[i] = true;
-      }
       tried.served[i] = !tried.failed[i];
     }
     return tried.failing() == 0;
