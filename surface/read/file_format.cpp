@@ -1,5 +1,6 @@
 #include "surface/read/file_format.hpp"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <string>
@@ -17,9 +18,53 @@ constexpr std::array<std::pair<FileFormat, std::string_view>, 4> kWords{{{FileFo
                                                                          {FileFormat::kPly, "ply"},
                                                                          {FileFormat::kGltf, "gltf"}}};
 
-std::optional<FileFormat> by_name(const std::filesystem::path& file) {
+// What a file's name ends with, in lower case, with its point.
+std::string ending_of(const std::filesystem::path& file) {
   std::string ending = file.extension().string();
   for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return ending;
+}
+
+// A format of other programs, and what makes a design of it (docs/inputs.md, Other formats).
+struct OtherFormat {
+  std::string_view name;
+  std::string_view head;                    // its first bytes; empty: they do not tell
+  std::array<std::string_view, 4> endings;  // of names
+  std::string_view conversion;
+};
+
+constexpr std::string_view kByGmsh = "gmsh IN -2 -clmax 20 -clcurv 200 -format stl -o out.stl",
+                           kByMeshio = "meshio convert IN out.obj", kByAssimp = "assimp export IN out.obj";
+constexpr std::array<OtherFormat, 7> kOthers{{
+    {"STEP", "ISO-10303-21", {".step", ".stp"}, kByGmsh},
+    {"IGES", "", {".iges", ".igs"}, kByGmsh},
+    {"BREP", "DBRep_DrawableShape", {".brep"}, kByGmsh},
+    {"VTK", "# vtk DataFile", {".vtk", ".vtu", ".vtp"}, kByMeshio},
+    {"MSH", "$MeshFormat", {".msh"}, kByMeshio},
+    {"DAE, FBX, 3DS or 3MF", "", {".dae", ".fbx", ".3ds", ".3mf"}, kByAssimp},
+    {"OFF", "", {".off"}, kByAssimp},
+}};
+constexpr std::string_view kRhino = ".3dm";
+
+void refuse_other_formats(std::string_view head, const std::filesystem::path& file) {
+  const std::string ending = ending_of(file);
+  if (ending == kRhino)
+    throw MeshError(file.string() +
+                    ": a Rhino file, which is not read: export it from Rhino as OBJ, polygon mesh");
+  for (const OtherFormat& other : kOthers) {
+    const bool named = !ending.empty() &&
+                       std::find(other.endings.begin(), other.endings.end(), ending) != other.endings.end();
+    if (!named && (other.head.empty() || !head.starts_with(other.head))) continue;
+    std::string line(other.conversion);
+    line.replace(line.find("IN"), 2, file.filename().string());
+    throw MeshError(file.string() + ": of format " + std::string(other.name) + " by its " +
+                    (named ? "name" : "first bytes") + ", which is not read: convert it, as by `" + line +
+                    "`, or say with --format what it is");
+  }
+}
+
+std::optional<FileFormat> by_name(const std::filesystem::path& file) {
+  const std::string ending = ending_of(file);
   if (ending.empty()) return std::nullopt;
   return ending == ".glb" ? FileFormat::kGltf : format_named(ending.substr(1));
 }
@@ -70,6 +115,7 @@ FileFormat format_of(std::string_view head, std::uintmax_t size, const std::file
     throw MeshError(file.string() + ": the name says " + std::string(name(*named)) + ", the bytes say " +
                     std::string(name(*said)) + ": rename the file, or say which with --format");
   }
+  if (!said && !named) refuse_other_formats(head, file);
   return said ? *said : named.value_or(FileFormat::kObj);
 }
 

@@ -20,7 +20,8 @@ inline constexpr std::size_t kFormatHead = 4096;
 
 // Returns the format of a file of `size` bytes that begins with `head` (all of it, or kFormatHead bytes):
 // what its bytes say, else what its name ends with, else OBJ, which no bytes tell. Throws MeshError where a
-// name that ends with a format's contradicts the bytes.
+// name that ends with a format's contradicts the bytes, and with the line that converts it where name or
+// bytes are those of a format of other programs.
 [[nodiscard]] FileFormat format_of(std::string_view head, std::uintmax_t size,
                                    const std::filesystem::path& file);
 

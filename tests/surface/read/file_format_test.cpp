@@ -38,6 +38,31 @@ TEST(FileFormat, ANameThatContradictsTheBytesIsRefused) {
   EXPECT_THAT(read_bytes_as(binary_ply(std::endian::big), "a.obj", options).mesh.triangles(), SizeIs(2));
 }
 
+TEST(FileFormat, ThoseOfOtherProgramsAreRefusedWithTheLineThatConvertsThem) {
+  const auto refusal = [](const std::string& bytes, const std::string& name) -> std::string {
+    try {
+      (void)told(bytes, name);
+    } catch (const MeshError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("ISO-10303-21;\nHEADER;\n", "d/part.STP"),
+            "d/part.STP: of format STEP by its name, which is not read: convert it, as by `gmsh part.STP -2 "
+            "-clmax 20 -clcurv "
+            "200 -format stl -o out.stl`, or say with --format what it is");
+  EXPECT_THAT(refusal("ISO-10303-21;\n", "part"), HasSubstr("of format STEP by its first bytes"));
+  EXPECT_THAT(refusal("# vtk DataFile Version 3.0\n", "a.txt"), HasSubstr("`meshio convert a.txt out.obj`"));
+  EXPECT_THAT(refusal("$MeshFormat\n", "a"), HasSubstr("`meshio convert a out.obj`"));
+  EXPECT_THAT(refusal("", "a.vtu"), HasSubstr("`meshio convert a.vtu out.obj`"));
+  EXPECT_THAT(refusal("PK", "a.3mf"), HasSubstr("`assimp export a.3mf out.obj`"));
+  EXPECT_THAT(refusal("", "a.igs"), HasSubstr("of format IGES by its name"));
+  EXPECT_THAT(refusal("", "a.3dm"), HasSubstr("export it from Rhino as OBJ"));
+  EXPECT_EQ(refusal(kObj, "a.txt"), "");
+  // What bytes or a format's own name say holds.
+  EXPECT_EQ(refusal(binary_ply(std::endian::big), "a.off"), "");
+}
+
 TEST(FileFormat, AFileOnTheDiskIsToldByItsHead) {
   const ScratchFile file(to_binary_stl(dome(900, 300, 12)), "a");
   EXPECT_EQ(format_of_file(file.path()), FileFormat::kStl);
