@@ -259,10 +259,14 @@ bool OutputSet::abandon() {
   const std::scoped_lock lock(mutex_);
   if (begun_) return false;
   given_up_ = true;
-  // Others may be writing: what they add while it is removed goes with the next try.
+  // Others may be writing, as fast as files can be removed: nothing more comes to a directory of another
+  // name, but for what is being opened as it is moved, which goes with the next try.
   constexpr int kMostTries = 1000;
   std::error_code ignored;
-  for (int i = 0; i < kMostTries && !draft_.empty() && is_there(draft_); ++i) fs::remove_all(draft_, ignored);
+  fs::path moved = draft_;
+  moved += "-given-up";
+  if (draft_.empty() || ::rename(draft_.c_str(), moved.c_str()) != 0) moved = draft_;
+  for (int i = 0; i < kMostTries && !moved.empty() && is_there(moved); ++i) fs::remove_all(moved, ignored);
   // Not where something is in it.
   if (made_) (void)::rmdir(place_.c_str());
   return true;
