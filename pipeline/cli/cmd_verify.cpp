@@ -208,7 +208,7 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->type_name("CELL");
   command->add_flag("--json", arguments->json, "The result as one JSON object");
   add_backend_option(*command, arguments->backend);
-  command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces, mm")
+  command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces where they lie close, mm")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")

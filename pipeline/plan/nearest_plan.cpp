@@ -17,7 +17,7 @@ std::vector<bool> too_far_strips(const PlanResult& result) {
     const bool with_sag = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
       return r.limit == Limit::kDeviationWithSag && r.strip == strip.id;
     });
-    far.push_back(with_sag || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
+    far.push_back(with_sag || strip.deviation_bound_mm > result.program.settings.design.tolerance_mm);
   }
   return far;
 }
@@ -28,7 +28,7 @@ std::vector<bool> failed_strips(const PlanResult& result) {
     const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
       return r.strip == strip.id || r.strip.starts_with(strip.id + " ");
     });
-    failed.push_back(refused || strip.deviation_max_mm > result.program.settings.design.tolerance_mm);
+    failed.push_back(refused || strip.deviation_bound_mm > result.program.settings.design.tolerance_mm);
   }
   if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();
   return failed;

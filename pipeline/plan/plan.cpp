@@ -160,6 +160,7 @@ void take_report(VerifyReport report, PlanResult& result) {
   result.verification = std::move(report);
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
     result.strips[i].deviation_max_mm = result.verification.strip_max_mm[i];
+    result.strips[i].deviation_bound_mm = result.verification.strip_bound_mm[i];
   }
 }
 
@@ -186,7 +187,7 @@ void judge(const Settings& settings, PlanResult& result) {
   }
   for (const StripFacts& f : result.strips) {
     const double together = f.deviation_with_sag_mm();
-    if (together <= settings.design.tolerance_mm || f.deviation_max_mm > settings.design.tolerance_mm)
+    if (together <= settings.design.tolerance_mm || f.deviation_bound_mm > settings.design.tolerance_mm)
       continue;
     result.refusals.push_back({f.id, "", Limit::kDeviationWithSag, together, settings.design.tolerance_mm});
   }
@@ -195,15 +196,15 @@ void judge(const Settings& settings, PlanResult& result) {
       result.refusals.push_back(branch_refusal(result.program.strips[i], v.branches[i]));
   }
   for (const FarBezier& bezier : v.ribs.far) result.refusals.push_back(refusal_of(bezier));
-  if (v.deviation.max > settings.design.tolerance_mm) {
-    const auto worst = std::max_element(v.strip_max_mm.begin(), v.strip_max_mm.end());
+  if (v.bound_mm > settings.design.tolerance_mm) {
+    const auto worst = std::max_element(v.strip_bound_mm.begin(), v.strip_bound_mm.end());
     const std::string strip =
-        worst == v.strip_max_mm.end()
+        worst == v.strip_bound_mm.end()
             ? "design"
-            : result.strips[static_cast<std::size_t>(worst - v.strip_max_mm.begin())].id;
+            : result.strips[static_cast<std::size_t>(worst - v.strip_bound_mm.begin())].id;
     const Eigen::Vector3d& at = v.deviation.at;
     result.refusals.push_back({say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation,
-                               v.deviation.max, settings.design.tolerance_mm});
+                               v.bound_mm, settings.design.tolerance_mm});
     result.refusals.back().capped = v.capped;
     result.refusals.back().at = at;
   }

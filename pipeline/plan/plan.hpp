@@ -32,7 +32,7 @@ struct StripFacts {
   double joint_fit_mm = 0;  // of the fit, what fitting the strips together at their seams added to its own
   SeamFacts seam;           // largest, to the strips before that it meets
   MotionFacts motion;
-  double deviation_max_mm = 0;
+  double deviation_max_mm = 0, deviation_bound_mm = 0;  // of samples, and proven of all that they stand for
   double droop_error_mm = 0;  // what droop and twist move the surface where it is steepest
   double stock_volume_mm3 = 0;
   double band_min_mm = 0, band_max_mm = 0;  // that the blade melts, square to its width, by its speed
@@ -43,7 +43,7 @@ struct StripFacts {
 
   // Returns its deviation with what of its sag is not known.
   [[nodiscard]] double deviation_with_sag_mm() const {
-    return deviation_max_mm + robot::kSagUnknownShare * (droop_error_mm + motion.in_plane_sag_mm);
+    return deviation_bound_mm + robot::kSagUnknownShare * (droop_error_mm + motion.in_plane_sag_mm);
   }
   // Returns the radius where the blade is bent most; 0 for a straight one.
   [[nodiscard]] double smallest_radius_mm() const {

@@ -133,7 +133,7 @@ std::string figures_section(const PlanResult& result, const Words& w) {
   const bool cut = result.verification.cut_samples > 0;
   const auto deviation = [&](double mm) { return cut ? fmt::format("{:.3f} mm", mm) : w("nothing is cut"); };
   html += figure((result.verification.capped ? "&ge; " : "") + deviation(d.max), w("largest deviation"));
-  html += figure(deviation(d.p99), w("deviation of 99 % of the samples"));
+  html += figure(deviation(d.p99), w("deviation of 99 % of the area"));
   html += figure(fmt::format("{}", result.strips.size()), w("strips (blocks of foam)"));
   html += figure(fmt::format("{}", ribs), w.format("ribs, at most {:.3g} mm apart", result.spacing_mm));
   html += figure(duration(total_duration_s(result)), w("time on the machine"));
@@ -180,7 +180,7 @@ std::string deviation_section(const PlanResult& result, const Words& w) {
     heads += fmt::format("<th>{:g} %</th>", percent);
     cells += fmt::format("<td>{:.4f}</td>", mm);
   }
-  return html + "<table><tr><th class=\"l\">" + w("share of the samples") + "</th>" + heads +
+  return html + "<table><tr><th class=\"l\">" + w("share of the area") + "</th>" + heads +
          "</tr><tr><td class=\"l\">" + w("within, mm") + "</td>" + cells + "</tr></table>\n";
 }
 

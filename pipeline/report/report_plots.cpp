@@ -80,26 +80,26 @@ std::string escaped(const std::string& text) {
 std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_mm, const Words& w) {
   constexpr double kLeft = 52, kTop = 24, kPlotWidth = 560, kPlotHeight = 170, kWidth = 680, kHeight = 240;
   constexpr std::size_t kGap = 4, kBeyond = 2;  // bins' widths before the bar of what lies beyond, and for it
-  std::string svg = begin_svg(kWidth, kHeight, w("Deviation of the samples"));
-  const auto bins = histogram.counts.size();
-  std::size_t total = histogram.beyond, tallest = histogram.beyond;
-  for (const std::size_t n : histogram.counts) {
-    total += n;
-    tallest = std::max(tallest, n);
+  std::string svg = begin_svg(kWidth, kHeight, w("Deviation of both surfaces"));
+  const auto bins = histogram.areas_mm2.size();
+  double total = histogram.beyond_mm2, tallest = histogram.beyond_mm2;
+  for (const double area : histogram.areas_mm2) {
+    total += area;
+    tallest = std::max(tallest, area);
   }
-  if (total == 0 || bins == 0)
+  if (!(total > 0) || bins == 0)
     return svg + text(kWidth / 2, kHeight / 2, "middle", w("no samples")) + "</svg>\n";
   const double bin_width = kPlotWidth / static_cast<double>(bins + kGap + kBeyond),
                bottom = kTop + kPlotHeight;
-  const auto bar = [&](double slot, std::size_t n, bool good) {
-    const double height = kPlotHeight * static_cast<double>(n) / static_cast<double>(tallest);
+  const auto bar = [&](double slot, double area, bool good) {
+    const double height = kPlotHeight * area / tallest;
     return rect(kLeft + slot * bin_width + 0.5, bottom - height, bin_width - 1, height, good ? kGood : kBad);
   };
   for (std::size_t i = 0; i < bins; ++i) {
     const bool good = (static_cast<double>(i) + 0.5) * histogram.bin_mm < tolerance_mm;
-    svg += bar(static_cast<double>(i), histogram.counts[i], good);
+    svg += bar(static_cast<double>(i), histogram.areas_mm2[i], good);
   }
-  svg += bar(static_cast<double>(bins + kGap), histogram.beyond, false);
+  svg += bar(static_cast<double>(bins + kGap), histogram.beyond_mm2, false);
   const std::string axis = fmt::format("stroke=\"{}\"", kInk);
   svg += line(kLeft, bottom, kLeft + kPlotWidth, bottom, axis.c_str());
   const double end_mm = static_cast<double>(bins) * histogram.bin_mm;
@@ -111,7 +111,7 @@ std::string histogram_svg(const DeviationHistogram& histogram, double tolerance_
   svg += text(kLeft + kPlotWidth - 1.5 * bin_width, bottom + 18, "start", w("beyond"));
   svg += text(kLeft + kPlotWidth / 2, bottom + 36, "middle",
               w("deviation, mm (cut to design and design to cut)"));
-  const double share = 100.0 * static_cast<double>(tallest) / static_cast<double>(total);
+  const double share = 100.0 * tallest / total;
   svg +=
       text(kLeft - 6, kTop + 10, "end", fmt::format("{:.3g} %", share)) + text(kLeft - 6, bottom, "end", "0");
   svg +=

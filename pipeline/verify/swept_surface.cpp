@@ -30,44 +30,113 @@ elastica::PartPoints points_in_foam(std::span<const BladePose* const> poses, std
   return elastica::sample_parts(blades, parts, points);
 }
 
-// Of both ends and the middle the farthest.
-double moved_mm(const std::array<Eigen::Vector3d, 3>& from, const std::array<Eigen::Vector3d, 3>& to) {
+// Points of a pose that tell how its blade moves: both ends of what is in foam, and three between.
+constexpr std::size_t kMarks = 5;
+using Marks = std::array<Eigen::Vector3d, kMarks>;
+
+std::vector<Marks> marks_of(std::span<const BladePose* const> poses) {
+  const elastica::PartPoints points = points_in_foam(poses, kMarks);
+  std::vector<Marks> marks(poses.size());
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    for (std::size_t i = 0; i < kMarks; ++i) {
+      const Eigen::Vector2d q = points.at(n, i);
+      marks[n][i] = poses[n]->frame.point(q.x(), q.y());
+    }
+  }
+  return marks;
+}
+
+// Of all marks the farthest.
+double moved_mm(const Marks& from, const Marks& to) {
   double moved = 0;
-  for (std::size_t i = 0; i < 3; ++i) moved = std::max(moved, (to[i] - from[i]).norm());
+  for (std::size_t i = 0; i < kMarks; ++i) moved = std::max(moved, (to[i] - from[i]).norm());
   return moved;
 }
 
-// Poses with foam, one whenever an end or the middle has moved by `sample_mm`; first and last included. The
-// last one takes the place of one less than half of that before it: the surface's slope is measured between
-// rows, and over a hundredth of a millimetre the registers' micrometre would decide it.
-std::vector<const BladePose*> grid_rows(const Strip& strip, double sample_mm) {
+// Distance of a point from the straight line between two others.
+double off_chord_mm(const Eigen::Vector3d& p, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  const Eigen::Vector3d along = to - from;
+  const double size_sq = along.squaredNorm();
+  const double share = size_sq > 0 ? std::clamp(along.dot(p - from) / size_sq, 0.0, 1.0) : 0.0;
+  return (p - from - share * along).norm();
+}
+
+// Chooses the poses that become rows.
+class RowSteps {
+ public:
+  RowSteps(const std::vector<Marks>& marks, const GridSteps& steps) : marks_(marks), steps_(steps) {}
+
+  // Returns the row after `from`: as far as a step goes that leaves no pose between off its chord, or the
+  // first pose that is a finest step away; the number of poses where none is.
+  [[nodiscard]] std::size_t after(std::size_t from) const {
+    for (double step = steps_.widest_mm;; step = std::max(steps_.finest_mm, 0.5 * step)) {
+      std::size_t to = from + 1;
+      while (to < marks_.size() && moved_mm(marks_[from], marks_[to]) < step) ++to;
+      if (step <= steps_.finest_mm) return to;
+      const std::size_t end = std::min(to, marks_.size() - 1);
+      if (end > from && moved_mm(marks_[from], marks_[end]) >= steps_.finest_mm && straight(from, end))
+        return end;
+    }
+  }
+
+ private:
+  [[nodiscard]] bool straight(std::size_t from, std::size_t to) const {
+    for (std::size_t n = from + 1; n < to; ++n) {
+      for (std::size_t i = 0; i < kMarks; ++i) {
+        if (off_chord_mm(marks_[n][i], marks_[from][i], marks_[to][i]) > steps_.chord_mm) return false;
+      }
+    }
+    return true;
+  }
+
+  const std::vector<Marks>& marks_;
+  const GridSteps& steps_;
+};
+
+// Poses with foam that become rows; first and last included. The last one takes the place of one less than
+// half a finest step before it: the surface's slope is measured between rows, and over a hundredth of a
+// millimetre the registers' micrometre would decide it.
+std::vector<const BladePose*> grid_rows(const Strip& strip, const GridSteps& steps) {
   std::vector<const BladePose*> in_foam, rows;
   for (const BladePose& pose : strip.poses) {
     if (pose.foam) in_foam.push_back(&pose);
   }
   if (in_foam.empty()) return rows;
-  const elastica::PartPoints points = points_in_foam(in_foam, 3);
-  std::array<Eigen::Vector3d, 3> last, marks;
-  last.fill(Eigen::Vector3d::Zero());
-  for (std::size_t n = 0; n < in_foam.size(); ++n) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Eigen::Vector2d q = points.at(n, i);
-      marks[i] = in_foam[n]->frame.point(q.x(), q.y());
-    }
-    if (n > 0 && moved_mm(last, marks) < sample_mm) continue;
+  const std::vector<Marks> marks = marks_of(in_foam);
+  const RowSteps row_steps(marks, steps);
+  std::size_t last = 0;
+  for (std::size_t n = 0; n < in_foam.size(); n = row_steps.after(n)) {
     rows.push_back(in_foam[n]);
-    last = marks;
+    last = n;
   }
-  if (rows.back() == in_foam.back()) return rows;
-  if (rows.size() > 1 && moved_mm(last, marks) < 0.5 * sample_mm) rows.pop_back();
+  if (last + 1 == in_foam.size()) return rows;
+  if (rows.size() > 1 && moved_mm(marks[last], marks.back()) < 0.5 * steps.finest_mm) rows.pop_back();
   rows.push_back(in_foam.back());
   return rows;
 }
 
-// A strip's rows and where its part of its run's surface begins.
+// The most that the blades of some rows curve in foam. An elastica's curvature hardly changes between so many
+// points.
+double most_curvature_per_mm(std::span<const BladePose* const> rows) {
+  constexpr std::size_t kPoints = 17;
+  double most = 0;
+  for (const double curvature : points_in_foam(rows, kPoints).curvature)
+    most = std::max(most, std::abs(curvature));
+  return most;
+}
+
+// Distance along a blade over which its chord is as high as steps allow, between the finest and the widest.
+double column_step_mm(std::span<const BladePose* const> rows, const GridSteps& steps) {
+  if (!(steps.widest_mm > steps.finest_mm)) return steps.finest_mm;
+  const double by_chord = std::sqrt(8 * steps.chord_mm / most_curvature_per_mm(rows));
+  return by_chord < steps.widest_mm ? std::max(by_chord, steps.finest_mm) : steps.widest_mm;
+}
+
+// A strip's rows and where its part of the surface begins.
 struct StripGrid {
   std::vector<const BladePose*> rows;
   std::size_t columns = 0;
+  std::size_t sag_every = 1;  // rows from one whose sag is solved to the next
   std::size_t first_vertex = 0, first_triangle = 0;
 
   [[nodiscard]] std::size_t vertices() const { return rows.size() * columns; }
@@ -76,13 +145,18 @@ struct StripGrid {
   }
 };
 
-StripGrid strip_grid(const Strip& strip, double sample_mm) {
+StripGrid strip_grid(const Strip& strip, const GridSteps& steps) {
   StripGrid grid;
-  grid.rows = grid_rows(strip, sample_mm);
+  grid.rows = grid_rows(strip, steps);
   if (grid.rows.size() < 2) grid.rows.clear();
   double longest = 0;
   for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
-  grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / sample_mm))) + 1;
+  const double step = grid.rows.empty() ? steps.finest_mm : column_step_mm(grid.rows, steps);
+  grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / step))) + 1;
+  // A blade hangs alike over eight finest steps.
+  constexpr double kFinestSteps = 8;
+  grid.sag_every =
+      static_cast<std::size_t>(std::max(1.0, std::floor(kFinestSteps * steps.finest_mm / steps.widest_mm)));
   return grid;
 }
 
@@ -101,8 +175,10 @@ void for_rows(const StripGrid& grid, const Work& work) {
 // sag with it.
 class HangingRows {
  public:
-  HangingRows(std::span<const BladePose* const> rows, const Strip& strip, const robot::Blade& blade) {
-    for (std::size_t i = 0;; i = std::min(i + kStep, rows.size() - 1)) {
+  HangingRows(std::span<const BladePose* const> rows, std::size_t every, const Strip& strip,
+              const robot::Blade& blade)
+      : every_(every) {
+    for (std::size_t i = 0;; i = std::min(i + every_, rows.size() - 1)) {
       profiles_.push_back(hanging(rows[i]->blade, rows[i]->frame, strip.design_to_cell, blade));
       at_.push_back(i);
       if (i + 1 == rows.size()) break;
@@ -110,7 +186,7 @@ class HangingRows {
   }
 
   [[nodiscard]] robot::SagProfile::Value at(std::size_t row, double share) const {
-    const std::size_t k = std::min(row / kStep, at_.size() - 1);
+    const std::size_t k = std::min(row / every_, at_.size() - 1);
     const robot::SagProfile::Value p = profiles_[k].at(share);
     if (at_[k] == row) return p;
     const robot::SagProfile::Value q = profiles_[k + 1].at(share);
@@ -120,7 +196,7 @@ class HangingRows {
   }
 
  private:
-  static constexpr std::size_t kStep = 8;
+  std::size_t every_;
   std::vector<robot::SagProfile> profiles_;
   std::vector<std::size_t> at_;
 };
@@ -130,7 +206,7 @@ void place_rows(const Program& program, const Strip& strip, const StripGrid& gri
                 std::size_t to, SweptSurface& out) {
   const auto some = std::span(grid.rows).subspan(from, to - from);
   const elastica::PartPoints on = points_in_foam(some, grid.columns);
-  const HangingRows hung(some, strip, program.blade);
+  const HangingRows hung(some, grid.sag_every, strip, program.blade);
   std::size_t v = grid.first_vertex + from * grid.columns;
   for (std::size_t i = 0; i < some.size(); ++i) {
     const Frame& frame = some[i]->frame;
@@ -149,29 +225,98 @@ void place_rows(const Program& program, const Strip& strip, const StripGrid& gri
   }
 }
 
-// Unit normal of the blade points at row i and column j, by central differences, towards where `left` points.
-Eigen::Vector3d grid_normal(const StripGrid& g, const std::vector<Eigen::Vector3d>& points, std::size_t i,
-                            std::size_t j, const Eigen::Vector3d& left) {
-  const auto at = [&](std::size_t a, std::size_t b) -> const Eigen::Vector3d& {
-    return points[g.first_vertex + a * g.columns + b];
-  };
-  const Eigen::Vector3d along = at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0);
-  const Eigen::Vector3d sweep = at(std::min(i + 1, g.rows.size() - 1), j) - at(i > 0 ? i - 1 : 0, j);
+// The points of a strip's grid, or what else stands at its vertices.
+class GridOf {
+ public:
+  GridOf(const StripGrid& grid, const std::vector<Eigen::Vector3d>& values) : grid_(grid), values_(values) {}
+
+  [[nodiscard]] const Eigen::Vector3d& at(std::size_t row, std::size_t column) const {
+    return values_[grid_.first_vertex + row * grid_.columns + column];
+  }
+  // From the vertex before to the vertex behind, along the blade and along the sweep.
+  [[nodiscard]] Eigen::Vector3d along(std::size_t row, std::size_t column) const {
+    return at(row, std::min(column + 1, grid_.columns - 1)) - at(row, column > 0 ? column - 1 : 0);
+  }
+  [[nodiscard]] Eigen::Vector3d sweep(std::size_t row, std::size_t column) const {
+    return at(std::min(row + 1, grid_.rows.size() - 1), column) - at(row > 0 ? row - 1 : 0, column);
+  }
+
+ private:
+  const StripGrid& grid_;
+  const std::vector<Eigen::Vector3d>& values_;
+};
+
+// The direction of a curve through three points at the first of them, of any length: that of the parabola
+// through them. `before` and `behind` are its neighbours, or the next two on one side.
+Eigen::Vector3d direction_at(const Eigen::Vector3d& p, const Eigen::Vector3d& before,
+                             const Eigen::Vector3d& behind, bool between) {
+  const Eigen::Vector3d u = before - p, v = behind - p;
+  const double h = between ? -u.norm() : u.norm(), k = between ? v.norm() : (behind - before).norm() + h;
+  if (h == 0 || k == 0 || h == k) return behind - before;
+  return (k / h * u - h / k * v) / (k - h);
+}
+
+// The direction of the grid's line through a vertex along one of its two ways, by `count` vertices of it.
+template <typename At>
+Eigen::Vector3d line_direction(std::size_t i, std::size_t count, const At& at) {
+  if (count < 3) return at(count - 1) - at(0);
+  if (i == 0) return direction_at(at(0), at(1), at(2), false);
+  if (i + 1 == count) return -direction_at(at(i), at(i - 1), at(i - 2), false);
+  return direction_at(at(i), at(i - 1), at(i + 1), true);
+}
+
+// Unit normal of the blade points at a row and column, towards where `left` points.
+Eigen::Vector3d grid_normal(const StripGrid& g, const GridOf& points, std::size_t row, std::size_t column,
+                            const Eigen::Vector3d& left) {
+  const Eigen::Vector3d along = line_direction(
+                            column, g.columns, [&](std::size_t j) { return points.at(row, j); }),
+                        sweep = line_direction(row, g.rows.size(),
+                                               [&](std::size_t i) { return points.at(i, column); });
   const Eigen::Vector3d n = along.cross(sweep);
   const double size = n.norm();
   if (!(size > 0)) return left;
   return (n.dot(left) < 0 ? -n : n) / size;
 }
 
-// Speed of the blade at row i and column j square to itself, by central differences.
-double grid_speed(const StripGrid& g, const std::vector<Eigen::Vector3d>& points, std::size_t i,
-                  std::size_t j) {
-  const auto at = [&](std::size_t a, std::size_t b) -> const Eigen::Vector3d& {
-    return points[g.first_vertex + a * g.columns + b];
-  };
-  const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, g.rows.size() - 1);
-  return speed_across(at(before, j), at(after, j), g.rows[after]->t - g.rows[before]->t,
-                      at(i, std::min(j + 1, g.columns - 1)) - at(i, j > 0 ? j - 1 : 0));
+// Speed of the blade at a row and column square to itself, by central differences.
+double grid_speed(const StripGrid& g, const GridOf& points, std::size_t row, std::size_t column) {
+  const std::size_t before = row > 0 ? row - 1 : 0, after = std::min(row + 1, g.rows.size() - 1);
+  return speed_across(points.at(before, column), points.at(after, column), g.rows[after]->t - g.rows[before]->t,
+                      points.along(row, column));
+}
+
+// How a surface bends at a vertex, per mm: of its curves along the blade and along the sweep, and how it
+// twists between them.
+struct Bends {
+  double along = 0, sweep = 0, twist = 0;
+};
+
+// By the turn of the grid's normals along both of its ways, and the blade's own curvature.
+Bends bends_at(const StripGrid& g, std::size_t row, std::size_t column, const SweptSurface& out) {
+  const GridOf points(g, out.vertices), normals(g, out.normals);
+  const Eigen::Vector3d along = points.along(row, column), sweep = points.sweep(row, column);
+  const double along_mm = along.norm(), sweep_mm = sweep.norm();
+  Bends bends;
+  bends.along = out.curvature_per_mm[g.first_vertex + row * g.columns + column];
+  if (!(along_mm > 0 && sweep_mm > 0)) return bends;
+  const Eigen::Vector3d by_along = normals.along(row, column) / along_mm,
+                        by_sweep = normals.sweep(row, column) / sweep_mm;
+  bends.along = std::max(bends.along, std::abs(by_along.dot(along)) / along_mm);
+  bends.sweep = std::abs(by_sweep.dot(sweep)) / sweep_mm;
+  bends.twist = std::max(std::abs(by_along.dot(sweep)) / sweep_mm, std::abs(by_sweep.dot(along)) / along_mm);
+  return bends;
+}
+
+// What a vertex stands for: its share of the area, and how much the surface bends there at most.
+void place_measures(const StripGrid& g, std::size_t row, std::size_t column, SweptSurface& out) {
+  const GridOf points(g, out.vertices);
+  const std::size_t v = g.first_vertex + row * g.columns + column;
+  const Eigen::Vector3d along = points.along(row, column), sweep = points.sweep(row, column);
+  // Both reach over two steps, at the grid's edges over the one step of which half is the vertex's.
+  out.areas_mm2[v] = 0.25 * along.cross(sweep).norm();
+  const Bends bends = bends_at(g, row, column, out);
+  // The larger principal curvature is no more than this.
+  out.bends_per_mm[v] = std::max(bends.along, bends.sweep) + bends.twist;
 }
 
 // Two triangles between four vertices, facing as the normals do.
@@ -205,12 +350,13 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
   const Strip& strip = program.strips[index];
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(program, strip, grid, from, to, out); });
   // Normals first, from the blade's points; then these move to the melted band's edge.
+  const GridOf points(grid, out.vertices);
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
       for (std::size_t j = 0; j < grid.columns; ++j) {
         const std::size_t v = grid.first_vertex + i * grid.columns + j;
-        out.normals[v] = grid_normal(grid, out.vertices, i, j, out.normals[v]);
-        out.speeds_mm_s[v] = grid_speed(grid, out.vertices, i, j);
+        out.normals[v] = grid_normal(grid, points, i, j, out.normals[v]);
+        out.speeds_mm_s[v] = grid_speed(grid, points, i, j);
         out.strip_of_vertex[v] = static_cast<int>(index);
         out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
         out.sides_of_vertex[v] = sides_at(grid, i, j);
@@ -225,10 +371,15 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
           out.normals[v];
     }
   });
-  for_rows(grid, [&](std::size_t from, std::size_t to) { place_triangles(grid, from, to, out); });
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    place_triangles(grid, from, to, out);
+    for (std::size_t i = from; i < to; ++i) {
+      for (std::size_t j = 0; j < grid.columns; ++j) place_measures(grid, i, j, out);
+    }
+  });
 }
 
-// How much of a surface some strips are.
+// How much of a surface strips are.
 struct Counts {
   std::size_t vertices = 0, triangles = 0;
 
@@ -238,6 +389,11 @@ struct Counts {
     grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
   }
 };
+
+// A chord is four times as high over twice its length.
+GridSteps coarser(const GridSteps& steps) {
+  return {2 * steps.finest_mm, 2 * steps.widest_mm, 4 * steps.chord_mm, steps.most_vertices};
+}
 
 SweptSurface surface_of(const Counts& counts) {
   SweptSurface out;
@@ -249,6 +405,8 @@ SweptSurface surface_of(const Counts& counts) {
   out.pose_of_vertex.resize(counts.vertices);
   out.curvature_per_mm.resize(counts.vertices);
   out.sides_of_vertex.resize(counts.vertices);
+  out.areas_mm2.resize(counts.vertices);
+  out.bends_per_mm.resize(counts.vertices);
   out.triangles.resize(counts.triangles);
   return out;
 }
@@ -260,30 +418,31 @@ double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
   return 0.5 * (blade.band_mm(speed_mm_s) + blade.width_mm * std::abs(normal.dot(plane_normal)));
 }
 
-SweptSurface swept_surface(const Program& program, double sample_mm) {
-  SweptSurface all;
-  each_swept_surface(program, sample_mm, std::numeric_limits<std::size_t>::max(),
-                     [&](SweptSurface surface) { all = std::move(surface); });
-  return all;
+SweptSurface swept_surface(const Program& program, const GridSteps& given) {
+  if (!(given.finest_mm > 0) || !(given.widest_mm >= given.finest_mm) || !(given.chord_mm >= 0))
+    throw std::logic_error("swept_surface: steps must be positive, the widest no less than the finest");
+  GridSteps steps = given;
+  std::vector<StripGrid> grids(program.strips.size());
+  Counts counts;
+  for (bool fits = false; !fits; steps = coarser(steps)) {
+    tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
+      gpu::stop_point();
+      grids[i] = strip_grid(program.strips[i], steps);
+    });
+    gpu::stop_point();
+    counts = {};
+    for (StripGrid& grid : grids) counts.add(grid);
+    fits = counts.vertices <= steps.most_vertices;
+  }
+  SweptSurface surface = surface_of(counts);
+  tbb::parallel_for(std::size_t{0}, grids.size(),
+                    [&](std::size_t i) { add_strip(program, i, grids[i], surface); });
+  gpu::stop_point();
+  return surface;
 }
 
-void each_swept_surface(const Program& program, double sample_mm, std::size_t vertices,
-                        const std::function<void(SweptSurface)>& use) {
-  if (!(sample_mm > 0)) throw std::logic_error("sample_mm must be positive");
-  std::vector<StripGrid> grids(program.strips.size());
-  tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
-    gpu::stop_point();
-    grids[i] = strip_grid(program.strips[i], sample_mm);
-  });
-  gpu::stop_point();
-  for (std::size_t first = 0, last = 0; first < grids.size(); first = last) {
-    Counts counts;
-    while (last < grids.size() && counts.vertices < vertices) counts.add(grids[last++]);
-    SweptSurface run = surface_of(counts);
-    tbb::parallel_for(first, last, [&](std::size_t i) { add_strip(program, i, grids[i], run); });
-    gpu::stop_point();
-    use(std::move(run));
-  }
+SweptSurface swept_surface(const Program& program, double sample_mm) {
+  return swept_surface(program, {sample_mm, sample_mm, 0, std::numeric_limits<std::size_t>::max()});
 }
 
 }  // namespace hotblade::pipeline

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "pipeline/program/program.hpp"
@@ -30,16 +29,26 @@ struct SweptSurface {
   // The sides of its strip's surface that a vertex lies on, a bit each; an edge whose ends share one is the
   // strip's edge.
   std::vector<unsigned char> sides_of_vertex;
+  std::vector<double> areas_mm2;     // of the surface that a vertex stands for
+  std::vector<double> bends_per_mm;  // the most that the surface curves there in any direction
 };
 
-// Returns a grid over the poses that form the design (those with a foam interval), about `sample_mm` apart
-// along and across the blade. Waste is on the left of the blade, A to B, in its frame (docs/program.md).
-// Throws std::logic_error when sample_mm is not positive.
-[[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);
+// How far the points of a grid lie apart.
+struct GridSteps {
+  double finest_mm = 2.5;  // > 0
+  double widest_mm = 2.5;  // where the surface is straight enough; no less than the finest
+  double chord_mm = 0;     // a step that is wider than the finest leaves no place farther off its chord
+  // Of more vertices than this all steps are doubled, and chords with them, until they are fewer: memory, 600
+  // bytes a vertex with a search tree over the facets.
+  std::size_t most_vertices = std::size_t{1} << 20;
+};
 
-// Calls use(surface) for one run of whole strips after the other, in the program's order: memory. A run ends
-// with the strip that brings it to `vertices` or more. Together the runs are swept_surface(). Throws as that.
-void each_swept_surface(const Program& program, double sample_mm, std::size_t vertices,
-                        const std::function<void(SweptSurface)>& use);
+// Returns a grid over the poses that form the design (those with a foam interval). Rows follow the poses:
+// each is as far from the one before as its steps allow, by the chord of five points of every pose between.
+// Columns are even along the blade, as far apart as its curvature allows. Waste is on the left of the blade,
+// A to B, in its frame (docs/program.md). Throws std::logic_error for steps that are not positive.
+[[nodiscard]] SweptSurface swept_surface(const Program& program, const GridSteps& steps);
+// The same about `sample_mm` apart everywhere, however many vertices that takes.
+[[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);
 
 }  // namespace hotblade::pipeline

@@ -18,8 +18,8 @@
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/design_border.hpp"
+#include "pipeline/verify/design_cells.hpp"
 #include "pipeline/verify/design_faces.hpp"
-#include "pipeline/verify/design_samples.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/near_cells.hpp"
@@ -75,9 +75,6 @@ std::vector<BranchReport> follow_branches(const Program& program, double min_mar
   return branches;
 }
 
-// Samples of both surfaces together, about: on larger designs they lie farther apart, so that time and memory
-// stay bounded.
-constexpr double kMostSamples = 8e6;
 // Samples that are measured at once: their answers take six times the memory of what stays of them.
 constexpr std::size_t kAtOnce = 1 << 18;
 
@@ -92,33 +89,77 @@ void for_each_of(std::size_t count, const Work& work) {
   gpu::stop_point();
 }
 
-double bounded(double sample_mm, double area_mm2) {
-  return std::max(sample_mm, std::sqrt(2 * area_mm2 / kMostSamples));
+// Of the tolerance: what may stay between the largest deviation of the samples and what is proven of all
+// places, and how high the chords of the cut's facets may be.
+constexpr double kSettledShare = 0.01;
+
+GridSteps grid_steps(const VerifyOptions& options, const robot::Blade& blade) {
+  GridSteps steps;
+  steps.finest_mm = options.sample_mm;
+  // Where the band depends on the speed, it may change within one wide step.
+  steps.widest_mm = (blade.melt.by_speed() ? 1 : options.widest) * options.sample_mm;
+  steps.chord_mm = kSettledShare * options.tolerance_mm;
+  return steps;
 }
 
-// Strips of a cut, and what finds the nearest of their points. Refers to them.
-class CutPart {
+// Edges of the design's cells where nothing asks for shorter ones, and where something does.
+struct CellEdges {
+  double widest_mm = 0, finest_mm = 0;
+};
+
+CellEdges cell_edges(const VerifyOptions& options, double area_mm2) {
+  // So many cells, about, are made of a design where nothing asks for more: time and memory.
+  constexpr double kCells = 2e6;
+  // Of the square of its longest edge a right triangle takes a quarter, halved ones less.
+  constexpr double kCell = 0.2;
+  const double widest_mm = options.widest * options.sample_mm;
+  const double wider = std::max(1.0, std::sqrt(area_mm2 / (kCell * kCells)) / widest_mm);
+  return {wider * widest_mm, wider * options.sample_mm};
+}
+
+// What finds the nearest points of a cut. Refers to it.
+class CutSearch {
  public:
   // `near_mm` as of NearCells.
-  CutPart(const SweptSurface& cut, double near_mm, gpu::Backend backend) : cut_(cut) {
+  CutSearch(const SweptSurface& cut, double near_mm, gpu::Backend backend) : cut_(cut) {
     tbb::parallel_invoke([&] { cells_.emplace(cut.vertices, near_mm); },
                          [&] { search_.emplace(cut.vertices, cut.triangles, backend); });
     gpu::stop_point();
-    for (const Eigen::Vector3d& p : cut.vertices) near_.extend(p);
-    near_.min().array() -= near_mm;
-    near_.max().array() += near_mm;
   }
-  CutPart(const CutPart&) = delete;
-  CutPart& operator=(const CutPart&) = delete;
+  CutSearch(const CutSearch&) = delete;
+  CutSearch& operator=(const CutSearch&) = delete;
 
-  // Points farther off than `near_mm` may lie outside.
-  [[nodiscard]] const Eigen::AlignedBox3d& near() const { return near_; }
   [[nodiscard]] const NearCells& cells() const { return *cells_; }
   [[nodiscard]] const gpu::MeshDistance& search() const { return *search_; }
   [[nodiscard]] std::size_t vertex_of(int triangle) const {
     return static_cast<std::size_t>(cut_.triangles[static_cast<std::size_t>(triangle)][0]);
   }
   [[nodiscard]] int strip_of(int triangle) const { return cut_.strip_of_vertex[vertex_of(triangle)]; }
+  // Distance of a point from the surface that the facets stand for: its height above the nearest facet less
+  // that of the surface, which bends between the corners as their normals turn (a quadratic patch).
+  [[nodiscard]] double distance_mm(const Eigen::Vector3d& p, const gpu::Nearest& nearest) const {
+    const auto& t = cut_.triangles[static_cast<std::size_t>(nearest.triangle)];
+    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
+      return cut_.vertices[static_cast<std::size_t>(t[i])];
+    };
+    const auto normal = [&](std::size_t i) -> const Eigen::Vector3d& {
+      return cut_.normals[static_cast<std::size_t>(t[i])];
+    };
+    const Eigen::Vector3d ab = at(1) - at(0), ac = at(2) - at(0), twice = ab.cross(ac);
+    const double size_sq = twice.squaredNorm();
+    if (!(size_sq > 0)) return nearest.distance;
+    const Eigen::Vector3d foot = nearest.point - at(0);
+    const double b = foot.cross(ac).dot(twice) / size_sq, c = ab.cross(foot).dot(twice) / size_sq;
+    const std::array<double, 3> share{1 - b - c, b, c};
+    double surface_mm = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t k = (i + 1) % 3;
+      surface_mm += 0.5 * share[i] * share[k] * (at(k) - at(i)).dot(normal(k) - normal(i));
+    }
+    const Eigen::Vector3d up = share[0] * normal(0) + share[1] * normal(1) + share[2] * normal(2);
+    const double above = (p - nearest.point).dot(up) < 0 ? -nearest.distance : nearest.distance;
+    return std::abs(above - surface_mm);
+  }
   // Does the nearest point lie on the strips' edge?
   [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) const {
     const auto sides = [&](int v) { return cut_.sides_of_vertex[static_cast<std::size_t>(v)]; };
@@ -133,44 +174,47 @@ class CutPart {
 
  private:
   const SweptSurface& cut_;
-  Eigen::AlignedBox3d near_;
   std::optional<NearCells> cells_;
   std::optional<gpu::MeshDistance> search_;
 };
 
-// One comparison of a cut with the design: its steps and what they share. The cut comes in runs of whole
-// strips, each of which is given up when it has been measured.
+// One comparison of a cut with the design: its steps and what they share.
 class CutMeasurement {
  public:
-  CutMeasurement(const Program& program, const surface::DesignSurface& design, const VerifyOptions& options)
-      : program_(program),
+  CutMeasurement(const SweptSurface& cut, const Program& program, const surface::DesignSurface& design,
+                 const VerifyOptions& options)
+      : cut_(cut),
+        program_(program),
         mesh_{design.mesh.vertices(), design.mesh.triangles()},
         options_(options),
-        to_design_(design.mesh, program, options_.backend),
-        sample_mm_(bounded(options.sample_mm, design.health.area_mm2)),
-        sampler_(mesh_, sample_mm_),
-        nearest_(options.cut_only ? 0 : sampler_.count()) {
+        steps_(grid_steps(options, program.blade)),
+        edges_(cell_edges(options, design.health.area_mm2)),
+        to_design_(design.mesh, program, options_.backend) {
     report_.area_mm2 = design.health.area_mm2;
-    report_.design_samples = nearest_.size();
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
+    report_.strip_bound_mm.assign(program.strips.size(), 0.0);
   }
 
-  void add(const SweptSurface& cut, const BladeTouches& touches) {
-    cut_to_design(cut);
-    if (options_.cut_only) return;
-    // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
-    // little.
-    constexpr double kLeastCellMm = 100;
-    const CutPart part(cut, std::max(kLeastCellMm, far() + 2 * sample_mm_), options_.backend);
-    design_to_cut(part);
-    report_.to_cut = part.search().used();
-    count_touches(cut, part, touches);
+  VerifyReport take(const BladeTouches& touches) {
+    cut_to_design();
+    if (!options_.cut_only) {
+      // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
+      // little.
+      constexpr double kLeastCellMm = 100;
+      const CutSearch search(cut_, std::max(kLeastCellMm, far() + 2 * steps_.widest_mm), options_.backend);
+      design_to_cut(search);
+      report_.to_cut = search.search().used();
+      count_touches(search, touches);
+    }
+    conclude();
+    return report_;
   }
 
-  // What is told of all that was added.
-  VerifyReport take() {
-    if (!options_.cut_only) count_design();
-    for (const Touched& t : touched_) add(t.depth, t.at, t.strip);
+ private:
+  [[nodiscard]] double near() const { return options_.reach * options_.tolerance_mm; }
+  [[nodiscard]] double far() const { return options_.far * options_.tolerance_mm; }
+
+  void conclude() {
     report_.deviation = statistics_.result();
     report_.histogram = statistics_.histogram(options_.tolerance_mm);
     constexpr std::array kPercents{50.0, 90.0, 95.0, 99.0, 99.9, 100.0};
@@ -179,25 +223,31 @@ class CutMeasurement {
       report_.percentiles_mm.emplace_back(kPercents[i], within[i]);
       if (kPercents[i] == 99.0) report_.deviation.p99 = within[i];
     }
+    report_.bound_mm = std::max(report_.bound_mm, report_.deviation.max);
     constexpr double kCloseToTheCap = 0.95;
     const bool left_out = report_.beyond_samples > 0 || report_.uncut_mm2 > 0;
     report_.capped =
         left_out && report_.deviation.max <= near() && report_.deviation.max > kCloseToTheCap * near();
     report_.within_tolerance =
-        report_.deviation.max <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
-    return report_;
+        report_.bound_mm <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
   }
 
- private:
-  [[nodiscard]] double near() const { return options_.reach * options_.tolerance_mm; }
-  [[nodiscard]] double far() const { return options_.far * options_.tolerance_mm; }
-
-  void add(double distance, const Eigen::Vector3d& at, int strip) {
+  void add(double distance, const Eigen::Vector3d& at, double area_mm2, int strip) {
     if (report_.worst_strip < 0 || distance > worst_) {
       worst_ = distance;
       report_.worst_strip = strip;
     }
-    statistics_.add(distance, at);
+    statistics_.add(distance, at, area_mm2);
+    double& largest = report_.strip_max_mm[static_cast<std::size_t>(strip)];
+    largest = std::max(largest, distance);
+    add_bound(distance, strip);
+  }
+
+  // Of all places that a sample stands for.
+  void add_bound(double bound, int strip) {
+    double& largest = report_.strip_bound_mm[static_cast<std::size_t>(strip)];
+    largest = std::max(largest, bound);
+    report_.bound_mm = std::max(report_.bound_mm, bound);
   }
 
   // A sample of the cut against the design.
@@ -206,70 +256,183 @@ class CutMeasurement {
     bool beyond = false;  // past the design's edge
   };
 
-  void cut_to_design(const SweptSurface& cut) {
-    const std::span<const Eigen::Vector3d> all(cut.vertices);
+  void cut_to_design() {
+    const std::span<const Eigen::Vector3d> all(cut_.vertices);
     std::vector<Compared> compared;
     for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
       const std::vector<DesignFaces::Foot> on_design =
           to_design_.feet(all.subspan(first, std::min(kAtOnce, all.size() - first)),
-                          [&](std::size_t i) { return cut.strip_of_vertex[first + i]; });
+                          [&](std::size_t i) { return cut_.strip_of_vertex[first + i]; });
       compared.resize(on_design.size());
       for_each_of(compared.size(),
-                  [&](std::size_t i) { compared[i] = compare_with_design(cut, first + i, on_design[i]); });
+                  [&](std::size_t i) { compared[i] = compare_with_design(first + i, on_design[i]); });
       for (std::size_t i = 0; i < compared.size(); ++i) {
         gpu::stop_point();
-        count(cut, first + i, compared[i]);
+        count(first + i, compared[i]);
       }
     }
     report_.to_design = to_design_.used();
-    report_.cut_samples += cut.vertices.size();
+    report_.cut_samples = cut_.vertices.size();
   }
 
-  [[nodiscard]] Compared compare_with_design(const SweptSurface& cut, std::size_t i,
-                                             const DesignFaces::Foot& on_design) const {
+  [[nodiscard]] Compared compare_with_design(std::size_t i, const DesignFaces::Foot& on_design) const {
     Compared c{on_design.distance};
     const Eigen::Vector3d& n = on_design.normal;
     if (on_design.on_border) {
-      const Eigen::Vector3d d = cut.vertices[i] - on_design.point;
+      const Eigen::Vector3d d = cut_.vertices[i] - on_design.point;
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
-    const double speed = cut.speeds_mm_s[i];
-    const double by_cut = half_band_mm(program_.blade, cut.normals[i], cut.plane_normals[i], speed);
-    const double by_design = half_band_mm(program_.blade, n, cut.plane_normals[i], speed);
+    const double speed = cut_.speeds_mm_s[i];
+    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed);
+    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed);
     c.half_band = std::abs(by_cut - by_design);
     return c;
   }
 
-  void count(const SweptSurface& cut, std::size_t i, const Compared& c) {
+  void count(std::size_t i, const Compared& c) {
     if (c.beyond) {
       ++report_.beyond_samples;
+      report_.beyond_mm2 += cut_.areas_mm2[i];
       return;
     }
-    const int strip = cut.strip_of_vertex[i];
     report_.half_band_mm = std::max(report_.half_band_mm, c.half_band);
-    add(c.distance, cut.vertices[i], strip);
-    double& largest = report_.strip_max_mm[static_cast<std::size_t>(strip)];
-    largest = std::max(largest, c.distance);
+    add(c.distance, cut_.vertices[i], cut_.areas_mm2[i], cut_.strip_of_vertex[i]);
   }
 
   // What of the cut is nearest to a design sample.
   struct NearestCut {
     double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t vertex = 0;  // of the facet it lies on
     int strip = -1;
     bool uncut = true;  // too far, or past the cut's edge
+    bool on_edge = true;
   };
 
-  void design_to_cut(const CutPart& part) {
-    sampler_.each_in(part.near(), kAtOnce, [&](std::size_t first, const DesignSamples& samples) {
-      compare_with_part(part, samples.points, std::span(nearest_).subspan(first, samples.points.size()));
-    });
+  // Cells of the design are divided until what is known at their corners settles what lies between them. The
+  // distance from a triangle's points to the triangle of their corners' nearest points is largest at a
+  // corner; the cut lies as far from that triangle as its bend makes it.
+  void design_to_cut(const CutSearch& search) {
+    DesignCells cells(mesh_);
+    std::vector<NearestCut> nearest;
+    std::vector<double> stands_for_mm2;
+    std::vector<double> wanted_mm;
+    while (!cells.cells().empty()) {
+      find_nearest(search, cells.points(), nearest);
+      stands_for_mm2.resize(nearest.size(), 0);
+      double most = worst_;
+      for (const DesignCells::Cell& cell : cells.cells()) {
+        gpu::stop_point();
+        for (const std::uint32_t corner : cell.corners) {
+          if (!nearest[corner].uncut) most = std::max(most, nearest[corner].distance);
+        }
+      }
+      std::vector<CellBound> bounds(cells.cells().size());
+      wanted_mm.resize(bounds.size());
+      for_each_of(bounds.size(), [&](std::size_t i) {
+        bounds[i] = bound_of(cells, cells.cells()[i], nearest);
+        wanted_mm[i] = wanted_edge_mm(cells, cells.cells()[i], nearest, bounds[i], most);
+      });
+      for (std::size_t i = 0; i < bounds.size(); ++i) {
+        gpu::stop_point();
+        if (wanted_mm[i] == 0) settle(cells, cells.cells()[i], nearest, bounds[i], stands_for_mm2);
+      }
+      cells.divide(wanted_mm);
+    }
+    report_.design_samples = nearest.size();
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      gpu::stop_point();
+      if (stands_for_mm2[i] > 0)
+        add(nearest[i].distance, cells.points()[i], stands_for_mm2[i], nearest[i].strip);
+    }
   }
 
-  void compare_with_part(const CutPart& part, std::span<const Eigen::Vector3d> points,
-                         std::span<NearestCut> nearest) const {
+  // What is known of a cell's points by its corners: none is farther from the cut than the farthest corner
+  // and what the cut bends between them.
+  struct CellBound {
+    double corner = 0, bend = 0;
+    bool uncut = false;  // a corner is: nothing is known
+    [[nodiscard]] double sum() const { return corner + bend; }
+  };
+
+  [[nodiscard]] CellBound bound_of(const DesignCells& cells, const DesignCells::Cell& cell,
+                                   std::span<const NearestCut> nearest) const {
+    // A circle of a third of the longest edge's square covers a triangle, and the sagitta is half of its bend.
+    constexpr double kCover = 1.0 / 6;
+    CellBound bound;
+    double bend_per_mm = 0;
+    for (const std::uint32_t corner : cell.corners) {
+      const NearestCut& at = nearest[corner];
+      bound.uncut = bound.uncut || at.uncut;
+      bound.corner = std::max(bound.corner, at.distance);
+      bend_per_mm = std::max(bend_per_mm, cut_.bends_per_mm[at.vertex]);
+    }
+    const double edge = cells.longest_edge_mm(cell);
+    bound.bend = kCover * bend_per_mm * edge * edge;
+    return bound;
+  }
+
+  // How long a cell's longest edge should be to settle what is open in it; 0 where nothing is.
+  [[nodiscard]] double wanted_edge_mm(const DesignCells& cells, const DesignCells::Cell& cell,
+                                      std::span<const NearestCut> nearest, const CellBound& bound,
+                                      double most) const {
+    const double edge = cells.longest_edge_mm(cell);
+    if (edge > edges_.widest_mm) return edges_.widest_mm;
+    const auto& [a, b, c] = cell.corners;
+    if (nearest[a].uncut && nearest[b].uncut && nearest[c].uncut) return 0;
+    const bool at_edge = nearest[a].on_edge || nearest[b].on_edge || nearest[c].on_edge;
+    if (at_edge && edge > edges_.finest_mm) return edges_.finest_mm;
+    const bool between_strips =
+        nearest[a].strip != nearest[b].strip || nearest[b].strip != nearest[c].strip;
+    // Each strip goes on for some millimetres past where they meet.
+    if (between_strips && edge > 2 * edges_.finest_mm) return 2 * edges_.finest_mm;
+    if (bound.uncut) return 0;
+    // Where that leaves it open whether the tolerance holds, the bend is brought down to a tenth of what else
+    // settles.
+    constexpr double kNothing = 0.1;
+    const bool decides = most <= options_.tolerance_mm && bound.sum() > options_.tolerance_mm;
+    const bool open =
+        bound.sum() > most + settled_mm() || (decides && bound.bend > kNothing * settled_mm());
+    return open ? 0.5 * edge : 0;
+  }
+
+  [[nodiscard]] double settled_mm() const { return kSettledShare * options_.tolerance_mm; }
+
+  void settle(const DesignCells& cells, const DesignCells::Cell& cell, std::span<const NearestCut> nearest,
+              const CellBound& bound, std::vector<double>& stands_for_mm2) {
+    const double share = cells.area_mm2(cell) / 3;
+    double farthest = -1;
+    int strip = -1;
+    for (const std::uint32_t corner : cell.corners) {
+      const NearestCut& at = nearest[corner];
+      if (at.uncut) {
+        report_.uncut_mm2 += share;
+        continue;
+      }
+      stands_for_mm2[corner] += share;
+      if (at.distance > farthest) {
+        farthest = at.distance;
+        strip = at.strip;
+      }
+    }
+    if (!bound.uncut) add_bound(bound.sum(), strip);
+  }
+
+  // Of the points that `nearest` does not hold yet.
+  void find_nearest(const CutSearch& search, std::span<const Eigen::Vector3d> points,
+                    std::vector<NearestCut>& nearest) const {
+    std::size_t first = nearest.size();
+    nearest.resize(points.size());
+    for (; first < points.size(); first += kAtOnce) {
+      const std::size_t count = std::min(kAtOnce, points.size() - first);
+      compare_with_cut(search, points.subspan(first, count), std::span(nearest).subspan(first, count));
+    }
+  }
+
+  void compare_with_cut(const CutSearch& search, std::span<const Eigen::Vector3d> points,
+                        std::span<NearestCut> nearest) const {
     std::vector<char> held(points.size());
-    part.cells().hold(points, held);
+    search.cells().hold(points, held);
     std::vector<std::size_t> index;
     std::vector<Eigen::Vector3d> asked;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -277,77 +440,49 @@ class CutMeasurement {
       index.push_back(i);
       asked.push_back(points[i]);
     }
-    const std::vector<gpu::Nearest> found = part.search().query(asked);
-    for (std::size_t k = 0; k < found.size(); ++k) {
-      NearestCut& best = nearest[index[k]];
-      const double distance = found[k].distance;
-      if (distance >= best.distance) continue;
-      best = {distance, part.strip_of(found[k].triangle),
-              distance > far() || (distance > near() && part.on_edge(found[k]))};
-    }
-  }
-
-  void count_design() {
-    sampler_.each(kAtOnce, [&](std::size_t first, const DesignSamples& samples) {
-      for (std::size_t i = 0; i < samples.points.size(); ++i) {
-        gpu::stop_point();
-        const NearestCut& found = nearest_[first + i];
-        if (found.uncut) {
-          report_.uncut_mm2 += samples.areas[i];
-        } else {
-          add(found.distance, samples.points[i], found.strip);
-        }
-      }
+    const std::vector<gpu::Nearest> found = search.search().query(asked);
+    for_each_of(found.size(), [&](std::size_t k) {
+      NearestCut& at = nearest[index[k]];
+      at.distance = search.distance_mm(asked[k], found[k]);
+      at.vertex = static_cast<std::uint32_t>(search.vertex_of(found[k].triangle));
+      at.strip = search.strip_of(found[k].triangle);
+      at.on_edge = search.on_edge(found[k]);
+      if (at.on_edge) at.distance = found[k].distance;
+      at.uncut = at.distance > far() || (at.distance > near() && at.on_edge);
     });
   }
 
-  void count_touches(const SweptSurface& cut, const CutPart& part, const BladeTouches& touches) {
-    const int first_strip = cut.strip_of_vertex.front(), last_strip = cut.strip_of_vertex.back();
-    std::vector<std::size_t> index;
-    std::vector<Eigen::Vector3d> points;
-    for (std::size_t i = 0; i < touches.points.size(); ++i) {
-      if (touches.strip_of_point[i] < first_strip || touches.strip_of_point[i] > last_strip) continue;
-      index.push_back(i);
-      points.push_back(touches.points[i]);
-    }
-    if (index.empty()) return;
-    const auto strip_of = [&](std::size_t k) { return touches.strip_of_point[index[k]]; };
-    const std::vector<DesignFaces::Foot> touched = to_design_.feet(points, strip_of);
+  void count_touches(const CutSearch& search, const BladeTouches& touches) {
+    if (touches.points.empty()) return;
+    const std::vector<DesignFaces::Foot> touched =
+        to_design_.feet(touches.points, [&](std::size_t i) { return touches.strip_of_point[i]; });
     std::vector<Eigen::Vector3d> feet;
     for (const DesignFaces::Foot& foot : touched) feet.push_back(foot.point);
-    const std::vector<gpu::Nearest> formed = part.search().query(feet);
+    const std::vector<gpu::Nearest> formed = search.search().query(feet);
     for (std::size_t k = 0; k < feet.size(); ++k) {
       // Only what the same strip forms: another strip's part lies in another block.
-      if (part.strip_of(formed[k].triangle) != strip_of(k) || formed[k].distance > near()) continue;
-      if (touched[k].on_border || part.on_edge(formed[k])) continue;
-      const std::size_t vertex = part.vertex_of(formed[k].triangle);
+      const int strip = touches.strip_of_point[k];
+      if (search.strip_of(formed[k].triangle) != strip || formed[k].distance > near()) continue;
+      if (touched[k].on_border || search.on_edge(formed[k])) continue;
       Eigen::Vector3d n = touched[k].normal;
-      if (n.dot(cut.normals[vertex]) < 0) n = -n;
-      const double above = n.dot(points[k] - feet[k]);
+      if (n.dot(cut_.normals[search.vertex_of(formed[k].triangle)]) < 0) n = -n;
+      const double above = n.dot(touches.points[k] - feet[k]);
       const double depth =
-          half_band_mm(program_.blade, n, touches.plane_normals[index[k]], touches.speeds_mm_s[index[k]]) -
-          above;
+          half_band_mm(program_.blade, n, touches.plane_normals[k], touches.speeds_mm_s[k]) - above;
       if (!(depth > 0)) continue;
       report_.gouge_mm = std::max(report_.gouge_mm, depth);
-      touched_.push_back({depth, feet[k], strip_of(k)});
+      // A point: it stands for no area.
+      add(depth, feet[k], 0, strip);
     }
   }
 
-  // A touch that reaches into the kept side.
-  struct Touched {
-    double depth = 0;
-    Eigen::Vector3d at;
-    int strip = -1;
-  };
-
+  const SweptSurface& cut_;
   const Program& program_;
   MeshView mesh_;  // the design's
   const VerifyOptions& options_;
+  GridSteps steps_;
+  CellEdges edges_;
   DesignFaces to_design_;
-  double sample_mm_;
-  DesignSampler sampler_;
-  std::vector<NearestCut> nearest_;  // by design sample
-  std::vector<Touched> touched_;
   DeviationStatistics statistics_;
   VerifyReport report_;
   double worst_ = 0;
@@ -361,20 +496,13 @@ bool VerifyReport::holds() const {
 
 namespace {
 
-// Of runs of a cut, given by each(use), which calls use(run) for one after the other.
-template <typename Each>
-VerifyReport measure_runs(const Each& each, const BladeTouches& touches, const Program& program,
-                          const surface::DesignSurface& design, const VerifyOptions& options) {
-  std::optional<CutMeasurement> measurement;
-  each([&](const SweptSurface& run) {
-    if (run.triangles.empty()) return;
-    if (!measurement) measurement.emplace(program, design, options);
-    measurement->add(run, touches);
-  });
-  if (measurement) return measurement->take();
+VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches, const Program& program,
+                     const surface::DesignSurface& design, const VerifyOptions& options) {
+  if (!cut.triangles.empty()) return CutMeasurement(cut, program, design, options).take(touches);
   VerifyReport report;
   report.area_mm2 = report.uncut_mm2 = design.health.area_mm2;
   report.strip_max_mm.assign(program.strips.size(), 0.0);
+  report.strip_bound_mm.assign(program.strips.size(), 0.0);
   return report;
 }
 
@@ -382,17 +510,12 @@ VerifyReport measure_runs(const Each& each, const BladeTouches& touches, const P
 
 VerifyReport measure(const SweptSurface& cut, const Program& program, const surface::DesignSurface& design,
                      const VerifyOptions& options) {
-  return measure_runs([&](const auto& use) { use(cut); }, {}, program, design, options);
+  return measure(cut, {}, program, design, options);
 }
 
 VerifyReport measure(const Program& cut, const BladeTouches& touches, const surface::DesignSurface& design,
                      const VerifyOptions& options) {
-  const double sample_mm = bounded(options.sample_mm, design.health.area_mm2);
-  // A touch is of the strip that is nearest to it in all of the cut.
-  const std::size_t at_once =
-      touches.points.empty() ? options.cut_vertices_at_once : std::numeric_limits<std::size_t>::max();
-  return measure_runs([&](const auto& use) { each_swept_surface(cut, sample_mm, at_once, use); }, touches,
-                      cut, design, options);
+  return measure(swept_surface(cut, grid_steps(options, cut.blade)), touches, cut, design, options);
 }
 
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,

@@ -7,6 +7,10 @@
 // area, not as deviation, when it lies farther than `reach` tolerances from the cut and its nearest cut point
 // is on the cut's edge, or farther than `far` tolerances from every cut.
 //
+// Samples lie close only where that settles something. The cut's lie as far apart as it is straight
+// (swept_surface.hpp). The design's are corners of cells that are divided (design_cells.hpp) until the bound of
+// all that lies between them is no more than a hundredth of the tolerance above the largest deviation found.
+//
 // The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
 // branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
 // alone (pipeline/verify/branch.hpp). What the program says of its ribs is measured again, all ribs at once
@@ -28,16 +32,14 @@ namespace hotblade::pipeline {
 struct VerifyOptions {
   double tolerance_mm = 1;
   double max_uncut_share = 0.01;
-  double sample_mm = 2.5;      // spacing of samples on both surfaces
+  double sample_mm = 2.5;      // spacing of samples on both surfaces, where they lie close
+  double widest = 4;           // times that: where nothing asks for close ones; 1: a dense grid everywhere
   double reach = 3, far = 20;  // tolerances
   double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
   // Only what is cut against the design: nothing is said of what of the design is left uncut.
   bool cut_only = false;
-  // Vertices of the cut that are made and searched at once, whole strips: memory, 600 bytes a vertex. Values
-  // depend on it by rounding only.
-  std::size_t cut_vertices_at_once = 1 << 18;
 };
 
 // Where a hot blade is in foam without forming the design: points of its centre line.
@@ -49,22 +51,27 @@ struct BladeTouches {
 };
 
 struct VerifyReport {
-  Deviation deviation;
+  Deviation deviation;  // of the samples; mean, root mean square and percentiles by the area they stand for
+  // No place of the design that counts lies farther from the cut, samples or not; no less than the deviation.
+  // What it takes for granted: the surface that is cut bends between the grid's points as at them.
+  double bound_mm = 0;
   int worst_strip = -1;     // of the largest deviation: index into program.strips
   double gouge_mm = 0;      // deepest cut of a touch into the kept side of its own strip's design
   double half_band_mm = 0;  // largest difference of the half band by the cut's own slope and by the design's
   DeviationHistogram histogram;  // up to 1.5 tolerances
   std::vector<std::pair<double, double>>
-      percentiles_mm;                // percent of the samples, deviation they stay within
-  std::vector<double> strip_max_mm;  // cut to design, by strip
+      percentiles_mm;  // percent of the area, deviation it stays within
+  // By strip: of the samples of both surfaces that are its own or nearest to it, and the bound of their cells.
+  std::vector<double> strip_max_mm, strip_bound_mm;
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
   std::size_t beyond_samples = 0;  // of the cut: past the design's edge, in a window for example
+  double beyond_mm2 = 0;           // that they stand for
   // What lies farther off than `reach` past an edge counts as uncut or beyond, so a deviation close to that
   // is as large or larger.
   bool capped = false;
-  bool within_tolerance = false;       // deviation and uncut share both
+  bool within_tolerance = false;       // the bound and the uncut share both
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip
   RibCheck ribs;                       // what the program says of its ribs, measured again

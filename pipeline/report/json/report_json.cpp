@@ -66,6 +66,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                {"blade_length_mm", f.blade_length_mm},
                {"blade_trials", blades_json(f.blades)},
                {"deviation_max_mm", f.deviation_max_mm},
+               {"deviation_bound_mm", f.deviation_bound_mm},
                {"rib_fit_max_mm", f.worst_fit_mm},
                {"bezier_fit_max_mm", f.worst_bezier_mm},
                {"seam_gap_max_mm", f.seam.gap_mm},
@@ -257,6 +258,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
                             {"rms", d.rms},
                             {"mean", d.mean},
                             {"at", vector_json(d.at)},
+                            {"bound", result.verification.bound_mm},
                             {"capped", result.verification.capped}};
   report["percentiles_mm"] = Json::array();
   for (const auto& [percent, mm] : result.verification.percentiles_mm) {
@@ -264,7 +266,7 @@ std::string report_json(const PlanResult& result, const std::string& program_sha
   }
   const DeviationHistogram& histogram = result.verification.histogram;
   report["histogram"] = {
-      {"bin_mm", histogram.bin_mm}, {"counts", histogram.counts}, {"beyond", histogram.beyond}};
+      {"bin_mm", histogram.bin_mm}, {"areas_mm2", histogram.areas_mm2}, {"beyond_mm2", histogram.beyond_mm2}};
   report["uncut_mm2"] = v.uncut_mm2;
   report["uncut_share"] = result.verification.uncut_share();
   report["samples"] = {{"cut", result.verification.cut_samples},

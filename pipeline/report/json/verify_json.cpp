@@ -22,6 +22,7 @@ std::string verify_json(const Program& program, const VerifyReport& report, cons
                           {"rms", d.rms},
                           {"mean", d.mean},
                           {"at", {d.at.x(), d.at.y(), d.at.z()}},
+                          {"bound", report.bound_mm},
                           {"capped", report.capped}};
   json["uncut_mm2"] = report.uncut_mm2;
   json["uncut_share"] = report.uncut_share();
@@ -42,7 +43,7 @@ std::string verify_json(const Program& program, const VerifyReport& report, cons
   json["strips"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < program.strips.size(); ++i)
     json["strips"].push_back(
-        {{"id", program.strips[i].id}, {"cut_to_design_max_mm", report.strip_max_mm[i]}});
+        {{"id", program.strips[i].id}, {"deviation_max_mm", report.strip_max_mm[i]}, {"deviation_bound_mm", report.strip_bound_mm[i]}});
   if (!joints.is_null()) json["joints"] = joints;
   json["not_checked"] = program.verification.not_checked;
   return json_text(json, 2) + "\n";

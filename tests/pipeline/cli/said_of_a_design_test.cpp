@@ -147,7 +147,7 @@ TEST_F(SaidOfADesign, VerifyWritesADeviationAsAtLeastWhereTheSearchForItEnded) {
   const std::string patched = write("patched.json", bytes);
   const Ended ended = verified(patched, flapped);
   EXPECT_EQ(ended.code, 5);
-  EXPECT_THAT(ended.out, HasSubstr("deviation max >= 2.9"));
+  EXPECT_THAT(ended.out, HasSubstr("deviation max >= 2.8"));
   const auto json = nlohmann::json::parse(
       hotblade({"verify", patched, "--design", flapped, "--sample", "0.5", "--json"}).out);
   EXPECT_TRUE(json["deviation_mm"]["capped"].get<bool>());

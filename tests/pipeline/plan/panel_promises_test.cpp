@@ -136,6 +136,16 @@ TEST_P(PanelPromises, Hold) {
   const VerifyReport again = verify(executed.work.program, design, options);
   EXPECT_TRUE(again.within_tolerance) << again.deviation.max << " mm";
   EXPECT_TRUE(again.holds());
+
+  // A dense grid finds no place that the bound does not hold, and no larger deviation worth naming.
+  VerifyOptions dense = options;
+  dense.sample_mm = dense.widest = 1;
+  const VerifyReport densely = measure(swept_surface(executed.work.program, dense.sample_mm),
+                                       executed.work.program, design, dense);
+  EXPECT_LE(densely.deviation.max, again.bound_mm);
+  EXPECT_NEAR(densely.deviation.max, again.deviation.max, 0.02 * options.tolerance_mm);
+  EXPECT_NEAR(densely.deviation.p99, again.deviation.p99, 0.03 * options.tolerance_mm);
+  EXPECT_NEAR(densely.uncut_mm2, again.uncut_mm2, 1e-3 * again.area_mm2);
   EXPECT_TRUE(again.ribs.far.empty());
   EXPECT_TRUE(again.ribs.mismatches.empty());
 

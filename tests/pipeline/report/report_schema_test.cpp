@@ -74,7 +74,7 @@ TEST_F(ReportSchema, RefusesABrokenReport) {
       {"status", [](Json& j) { j["status"] = "fine"; }},
       {"hash", [](Json& j) { j["design"]["sha256"] = "abc"; }},
       {"no deviation", [](Json& j) { j.erase("deviation_mm"); }},
-      {"counts", [](Json& j) { j["histogram"]["counts"][0] = 0.5; }},
+      {"areas_mm2", [](Json& j) { j["histogram"]["areas_mm2"][0] = -0.5; }},
       {"budget", [](Json& j) { j["budget_mm"]["mesh"] = "0.1"; }},
       {"share", [](Json& j) { j["strips"][0]["foam_kept_share"] = 1.5; }},
       {"no radius", [](Json& j) { j["strips"][0].erase("blade_radius_min_mm"); }},

@@ -22,7 +22,7 @@ TEST(DeviationStatistics, AgreesWithTheSortedSamples) {
       sorted.push_back(e(random));
       sum += sorted.back();
       squares += sorted.back() * sorted.back();
-      statistics.add(sorted.back(), {static_cast<double>(i), 0, 0});
+      statistics.add(sorted.back(), {static_cast<double>(i), 0, 0}, 1);
     }
     const auto worst = std::max_element(sorted.begin(), sorted.end()) - sorted.begin();
     const Deviation d = statistics.result();
@@ -54,7 +54,7 @@ TEST(DeviationStatistics, WithoutSamplesIsNothing) {
 
 TEST(DeviationStatistics, RefusesPercentagesThatFall) {
   DeviationStatistics statistics;
-  statistics.add(1, {0, 0, 0});
+  statistics.add(1, {0, 0, 0}, 1);
   EXPECT_THROW((void)statistics.percentiles(std::array{90.0, 50.0}), std::logic_error);
   EXPECT_THROW((void)statistics.percentiles(std::array{101.0}), std::logic_error);
 }
