@@ -83,7 +83,7 @@ py::object cell_value(const batch::Cell& cell) {
 py::tuple batch_table(const py::object& place, bool partial, const py::object& progress) {
   const batch::BatchDirectory directory = batch_at(place);
   batch::BatchFacts all;
-  run_watched(1, progress, [&](const Tell& tell) {
+  run_watched(py::int_(1), progress, [&](const Tell& tell) {
     batch::GatherHooks hooks;
     hooks.progress = [&tell](double share) { tell("gather", share); };
     all = read_facts(directory, partial, hooks);

@@ -32,6 +32,8 @@ std::shared_ptr<robot::Cell> cell_of(const py::object& given) {
 void add_cell(py::module_& module) {
   py::class_<robot::Cell, std::shared_ptr<robot::Cell>>(module, "Cell",
                                                         "Two arms and what stands around them.")
+      .def(made_otherwise<robot::Cell>(
+          "hotblade.Cell: Cell.load() reads a file or takes a name of Cell.names()"))
       .def_static("load", &load_cell, py::arg("file"), "Reads cell.toml, or a cell of names() by its name.")
       .def_static(
           "names", [] { return texts(pipeline::embedded_cells()); },

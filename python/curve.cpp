@@ -53,7 +53,8 @@ double in_range(double value, const char* name, double least, double most) {
 }
 
 // The index of a word among those allowed.
-std::size_t one_of(const std::string& word, const char* name, std::initializer_list<const char*> words) {
+std::size_t one_of(const py::handle& given, const char* name, std::initializer_list<const char*> words) {
+  const std::string word = text(given, name);
   std::size_t index = 0;
   std::string all;
   for (const char* allowed : words) {
@@ -195,20 +196,20 @@ py::tuple fit_points(const py::object& curve, bool clamped, const py::object& ta
                     name(f.status));
 }
 
-py::tuple fit(const py::object& curve, const std::string& ends, const py::object& tangents) {
+py::tuple fit(const py::object& curve, const py::object& ends, const py::object& tangents) {
   const bool clamped = one_of(ends, "ends", {"free", "clamped"}) == 1;
   const py::array array = py::array::ensure(curve);
   const bool is_bezier = array && array.ndim() == 2 && array.shape(0) == 4;
   return is_bezier ? fit_bezier(curve, clamped) : fit_points(curve, clamped, tangents);
 }
 
-py::tuple project(const py::object& bezier, const std::string& method, const std::string& branch,
-                  double threshold) {
+py::tuple project(const py::object& bezier, const py::object& method, const py::object& branch,
+                  const py::object& most) {
   using elastica::WantedBranch;
   const Bezier b = bezier_of(bezier, "bezier");
   const std::size_t by = one_of(method, "method", {"feedback", "optimal", "zone"});
   const auto wanted = static_cast<WantedBranch>(one_of(branch, "branch", {"inflectional", "plain", "best"}));
-  in_range(threshold, "threshold", 0, 1);
+  const double threshold = in_range(number(most, "threshold"), "threshold", 0, 1);
   const elastica::Projection p = answered([&] {
     if (by == 2) return elastica::project_zone(b, threshold);
     if (by == 0) return elastica::project_feedback(b, threshold);
@@ -222,8 +223,9 @@ py::tuple project(const py::object& bezier, const std::string& method, const std
                         py::make_tuple(p.moved[0], p.moved[1]), p.angle_constraints_hold, name(p.status));
 }
 
-py::tuple sample(const py::object& curve, std::int64_t n) {
+py::tuple sample(const py::object& curve, const py::object& count) {
   const Elastica e = elastica_of(curve, "elastica");
+  const std::int64_t n = whole_number(count, "n");
   in_range(static_cast<double>(n), "n", 2, 1e6);
   using Points = std::vector<elastica::CurvePoint>;
   auto points = answered([&] { return std::make_unique<Points>(elastica::sample(e, static_cast<int>(n))); });
@@ -240,21 +242,23 @@ elastica::PlanarPose clamp_of(const py::handle& value, const char* name) {
   return {pose.data()[0], pose.data()[1], pose.data()[2]};
 }
 
-py::tuple equilibria(const py::object& a, const py::object& b, double length,
+py::tuple equilibria(const py::object& a, const py::object& b, const py::object& free_length,
                      const py::object& max_inflections, const py::object& max_energy) {
   const elastica::ClampPair clamps{clamp_of(a, "a"), clamp_of(b, "b")};
-  in_range(length, "length", std::numeric_limits<double>::min(), kLargest);
+  const double length =
+      in_range(number(free_length, "length"), "length", std::numeric_limits<double>::min(), kLargest);
   // Turns beyond this wind tighter than any blade, and the far clamp's turning is the true one.
   constexpr double kMostTurning = 100;
   in_range(clamps.b.theta - clamps.a.theta, "b: turning against a", -kMostTurning, kMostTurning);
   elastica::EquilibriaOptions options;
   if (!max_energy.is_none()) {
-    options.max_energy = in_range(max_energy.cast<double>(), "max_energy", 0, kLargest);
+    options.max_energy = in_range(number(max_energy, "max_energy"), "max_energy", 0, kLargest);
     options.max_inflections = elastica::kMaxInflections;
   }
   if (!max_inflections.is_none())
-    options.max_inflections = static_cast<int>(
-        in_range(max_inflections.cast<int>(), "max_inflections", 0, elastica::kMaxInflections));
+    options.max_inflections =
+        static_cast<int>(in_range(static_cast<double>(whole_number(max_inflections, "max_inflections")),
+                                  "max_inflections", 0, elastica::kMaxInflections));
   const elastica::EquilibriaReport report =
       answered([&] { return find_equilibria(clamps, length, options); });
   py::list shapes;
@@ -263,8 +267,8 @@ py::tuple equilibria(const py::object& a, const py::object& b, double length,
   return py::make_tuple(shapes, report.unresolved, report.taut);
 }
 
-py::tuple arcs(const py::object& curve, double tolerance, const std::string& order) {
-  in_range(tolerance, "tolerance", 1e-9, 1e9);
+py::tuple arcs(const py::object& curve, const py::object& within, const py::object& order) {
+  const double tolerance = in_range(number(within, "tolerance"), "tolerance", 1e-9, 1e9);
   const auto wanted = one_of(order, "order", {"biarc", "triarc"}) == 1 ? elastica::ArcOrder::kTriarc
                                                                        : elastica::ArcOrder::kBiarc;
   const py::array array = py::array::ensure(curve);

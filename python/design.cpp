@@ -19,11 +19,14 @@ using pipeline::ErrorKind;
 using pipeline::Settings;
 
 // The settings a design is read by: those given, and on top what the call says.
-Settings read_settings(const std::shared_ptr<Settings>& given, const py::dict& values) {
-  py::dict said;
-  for (const auto& [key, value] : values)
-    if (!value.is_none()) said[key] = value;
-  return pipeline::with_flags(given ? *given : Settings{}, flags_of(said, "hotblade.read"));
+Settings read_settings(const py::object& given, const py::dict& arguments) {
+  std::vector<pipeline::SettingsFlag> flags;
+  for (const auto& [argument, value] : arguments) {
+    const auto name = argument.cast<std::string>();
+    const std::string key = "design." + name;
+    if (!value.is_none()) flags.push_back({name, key, toml_value(value, key)});
+  }
+  return pipeline::with_flags(settings_of(given), flags);
 }
 
 void expect_units(const Settings& settings, const std::string& file) {
@@ -36,13 +39,12 @@ void expect_units(const Settings& settings, const std::string& file) {
 
 Design read_file(const py::object& file, const py::object& units, const py::object& up,
                  const py::object& group, const py::object& facing, const py::object& stitch_mm,
-                 const py::object& format, const std::shared_ptr<Settings>& given) {
+                 const py::object& format, const py::object& given) {
   using namespace py::literals;
   const std::string path = path_of(file);
   Settings settings =
-      read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up, "design.group"_a = group,
-                                    "design.facing"_a = facing, "design.stitch_mm"_a = stitch_mm,
-                                    "design.format"_a = format));
+      read_settings(given, py::dict("units"_a = units, "up"_a = up, "group"_a = group, "facing"_a = facing,
+                                    "stitch_mm"_a = stitch_mm, "format"_a = format));
   const bool turned = !up.is_none();
   const py::gil_scoped_release release;
   pipeline::take_format(path, turned, settings.design);
@@ -79,17 +81,18 @@ std::string obj_text(const Numbers& vertices, const py::array_t<int, py::array::
 }
 
 Design from_arrays(const py::object& vertices, const py::object& triangles, const py::object& units,
-                   const std::string& name, const py::object& up, const std::shared_ptr<Settings>& given) {
+                   const py::object& name, const py::object& up, const py::object& given) {
   using namespace py::literals;
-  const std::string file = name.ends_with(".obj") ? name : name + ".obj";
-  const Settings settings = read_settings(given, py::dict("design.units"_a = units, "design.up"_a = up));
+  std::string file = text(name, "name");
+  if (!file.ends_with(".obj")) file += ".obj";
+  const Settings settings = read_settings(given, py::dict("units"_a = units, "up"_a = up));
   expect_units(settings, file);
   const Numbers points = numbers(vertices, "vertices", {kAny, 3});
   const auto faces = whole_numbers(triangles, "triangles", {kAny, 3});
   const py::gil_scoped_release release;
-  std::string text = obj_text(points, faces);
-  return {
-      surface::surface_of(text, file, pipeline::read_options(settings.design)), settings.design, text, {}};
+  std::string obj = obj_text(points, faces);
+  surface::DesignSurface surface = surface::surface_of(obj, file, pipeline::read_options(settings.design));
+  return {std::move(surface), settings.design, std::move(obj), {}};
 }
 
 void save_design(const Design& design, const py::object& file, bool force) {
@@ -127,10 +130,8 @@ void add_design(py::module_& module) {
   static_assert(sizeof(Eigen::Vector3d) == 3 * sizeof(double) &&
                 sizeof(std::array<int, 3>) == 3 * sizeof(int));
   py::class_<Design, std::shared_ptr<Design>>(module, "Design", "A design surface, in mm with z up.")
-      .def_static("from_arrays", &from_arrays, py::arg("vertices"), py::arg("triangles"),
-                  py::arg("units") = py::none(), py::arg("name") = "design", py::kw_only(),
-                  py::arg("up") = py::none(), py::arg("settings") = nullptr,
-                  "The design of points (n, 3) and triangles (m, 3), known by the OBJ that save() writes.")
+      .def(made_otherwise<Design>("hotblade.Design: hotblade.read() makes one of a file, "
+                                  "Design.from_arrays() of points and triangles"))
       .def("save", &save_design, py::arg("file"), py::arg("force") = false,
            "Writes the OBJ of a design of arrays, whose sha256 it has.")
       .def_property_readonly("vertices",
@@ -152,10 +153,8 @@ void add_design(py::module_& module) {
         return path_text(fmt::format("<hotblade.Design {}: {} triangles>", design.surface.file_name,
                                      design.surface.health.triangles));
       });
-  module.def("read", &read_file, py::arg("file"), py::arg("units") = py::none(), py::arg("up") = py::none(),
-             py::arg("group") = py::none(), py::arg("facing") = py::none(), py::arg("stitch_mm") = py::none(),
-             py::kw_only(), py::arg("format") = py::none(), py::arg("settings") = nullptr,
-             "Reads a design: OBJ, STL, PLY, glTF or GLB.");
+  module.def("read", &read_file);
+  module.def("from_arrays", &from_arrays);
 }
 
 }  // namespace hotblade::python

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -49,6 +50,26 @@ inline constexpr py::ssize_t kAny = -1;  // of a shape
 // Returns the same of whole numbers.
 [[nodiscard]] py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, const char* name,
                                                                  std::initializer_list<py::ssize_t> shape);
+// Return an argument as what it has to be. Throw Error (kBadSettings) with the argument's name for another.
+[[nodiscard]] double number(const py::handle& value, const char* name);
+[[nodiscard]] std::int64_t whole_number(const py::handle& value, const char* name);
+[[nodiscard]] std::string text(const py::handle& value, const char* name);  // its bytes as of path_of()
+// Throws the same: "name: str (wanted needed: hint)".
+[[noreturn]] void throw_not(const char* wanted, const py::handle& value, const std::string& name,
+                            const char* hint = "");
+[[noreturn]] void throw_made_otherwise(const char* hint);
+template <typename T>
+[[nodiscard]] const T& instance(const py::handle& value, const char* name, const char* wanted,
+                                const char* hint) {
+  if (!py::isinstance<T>(value)) throw_not(wanted, value, name, hint);
+  return value.cast<const T&>();
+}
+// Returns the constructor of a class that is made by its functions, which the hint names.
+template <typename T>
+[[nodiscard]] auto made_otherwise(const char* hint) {
+  return py::init(
+      [hint](const py::args&, const py::kwargs&) -> std::shared_ptr<T> { throw_made_otherwise(hint); });
+}
 // Returns the text of a shape: (n, 4, 2).
 [[nodiscard]] std::string shape_text(const std::vector<py::ssize_t>& shape);
 
@@ -77,6 +98,9 @@ template <typename T>
 [[nodiscard]] py::object to_python(const nlohmann::ordered_json& json);
 [[nodiscard]] py::object parsed(const std::string& json_text);
 
+// Returns the settings of an argument: Settings, a mapping of their keys, or those that nothing is said of.
+[[nodiscard]] pipeline::Settings settings_of(const py::object& given);
+
 // Returns the cell of an argument: a Cell, a file, a name of a cell that hotblade brings, or none.
 [[nodiscard]] std::shared_ptr<robot::Cell> cell_of(const py::object& given);
 
@@ -86,7 +110,8 @@ using Tell = std::function<void(const std::string& stage, double share)>;
 // Runs work on a thread of its own with so many threads (1 to 1024, 0: all cores), the interpreter's lock
 // given up. Meanwhile this thread wakes every 50 ms, calls `progress` (or None) and looks for signals; an
 // exception of either ends the work, and is thrown when it has ended. What the work throws is thrown here.
-void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work);
+void run_watched(const py::object& threads, const py::object& progress,
+                 const std::function<void(const Tell&)>& work);
 
 void add_batch(py::module_& module);
 void add_cell(py::module_& module);

@@ -158,10 +158,17 @@ class Planner {
   Tried tried_;
 };
 
-std::shared_ptr<Plan> plan(const Design& design, const std::shared_ptr<Settings>& given, int threads,
-                           const py::object& progress, const py::object& cell, const std::string& remedies) {
-  const Settings settings = settings_for(design, given ? *given : Settings{});
-  const Planner planner(design, settings, cell_of(cell), tried_of(remedies));
+const Design& design_of(const py::object& given) {
+  return instance<Design>(
+      given, "design", "hotblade.Design",
+      "hotblade.read() makes one of a file, Design.from_arrays() of points and triangles");
+}
+
+std::shared_ptr<Plan> plan(const py::object& planned, const py::object& given, const py::object& threads,
+                           const py::object& progress, const py::object& cell, const py::object& remedies) {
+  const Design& design = design_of(planned);
+  const Settings settings = settings_for(design, settings_of(given));
+  const Planner planner(design, settings, cell_of(cell), tried_of(text(remedies, "remedies")));
   pipeline::refuse_blocked(design.surface, design.surface.file_name);
   auto result = std::make_shared<Plan>();
   run_watched(threads, progress, [&](const Tell& tell) {
@@ -209,14 +216,19 @@ struct Check {
   double deviation_mm = 0, tolerance_mm = 0;
 };
 
-std::shared_ptr<Check> verify(const Program& program, const Design& design, double sample_mm, int threads,
-                              const py::object& progress, const py::object& cell) {
-  const pipeline::Program& data = *program.data;
+std::shared_ptr<Check> verify(const py::object& program, const py::object& of_design,
+                              const py::object& sample, const py::object& threads, const py::object& progress,
+                              const py::object& cell) {
+  const pipeline::Program& data = *instance<Program>(program, "program", "hotblade.Program",
+                                                     "a plan's .program, or Program.load() of a file")
+                                       .data;
+  const Design& design = design_of(of_design);
   if (design.surface.sha256 != data.design.sha256)
     throw Error(
         ErrorKind::kBadInput,
         fmt::format("{}: not the design of this program (sha256 {}, limit {})", design.surface.file_name,
                     design.surface.sha256.substr(0, 12), data.design.sha256.substr(0, 12)));
+  const double sample_mm = number(sample, "sample_mm");
   if (!(sample_mm >= 0.05 && sample_mm <= 100))
     throw Error(ErrorKind::kBadSettings, fmt::format("sample_mm ({}, limits 0.05 and 100)", sample_mm));
   pipeline::VerifyOptions options;
@@ -289,12 +301,8 @@ void add_plan(py::module_& module) {
                            check.within_tolerance ? "within tolerance" : "over tolerance",
                            check.deviation_mm);
       });
-  module.def("plan", &plan, py::arg("design"), py::arg("settings") = nullptr, py::arg("threads") = 0,
-             py::arg("progress") = py::none(), py::kw_only(), py::arg("cell") = py::none(),
-             py::arg("remedies") = "shape", "Plans and verifies the cut program of a design.");
-  module.def("verify", &verify, py::arg("program"), py::arg("design"), py::arg("sample_mm") = 2.5,
-             py::arg("threads") = 0, py::arg("progress") = py::none(), py::kw_only(),
-             py::arg("cell") = py::none(), "Measures a program against its design again.");
+  module.def("plan", &plan);
+  module.def("verify", &verify);
 }
 
 }  // namespace hotblade::python

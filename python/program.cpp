@@ -206,12 +206,16 @@ void add_program(py::module_& module) {
   add_rib(module);
   add_strip(module);
   py::class_<Program, std::shared_ptr<Program>>(module, "Program", "A cut program; it never changes.")
+      .def(made_otherwise<Program>("hotblade.Program: Program.load() reads a file, Program.from_json() a "
+                                   "text; a plan has its .program"))
       .def_static("load", &load_program, py::arg("file"), "Reads program.json or program.json.gz.")
       .def_static(
           "from_json",
-          [](const std::string& text) {
+          [](const py::object& given) {
+            const std::string json =
+                py::isinstance<py::bytes>(given) ? given.cast<std::string>() : text(given, "text");
             const py::gil_scoped_release release;
-            return handed_out(pipeline::parse_program(text, "program.json"));
+            return handed_out(pipeline::parse_program(json, "program.json"));
           },
           py::arg("text"), "Reads the text of a program.")
       .def("save", &save_program, py::arg("file"), py::arg("force") = false,

@@ -48,10 +48,11 @@ struct ToPython {
   }
 };
 
-py::object value_of(Settings settings, const std::string& key) {
+py::object value_of(Settings settings, const py::object& key) {
   for (const pipeline::SettingField& field : pipeline::setting_fields())
-    if (full_key(field) == key) return std::visit(ToPython{}, field.place(settings));
-  throw py::key_error(key);
+    if (key.equal(py::str(full_key(field)))) return std::visit(ToPython{}, field.place(settings));
+  PyErr_SetObject(PyExc_KeyError, key.ptr());
+  throw py::error_already_set();
 }
 
 py::list keys() {
@@ -77,11 +78,23 @@ Settings resolved(const pipeline::SettingsSources& sources) {
   return pipeline::resolve(sources);
 }
 
+// A text of Python may hold halves of characters, which no UTF-8 has.
+std::string utf8_of(const py::handle& value, const std::string& where) {
+  Py_ssize_t size = 0;
+  if (const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &size))
+    return {text, static_cast<std::size_t>(size)};
+  PyErr_Clear();
+  throw pipeline::Error(
+      pipeline::ErrorKind::kBadSettings,
+      where + " (" + py::str(py::module_::import("builtins").attr("ascii")(value)).cast<std::string>() +
+          "): no UTF-8");
+}
+
 constexpr int kMostDepth = 2;  // of the lists of a setting: a list of pairs
 
 std::string text_of(const py::handle& value, const std::string& key, int depth) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
-  if (py::isinstance<py::str>(value)) return nlohmann::json(value.cast<std::string>()).dump();
+  if (py::isinstance<py::str>(value)) return nlohmann::json(utf8_of(value, key)).dump();
   const bool sequence = PySequence_Check(value.ptr()) != 0 && PySequence_Size(value.ptr()) >= 0;
   PyErr_Clear();  // an array of no dimension has no length, and is a number
   if (sequence) {
@@ -140,11 +153,18 @@ std::string toml_value(const py::handle& value, const std::string& key) {
 std::vector<pipeline::SettingsFlag> flags_of(const py::object& values, const std::string& where) {
   std::vector<pipeline::SettingsFlag> flags;
   if (values.is_none()) return flags;
+  if (!py::hasattr(values, "items"))
+    throw_not("hotblade.Settings or a mapping of their keys", values, where, "Settings.load() reads a file");
   for (const py::handle& pair : values.attr("items")()) {
-    const auto key = py::str(pair[py::int_(0)]).cast<std::string>();
+    const std::string key = utf8_of(py::str(pair[py::int_(0)]), where + ": a key");
     flags.push_back({where, key, toml_value(pair[py::int_(1)], key)});
   }
   return flags;
+}
+
+Settings settings_of(const py::object& given) {
+  if (py::isinstance<Settings>(given)) return given.cast<const Settings&>();
+  return resolved({{}, {}, flags_of(given, "settings")});
 }
 
 void add_settings(py::module_& module) {

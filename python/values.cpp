@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/settings/error.hpp"
@@ -26,7 +27,7 @@ py::array checked(const py::handle& value, const char* name, const char* kinds, 
   const auto fail = [&](const std::string& what) {
     throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} ({} needed)", name, what, shape_text(shape)));
   };
-  if (!array) fail("no array");
+  if (!array || value.is_none()) throw_not(("an array " + shape_text(shape)).c_str(), value, name);
   if (std::string_view(kinds).find(array.dtype().kind()) == std::string_view::npos && array.size() > 0)
     throw Error(ErrorKind::kBadSettings, fmt::format("{}: dtype {} ({} needed)", name,
                                                      py::str(array.dtype()).cast<std::string>(), wanted));
@@ -61,6 +62,44 @@ py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, cons
   Whole rows(std::vector<py::ssize_t>(wide.shape(), wide.shape() + wide.ndim()));
   for (py::ssize_t i = 0; i < wide.size(); ++i) rows.mutable_data()[i] = static_cast<int>(wide.data()[i]);
   return rows;
+}
+
+void throw_not(const char* wanted, const py::handle& value, const std::string& name, const char* hint) {
+  const std::string_view told = hint;
+  throw Error(ErrorKind::kBadSettings,
+              fmt::format("{}: {} ({} needed{}{})", name,
+                          py::type::of(value).attr("__qualname__").cast<std::string>(), wanted,
+                          told.empty() ? "" : ": ", told));
+}
+
+void throw_made_otherwise(const char* hint) {
+  throw Error(ErrorKind::kBadSettings, hint);
+}
+
+double number(const py::handle& value, const char* name) {
+  const double number = PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred() == nullptr) return number;
+  PyErr_Clear();
+  throw_not("a number", value, name);
+}
+
+std::int64_t whole_number(const py::handle& value, const char* name) {
+  int overflow = 0;
+  const long long number =
+      PyIndex_Check(value.ptr()) != 0 ? PyLong_AsLongLongAndOverflow(value.ptr(), &overflow) : 0;
+  if (PyIndex_Check(value.ptr()) == 0 || PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw_not("a whole number", value, name);
+  }
+  // What is beyond 64 bits is beyond every limit too.
+  if (overflow != 0)
+    return overflow > 0 ? std::numeric_limits<std::int64_t>::max() : std::numeric_limits<std::int64_t>::min();
+  return number;
+}
+
+std::string text(const py::handle& value, const char* name) {
+  if (!py::isinstance<py::str>(value)) throw_not("a text", value, name);
+  return path_of(py::reinterpret_borrow<py::object>(value));
 }
 
 std::string path_of(const py::object& file) {

@@ -52,23 +52,30 @@ class Watch {
   std::exception_ptr error_;
 };
 
+int counted(const py::object& threads) {
+  constexpr int kMostThreads = 1024;  // as of --jobs: many more are no arena that TBB can make
+  const std::int64_t count = whole_number(threads, "threads");
+  if (count < 0 || count > kMostThreads)
+    throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
+                          "threads (" + std::to_string(count) + ", must be 0 to " +
+                              std::to_string(kMostThreads) + "): 0 takes all cores");
+  return static_cast<int>(count);
+}
+
 }  // namespace
 
-void run_watched(int threads, const py::object& progress, const std::function<void(const Tell&)>& work) {
-  constexpr int kMostThreads = 1024;  // as of --jobs: many more are no arena that TBB can make
-  if (threads < 0 || threads > kMostThreads)
-    throw pipeline::Error(pipeline::ErrorKind::kBadSettings,
-                          "threads (" + std::to_string(threads) + ", must be 0 to " +
-                              std::to_string(kMostThreads) + "): 0 takes all cores");
+void run_watched(const py::object& threads, const py::object& progress,
+                 const std::function<void(const Tell&)>& work) {
+  const int count = counted(threads);
   if (!progress.is_none() && PyCallable_Check(progress.ptr()) == 0)
-    throw pipeline::Error(pipeline::ErrorKind::kBadSettings, "progress: not callable");
+    throw_not("a function of stage and share", progress, "progress");
   constexpr std::chrono::milliseconds kWake(50);
   Watch watch;
   gpu::Stop stop;
   std::thread worker([&] {
     std::exception_ptr error;
     try {
-      gpu::run_stoppable(threads, stop, [&] {
+      gpu::run_stoppable(count, stop, [&] {
         work([&](const std::string& stage, double share) {
           gpu::stop_point();
           watch.tell(stage, share);

@@ -2,15 +2,17 @@
 from collections.abc import Mapping as _Mapping
 
 from . import curve
-from ._hotblade import (PHASES, Cell, Check, Design, Plan, Program, Rib, Settings, Strip, __version__, plan, read,
-                        verify)
+from ._hotblade import PHASES, Cell, Check, Design, Plan, Program, Rib, Settings, Strip, __version__
 from .batch import Batch, Job
+from .calls import from_arrays as _from_arrays
+from .calls import plan, read, verify
 from .errors import ControllerError, Error, FileError, InputError, NotCuttable, OverTolerance, UsageError
 
 __all__ = ["PHASES", "Batch", "Cell", "Check", "ControllerError", "Design", "Error", "FileError", "InputError", "Job",
            "NotCuttable", "OverTolerance", "Plan", "Program", "Rib", "Settings", "Strip", "UsageError", "curve", "plan", "read", "verify",
            "__version__"]
 
+Design.from_arrays = staticmethod(_from_arrays)
 # What a mapping has beside its items.
 for _name in ("__contains__", "__eq__", "get", "items", "keys", "values"):
     setattr(Settings, _name, getattr(_Mapping, _name))

@@ -1,5 +1,4 @@
-import os
-from typing import Any, Callable, ClassVar, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, ClassVar, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -7,6 +6,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import curve as curve
 from .batch import Batch as Batch
 from .batch import Job as Job
+from .calls import Path as _Path
+from .calls import Values as _Values
+from .calls import plan as plan
+from .calls import read as read
+from .calls import verify as verify
 from .errors import ControllerError as ControllerError
 from .errors import Error as Error
 from .errors import FileError as FileError
@@ -18,15 +22,13 @@ from .errors import UsageError as UsageError
 __version__: str
 PHASES: Tuple[str, ...]
 
-_Path = Union[str, os.PathLike[str]]
 _Numbers = NDArray[np.float64]
-_Progress = Callable[[str, float], object]
 
 class Settings(Mapping[str, Any]):
-    def __init__(self, values: Optional[Mapping[str, Any]] = None) -> None: ...
+    def __init__(self, values: Optional[_Values] = None) -> None: ...
     @staticmethod
-    def load(files: Union[_Path, Sequence[_Path]], values: Optional[Mapping[str, Any]] = None) -> Settings: ...
-    def changed(self, values: Mapping[str, Any]) -> Settings: ...
+    def load(files: Union[_Path, Sequence[_Path]], values: Optional[_Values] = None) -> Settings: ...
+    def changed(self, values: _Values) -> Settings: ...
     def to_toml(self) -> str: ...
     __hash__: ClassVar[None]  # type: ignore[assignment]
     def __getitem__(self, key: str) -> Any: ...
@@ -36,7 +38,7 @@ class Settings(Mapping[str, Any]):
 class Design:
     @staticmethod
     def from_arrays(vertices: ArrayLike, triangles: ArrayLike, units: Optional[str] = None, name: str = "design", *,
-                    up: Optional[str] = None, settings: Optional[Settings] = None) -> Design: ...
+                    up: Optional[str] = None, settings: Optional[_Values] = None) -> Design: ...
     def save(self, file: _Path, force: bool = False) -> None: ...
     @property
     def vertices(self) -> _Numbers: ...
@@ -178,12 +180,3 @@ class Check:
     @property
     def tolerance_mm(self) -> float: ...
     def check(self) -> None: ...
-
-def read(file: _Path, units: Optional[str] = None, up: Optional[str] = None, group: Optional[str] = None,
-         facing: Optional[ArrayLike] = None, stitch_mm: Optional[float] = None, *, format: Optional[str] = None,
-         settings: Optional[Settings] = None) -> Design: ...
-def plan(design: Design, settings: Optional[Settings] = None, threads: int = 0,
-         progress: Optional[_Progress] = None, *, cell: Optional[Union[Cell, _Path]] = None,
-         remedies: str = "shape") -> Plan: ...
-def verify(program: Program, design: Design, sample_mm: float = 2.5, threads: int = 0,
-           progress: Optional[_Progress] = None, *, cell: Optional[Union[Cell, _Path]] = None) -> Check: ...

@@ -8,6 +8,7 @@ import pathlib
 from typing import TYPE_CHECKING, Any, Callable, Dict, Iterator, Optional, Sequence, Tuple, Union, cast
 
 from . import _hotblade  # type: ignore
+from .calls import read
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ class Job:
     def design(self) -> Design:
         """The panel as it is planned."""
         file = self._files()[1]
-        design = cast("Design", _hotblade.read(file, settings=self.settings))
+        design = read(file, settings=self.settings)
         if design.sha256 != self._batch._hashes(self)[0]:
             raise InputError(f"{file}: not the design of its name any more")
         return design

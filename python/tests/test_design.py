@@ -1,3 +1,4 @@
+import collections
 import hashlib
 import json
 import os
@@ -5,6 +6,7 @@ import pickle
 import shutil
 import threading
 import time
+import types
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import hotblade as hb
 
 SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0.5], [0, 1, 0.25]]
 FACES = [[0, 1, 2], [0, 2, 3]]
+BEZIER = [[0, 0], [30, 40], [70, 40], [100, 0]]
 
 
 def test_arrays_are_the_designs_own_and_read_only(samples):
@@ -80,6 +83,60 @@ def test_wrong_arrays_are_told_by_their_argument(vertices, triangles, said):
         hb.Design.from_arrays(vertices, triangles, "mm")
 
 
+@pytest.mark.parametrize("call, said", [
+    (lambda bump: hb.plan("bump.obj"), r"design: str \(hotblade.Design needed: hotblade.read\(\) makes one of a file"),
+    (lambda bump: hb.plan(None), "design: NoneType .hotblade.Design needed"),
+    (lambda bump: hb.plan(bump[0], "bump.toml"), r"settings: str \(hotblade.Settings or a mapping .* Settings.load\(\)"),
+    (lambda bump: hb.plan(bump[0], [1.0]), "settings: list .hotblade.Settings or a mapping"),
+    (lambda bump: hb.plan(bump[0], {"design.tolerance": 1}), "settings: .*did you mean design.tolerance_mm"),
+    (lambda bump: hb.plan(*bump[:2], threads="2"), "threads: str .a whole number needed"),
+    (lambda bump: hb.plan(*bump[:2], threads=2.5), "threads: float .a whole number needed"),
+    (lambda bump: hb.plan(*bump[:2], threads=10**30), "threads .9223372036854775807, must be 0 to 1024"),
+    (lambda bump: hb.plan(*bump[:2], progress=1), "progress: int .a function of stage and share needed"),
+    (lambda bump: hb.plan(*bump[:2], remedies=None), "remedies: NoneType .a text needed"),
+    (lambda bump: hb.verify(bump[2], bump[0]), r"program: Plan \(hotblade.Program needed: a plan's .program"),
+    (lambda bump: hb.verify(bump[2].program, bump[2]), "design: Plan .hotblade.Design needed"),
+    (lambda bump: hb.verify(bump[2].program, bump[0], "2.5"), "sample_mm: str .a number needed"),
+    (lambda bump: hb.Program.from_json({"strips": []}), "text: dict .a text needed"),
+    (lambda bump: hb.Settings("bump.toml"), "settings: str .hotblade.Settings or a mapping"),
+    (lambda bump: hb.Settings.load((), 7), "settings: int .hotblade.Settings or a mapping"),
+    (lambda bump: hb.Settings().changed(7), "settings: int .hotblade.Settings or a mapping"),
+    (lambda bump: hb.read("bump.obj", "furlong"), 'units: design.units ."furlong", must be one of'),
+    (lambda bump: hb.read("bump.obj", "mm", facing=[0, 1]), "facing: design.facing"),
+    (lambda bump: hb.read("bump.obj", "mm", stitch_mm="wide"), "stitch_mm: design.stitch_mm"),
+    (lambda bump: hb.read("bump.obj", settings="bump.toml"), "settings: str .hotblade.Settings or a mapping"),
+    (lambda bump: hb.Design.from_arrays(SQUARE, FACES, up=3, units="mm"), "up: design.up"),
+    (lambda bump: hb.Design.from_arrays(SQUARE, FACES), "design.obj: no unit given"),
+    (lambda bump: hb.Design.from_arrays(SQUARE, FACES, "mm", None), "name: NoneType .a text needed"),
+    (lambda bump: hb.Design.from_arrays(None, FACES, "mm"), r"vertices: NoneType \(an array \(n, 3\) needed"),
+    (lambda bump: hb.Design.from_arrays([[0, 0, 0], [1]], FACES, "mm"), r"vertices: list \(an array \(n, 3\) needed"),
+    (lambda bump: hb.curve.sample(hb.curve.fit(BEZIER), 9), r"elastica: Fit \(an array \(7,\) needed"),
+    (lambda bump: hb.curve.sample(hb.curve.fit(BEZIER).elastica, 2.5), "n: float .a whole number needed"),
+    (lambda bump: hb.curve.fit(BEZIER, None), "ends: NoneType .a text needed"),
+    (lambda bump: hb.curve.project(BEZIER, threshold="x"), "threshold: str .a number needed"),
+    (lambda bump: hb.curve.equilibria([0, 0, 0], [1, 0, 0], None), "length: NoneType .a number needed"),
+    (lambda bump: hb.curve.equilibria([0, 0, 0], [1, 0, 0], 2, 1.5), "max_inflections: float .a whole number needed"),
+    (lambda bump: hb.Settings({"job.number": "a\ud800"}), r"job.number \('a\\ud800'\): no UTF-8"),
+    (lambda bump: hb.Settings({"a\udcff": 1}), r"settings: a key \('a\\udcff'\): no UTF-8"),
+    (lambda bump: hb.Design(SQUARE, FACES), r"hotblade.Design: hotblade.read\(\) makes one of a file"),
+    (lambda bump: hb.Program("program.json"), r"hotblade.Program: Program.load\(\) reads a file"),
+    (lambda bump: hb.Cell("two_kr50"), r"hotblade.Cell: Cell.load\(\) reads a file"),
+])
+def test_wrong_arguments_are_told_by_their_name(call, said, bump):
+    with pytest.raises(hb.UsageError, match=said) as wrong:
+        call(bump)
+    assert len(str(wrong.value)) < 200 and "\n" not in str(wrong.value)
+
+
+@pytest.mark.parametrize("call", [lambda: hb.read("a.obj", unit="mm"), lambda: hb.plan(design=None, thread=1),
+                                  lambda: hb.verify(None, None, tolerance=1), hb.read, hb.plan, hb.verify,
+                                  lambda: hb.Design.from_arrays(SQUARE, FACES, unit="mm"), lambda: hb.Design.from_arrays(SQUARE)])
+def test_arguments_of_no_such_name_are_told_shortly(call):
+    with pytest.raises(TypeError, match="unexpected keyword argument|missing [12] required positional argument") as wrong:
+        call()
+    assert len(str(wrong.value)) < 100
+
+
 def test_errors_have_the_exit_codes_of_the_commands(samples, tmp_path):
     with pytest.raises(hb.FileError) as file:
         hb.read(tmp_path / "none.obj", "mm")
@@ -104,8 +161,10 @@ def test_settings_are_a_mapping_that_names_what_is_wrong(samples):
     assert settings["blade.free_lengths_mm"] == (400, 600.5) and settings["job.number"] == "a = 'b' \"c\""
     assert settings.changed({"design.tolerance_mm": 2})["design.tolerance_mm"] == 2
     assert settings == settings.changed({}) and settings != hb.Settings()
-    with pytest.raises(KeyError):
-        settings["design.nothing"]
+    for key in ("design.nothing", 0, None, "a\ud800"):
+        with pytest.raises(KeyError):
+            settings[key]
+        assert key not in settings
     for values, said in (({"design.tolerance_mm": -1}, "design.tolerance_mm .-1, must be 0.01 to 100"),
                          ({"design.tolerence_mm": 1}, "did you mean design.tolerance_mm"),
                          ({"design.units": object()}, "design.units"), ({"design.keep": "up"}, "design.keep")):
@@ -135,6 +194,18 @@ def test_settings_are_made_of_settings(values, tmp_path):
     file.write_text(hb.Settings(WHOLE).to_toml())
     assert hb.Settings.load(file, settings) == settings  # what the file says is taken back where they have it absent
     assert hb.Settings(WHOLE).changed(settings) == settings
+
+
+def test_a_mapping_is_taken_as_settings(samples, bump):
+    values = {"design.units": "cm", "design.up": "y", "design.tolerance_mm": 2}
+    for mapping in (values, types.MappingProxyType(values), collections.ChainMap(values), hb.Settings(values)):
+        design = hb.read(samples / "bump.obj", settings=mapping)
+        assert design.units == "cm"
+        assert design.vertices.tolist() == hb.read(samples / "bump.obj", "cm", "y").vertices.tolist()
+        assert hb.Design.from_arrays(SQUARE, FACES, settings=mapping).vertices[2].tolist() == [10, -5, 10]
+    design, settings, result = bump
+    values = {key: value for key, value in settings.items() if not key.startswith("design.") or key == "design.tolerance_mm"}
+    assert hb.plan(design, values).program.to_json() == result.program.to_json()
 
 
 def test_none_is_for_what_may_be_absent():

@@ -23,6 +23,7 @@ hotblade\.(Cell|Check|Design|Plan|Program|Rib|Settings|Strip)([.]__init__)?
 hotblade\.Settings\.get
 hotblade\.curve\.(ArrayLike|NDArray|Numbers|NamedTuple)
 hotblade\.batch\.(Design|Iterator|Program|Sequence|Settings)
+hotblade\.calls\.(ArrayLike|Cell|Check|Design|Mapping|Plan|Program)
 hotblade\.rpc\.Sequence
 """)
     mypy("mypy.stubtest", "hotblade", "--allowlist", allowed, "--ignore-unused-allowlist", cwd=tmp_path)
