@@ -29,20 +29,33 @@ std::string ending_of(const std::filesystem::path& file) {
 struct OtherFormat {
   std::string_view name;
   std::string_view head;                    // its first bytes; empty: they do not tell
+  std::string_view word;                    // that stands among them; empty: any
   std::array<std::string_view, 4> endings;  // of names
   std::string_view conversion;
 };
 
 constexpr std::string_view kByGmsh = "gmsh IN -2 -clmax 20 -clcurv 200 -format stl -o out.stl",
                            kByMeshio = "meshio convert IN out.obj", kByAssimp = "assimp export IN out.obj";
-constexpr std::array<OtherFormat, 7> kOthers{{
-    {"STEP", "ISO-10303-21", {".step", ".stp"}, kByGmsh},
-    {"IGES", "", {".iges", ".igs"}, kByGmsh},
-    {"BREP", "DBRep_DrawableShape", {".brep"}, kByGmsh},
-    {"VTK", "# vtk DataFile", {".vtk", ".vtu", ".vtp"}, kByMeshio},
-    {"MSH", "$MeshFormat", {".msh"}, kByMeshio},
-    {"DAE, FBX, 3DS or 3MF", "", {".dae", ".fbx", ".3ds", ".3mf"}, kByAssimp},
-    {"OFF", "", {".off"}, kByAssimp},
+// meshio reads grids of VTK and no polygons.
+constexpr std::string_view
+    kPolygonsByVtk =
+        "python3 -c \"import vtk; r = vtk.vtkPolyDataReader(); r.SetFileName('IN'); "
+        "w = vtk.vtkPLYWriter(); w.SetFileName('out.ply'); "
+        "w.SetInputConnection(r.GetOutputPort()); w.Write()\"",
+    kXmlByVtk =
+        "python3 -c \"import vtk; r = vtk.vtkXMLPolyDataReader(); r.SetFileName('IN'); "
+        "w = vtk.vtkPLYWriter(); w.SetFileName('out.ply'); "
+        "w.SetInputConnection(r.GetOutputPort()); w.Write()\"";
+constexpr std::array<OtherFormat, 9> kOthers{{
+    {"STEP", "ISO-10303-21", "", {".step", ".stp"}, kByGmsh},
+    {"IGES", "", "", {".iges", ".igs"}, kByGmsh},
+    {"BREP", "DBRep_DrawableShape", "", {".brep"}, kByGmsh},
+    {"VTK", "# vtk DataFile", "POLYDATA", {".vtk"}, kPolygonsByVtk},
+    {"VTK", "# vtk DataFile", "", {".vtk", ".vtu"}, kByMeshio},
+    {"VTP", "", "", {".vtp"}, kXmlByVtk},
+    {"MSH", "$MeshFormat", "", {".msh"}, kByMeshio},
+    {"DAE, FBX, 3DS or 3MF", "", "", {".dae", ".fbx", ".3ds", ".3mf"}, kByAssimp},
+    {"OFF", "", "", {".off"}, kByAssimp},
 }};
 constexpr std::string_view kRhino = ".3dm";
 
@@ -55,6 +68,7 @@ void refuse_other_formats(std::string_view head, const std::filesystem::path& fi
     const bool named = !ending.empty() &&
                        std::find(other.endings.begin(), other.endings.end(), ending) != other.endings.end();
     if (!named && (other.head.empty() || !head.starts_with(other.head))) continue;
+    if (head.find(other.word) == std::string_view::npos) continue;
     std::string line(other.conversion);
     line.replace(line.find("IN"), 2, file.filename().string());
     throw MeshError(file.string() + ": of format " + std::string(other.name) + " by its " +

@@ -2,7 +2,8 @@
   formats    every sample as STL, PLY, glTF and GLB of assimp, and as STL and PLY of VTK, is the same surface
   plan       and gives the same plan
   convert    a documented conversion of another format gives the same surface
-  meshio     the documented line for meshio turns a VTK file into the surface it was written of; exit code 77 without meshio
+  meshio     the documented line for meshio turns VTK files into the surface they were written of; exit code 77 without meshio
+  vtk        and that of VTK its polygons, the design of `preview --export` among them
   step       the documented line for gmsh turns a STEP file into its surface, in mm; exit code 77 without gmsh
   refused    units, axes and names that contradict the file are refused, with their exit codes
 Prints what differs, and exits with 1."""
@@ -39,21 +40,41 @@ def converted(source, name, code):
     return target
 
 
-def written_by_vtk(source, name, writer, **how):
-    """A file that a writer of VTK made of an OBJ."""
+def polygons_of(obj):
+    """What VTK reads of an OBJ."""
     import vtk
     reader = vtk.vtkOBJReader()
-    reader.SetFileName(str(source))
+    reader.SetFileName(str(obj))
     reader.Update()
-    target = folder / name
+    return reader.GetOutput()
+
+
+def grid_of(file):
+    """What VTK reads of a grid of its own format."""
+    import vtk
+    reader = vtk.vtkUnstructuredGridReader()
+    reader.SetFileName(str(file))
+    reader.Update()
+    return reader.GetOutput()
+
+
+def written(writer, data, target, **how):
+    """A file that a writer of VTK made, binary unless said."""
+    import vtk
     made = getattr(vtk, writer)()
     made.SetFileName(str(target))
-    made.SetFileType(how["type"])
+    if hasattr(made, "SetFileType"):
+        made.SetFileType(how.get("type", BINARY))
     if "order" in how:
         made.SetDataByteOrder(how["order"])
-    made.SetInputData(reader.GetOutput())
-    expect(made.Write() == 1, f"VTK writes {name}")
+    made.SetInputData(data)
+    expect(made.Write() == 1, f"VTK writes {target.name}")
     return target
+
+
+def written_by_vtk(source, name, writer, **how):
+    """A file that a writer of VTK made of an OBJ."""
+    return written(writer, polygons_of(source), folder / name, **how)
 
 
 def checked(file, *options):
@@ -143,9 +164,44 @@ elif check == "meshio":
              *(" ".join(p) for p in points), f"CELLS {len(faces)} {sum(1 + len(f) for f in faces)}",
              *(" ".join(map(str, [len(f), *f])) for f in faces), f"CELL_TYPES {len(faces)}",
              *(str(kinds[len(f)]) for f in faces), ""]))
+        wanted = checked(samples / f"{sample}.obj", "--units", "mm")
         subprocess.run(line, check=True, stdout=subprocess.DEVNULL, cwd=work)
-        back = work / "out.obj"
-        expect_same(back, checked(back, "--units", "mm"), checked(samples / f"{sample}.obj", "--units", "mm"))
+        expect_same(work / "out.obj", checked(work / "out.obj", "--units", "mm"), wanted)
+        # The same grid as VTK itself writes it, binary and as XML.
+        grid = grid_of(work / "in.vtk")
+        for name, writer in (("in.vtk", "vtkUnstructuredGridWriter"), ("in.vtu", "vtkXMLUnstructuredGridWriter")):
+            written(writer, grid, work / name)
+            words = [name if word == "in.vtk" else word for word in line]
+            (work / "out.obj").unlink()
+            subprocess.run(words, check=True, stdout=subprocess.DEVNULL, cwd=work)
+            expect_same(work / "out.obj", checked(work / "out.obj", "--units", "mm"), wanted)
+elif check == "vtk":
+    page = (pathlib.Path(__file__).resolve().parents[2] / "docs/inputs.md").read_text()
+    line = re.search(r"`(python3 -c \"import vtk[^`]*)`", page)[1]
+    for sample in ("hypar", "petal"):
+        wanted = checked(samples / f"{sample}.obj", "--units", "mm")
+        work = folder / sample
+        work.mkdir()
+        for name, writer in (("in.vtk", "vtkPolyDataWriter"), ("in.vtp", "vtkXMLPolyDataWriter")):
+            written(writer, polygons_of(samples / f"{sample}.obj"), work / name)
+            refused = run("check", work / name, "--units", "mm")
+            said = re.search(r"`(.*)`", refused.stderr)[1]
+            expect(refused.returncode == 3, f"check {name}: exit {refused.returncode}")
+            as_page = line if name == "in.vtp" else line.replace("vtkXMLPolyDataReader", "vtkPolyDataReader").replace("in.vtp", name)
+            expect(said == as_page, f"check {name} says {said}, the page {as_page}")
+            subprocess.run(said.replace("python3", sys.executable), check=True, cwd=work, shell=True)
+            expect_same(work / "out.ply", checked(work / "out.ply", "--units", "mm"), wanted)
+            (work / "out.ply").unlink()
+    # What hotblade itself exports for ParaView is the design that was planned.
+    design, cut = samples / "hypar.obj", folder / "cut"
+    ended = run("plan", design, "--units", "mm", "--config", samples / "hypar.toml", "-o", cut, "--pictures", "none")
+    expect(ended.returncode == 0, f"plan: {ended.stderr}")
+    ended = run("preview", cut / "program.json", "--design", design, "--export", folder / "scene.vtm")
+    expect(ended.returncode == 0, f"preview --export: {ended.stderr}")
+    first = re.search(r'<DataSet index="0" name="design" file="([^"]*)"', (folder / "scene.vtm").read_text())[1]
+    shutil.copy(folder / first, folder / "in.vtp")
+    subprocess.run(line.replace("python3", sys.executable), check=True, cwd=folder, shell=True)
+    expect_same(folder / "out.ply", checked(folder / "out.ply", "--units", "mm"), checked(design, "--units", "mm"))
 elif check == "step":
     if shutil.which("gmsh") is None:
         print("gmsh is not installed")

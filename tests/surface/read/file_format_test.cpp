@@ -53,6 +53,13 @@ TEST(FileFormat, ThoseOfOtherProgramsAreRefusedWithTheLineThatConvertsThem) {
             "200 -format stl -o out.stl`, or say with --format what it is");
   EXPECT_THAT(refusal("ISO-10303-21;\n", "part"), HasSubstr("of format STEP by its first bytes"));
   EXPECT_THAT(refusal("# vtk DataFile Version 3.0\n", "a.txt"), HasSubstr("`meshio convert a.txt out.obj`"));
+  EXPECT_THAT(refusal("# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n", "a.vtk"),
+              HasSubstr("r = vtk.vtkPolyDataReader(); r.SetFileName('a.vtk'); w = vtk.vtkPLYWriter();"));
+  EXPECT_THAT(refusal("", "a.vtk"), HasSubstr("`meshio convert a.vtk out.obj`"));
+  EXPECT_THAT(
+      refusal("", "a.vtp"),
+      HasSubstr("of format VTP by its name, which is not read: convert it, as by `python3 -c \"import vtk; "
+                "r = vtk.vtkXMLPolyDataReader(); r.SetFileName('a.vtp')"));
   EXPECT_THAT(refusal("$MeshFormat\n", "a"), HasSubstr("`meshio convert a out.obj`"));
   EXPECT_THAT(refusal("", "a.vtu"), HasSubstr("`meshio convert a.vtu out.obj`"));
   EXPECT_THAT(refusal("PK", "a.3mf"), HasSubstr("`assimp export a.3mf out.obj`"));
