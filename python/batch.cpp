@@ -44,19 +44,15 @@ py::tuple open_batch(const py::object& place) {
 // By key the hashes of design and settings, of one chunk.
 py::dict planned_keys(const py::object& place, int chunk) {
   py::dict all;
-  for (const batch::PlannedKey& planned : read_chunk(batch_at(place), chunk))
+  const batch::BatchDirectory directory = batch_at(place);
+  for (const batch::PlannedKey& planned : unlocked([&] { return read_chunk(directory, chunk); }))
     all[py::str(planned.key)] = py::make_tuple(planned.design_sha256, planned.settings_sha256);
   return all;
 }
 
 py::object batch_status(const py::object& place) {
   const batch::BatchDirectory directory = batch_at(place);
-  nlohmann::ordered_json json;
-  {
-    const py::gil_scoped_release release;
-    json = to_json(status_of(directory));
-  }
-  return to_python(json);
+  return to_python(unlocked([&] { return to_json(status_of(directory)); }));
 }
 
 py::tuple job_files(const py::object& place, const std::string& key, const std::string& design_sha256,
@@ -69,8 +65,10 @@ py::tuple job_files(const py::object& place, const std::string& key, const std::
 
 py::object job_result(const py::object& place, const std::string& key) {
   const batch::BatchDirectory directory = batch_at(place);
-  if (!has_result(directory, key)) return py::none();
-  return parsed(result_text(batch::read_result(directory.result(key))));
+  const std::string text = unlocked([&] {
+    return has_result(directory, key) ? result_text(batch::read_result(directory.result(key))) : "";
+  });
+  return text.empty() ? py::none() : parsed(text);
 }
 
 // A number that a table has as text; its text where it is none.

@@ -39,12 +39,15 @@ void add_cell(py::module_& module) {
           "names", [] { return texts(pipeline::embedded_cells()); },
           "The cells that hotblade brings, the default first.")
       .def_property_readonly("name", [](const robot::Cell& cell) { return cell.name; })
-      .def_property_readonly("sha256", &pipeline::cell_sha256)
+      .def_property_readonly(
+          "sha256",
+          [](const robot::Cell& cell) { return unlocked([&] { return pipeline::cell_sha256(cell); }); })
       .def_property_readonly("arms", &arm_ids)
       .def_property_readonly("warnings",
                              [](const robot::Cell& cell) { return texts(pipeline::warnings(cell)); })
       .def(
-          "to_toml", [](const robot::Cell& cell) { return pipeline::to_toml(cell); },
+          "to_toml",
+          [](const robot::Cell& cell) { return unlocked([&] { return pipeline::to_toml(cell); }); },
           "A file that reads back as this cell, every value written out.")
       .def("__repr__", [](const robot::Cell& cell) {
         return fmt::format("<hotblade.Cell {}: {}>", cell.name,

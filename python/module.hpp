@@ -94,6 +94,13 @@ template <typename T>
 [[nodiscard]] py::object path_text(const std::string& path);
 [[nodiscard]] py::tuple texts(const std::vector<std::string>& list);
 
+// Runs without the interpreter's lock what needs no Python and takes more than some microseconds.
+template <typename Work>
+auto unlocked(const Work& work) {
+  const py::gil_scoped_release release;
+  return work();
+}
+
 // Returns JSON as lists, dictionaries and plain values.
 [[nodiscard]] py::object to_python(const nlohmann::ordered_json& json);
 [[nodiscard]] py::object parsed(const std::string& json_text);

@@ -186,12 +186,11 @@ py::object report(Plan& plan) {
   if (!plan.report.is_none()) return plan.report;
   const std::shared_ptr<const pipeline::PlanResult> facts = plan.facts;
   const bool passed = facts->program.verification.status == pipeline::VerificationStatus::kPassed;
-  std::string text;
-  {
-    const py::gil_scoped_release release;
-    text = report_json(*facts, passed ? pipeline::sha256_hex(to_json(facts->program)) : "");
-  }
-  plan.report = parsed(text);
+  const nlohmann::ordered_json json = unlocked([&] {
+    return nlohmann::ordered_json::parse(
+        report_json(*facts, passed ? pipeline::sha256_hex(to_json(facts->program)) : ""));
+  });
+  plan.report = to_python(json);
   return plan.report;
 }
 

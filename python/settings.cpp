@@ -193,7 +193,7 @@ void add_settings(py::module_& module) {
       .def("__len__", [](const Settings&) { return pipeline::setting_fields().size(); })
       .def("__iter__", [](const Settings&) { return py::iter(keys()); })
       .def(
-          "to_toml", [](const Settings& settings) { return to_toml(settings); },
+          "to_toml", [](const Settings& settings) { return unlocked([&] { return to_toml(settings); }); },
           "A configuration file that reads back as these settings.")
       .def("__reduce__",
            [](const py::object& self) {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "pipeline/settings/error.hpp"
 #include "python/module.hpp"
@@ -55,12 +56,16 @@ py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, cons
   if (given.dtype().is(py::dtype::of<int>())) return Whole::ensure(given);
   const Wide wide = Wide::ensure(given);
   if (!wide) throw py::error_already_set();
-  for (py::ssize_t i = 0; i < wide.size(); ++i) {
-    if (wide.data()[i] != static_cast<int>(wide.data()[i]))
-      throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} is no int32", name, wide.data()[i]));
-  }
   Whole rows(std::vector<py::ssize_t>(wide.shape(), wide.shape() + wide.ndim()));
-  for (py::ssize_t i = 0; i < wide.size(); ++i) rows.mutable_data()[i] = static_cast<int>(wide.data()[i]);
+  const std::span<const std::int64_t> from(wide.data(), static_cast<std::size_t>(wide.size()));
+  int* const to = rows.mutable_data();
+  unlocked([&] {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      to[i] = static_cast<int>(from[i]);
+      if (to[i] != from[i])
+        throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} is no int32", name, from[i]));
+    }
+  });
   return rows;
 }
 

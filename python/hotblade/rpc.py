@@ -19,7 +19,14 @@ from hotblade import curve as _curve
 Json = Dict[str, Any]
 
 
+def _is_given(what: str, value: object, wanted: str) -> None:
+    """Raises UsageError where an argument is no dictionary."""
+    if not isinstance(value, dict):
+        raise _hb.UsageError(f"{what}: {type(value).__qualname__} ({wanted} needed)")
+
+
 def _design(design: Json, settings: Optional[_hb.Settings] = None) -> _hb.Design:
+    _is_given("design", design, "a dictionary of file, or of vertices and triangles, and of units")
     words = dict(design)
     if settings is not None:
         words["settings"] = settings
@@ -72,6 +79,7 @@ def plan(design: Json, settings: Optional[Json] = None, files: Union[str, Sequen
 
 def verify(program: Json, design: Json, sample_mm: float = 2.5, threads: int = 0, cell: Optional[str] = None) -> Json:
     """What `hotblade verify --json` says of a program; the design is read as the program says."""
+    _is_given("program", program, "the dictionary of a program; a refused plan has none")
     loaded = _hb.Program.from_json(json.dumps(program))
     settings = loaded.settings
     return _hb.verify(loaded, _design(design, settings), sample_mm, threads, cell=cell).report

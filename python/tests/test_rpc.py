@@ -37,6 +37,17 @@ def test_a_refused_plan_has_reasons_and_no_program(samples):
         rpc.check({"file": "none.obj", "units": "mm"})
 
 
+@pytest.mark.parametrize("call, said", [
+    (lambda: rpc.plan("a.obj"), "design: str .a dictionary of file, or of vertices and triangles, and of units needed"),
+    (lambda: rpc.check(None), "design: NoneType .a dictionary"),
+    (lambda: rpc.verify(None, {"file": "a.obj"}), "program: NoneType .the dictionary of a program; a refused plan has none"),
+    (lambda: rpc.plan({"file": "a.obj", "units": "mm"}, "job.toml"), "settings: str .hotblade.Settings or a mapping"),
+])
+def test_what_is_no_dictionary_is_told_by_its_name(call, said):
+    with pytest.raises(hb.UsageError, match=said):
+        call()
+
+
 def test_arms_and_batches_are_plain(bump, samples, program, tmp_path):
     design = {"file": str(samples / "bump.obj")}
     answer = plain(rpc.plan(design, {"design.units": "mm"}, str(samples / "bump.toml"), cell="two_kr50", remedies="none"))
