@@ -17,6 +17,7 @@
 #include "pipeline/plan/thinned.hpp"
 #include "pipeline/verify/design_faces.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -303,7 +304,8 @@ Vector3d seen_along_axes(const surface::TriangleMesh& mesh) {
   return area > 0 ? Vector3d(seen / area) : seen;
 }
 
-Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Forecast& f) {
+Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Vector3d& seen,
+               const Forecast& f) {
   Shape shape;
   shape.units = design.units;
   shape.size_mm = design.health.bbox_mm[1] - design.health.bbox_mm[0];
@@ -314,7 +316,7 @@ Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Fore
   shape.facing = f.facing;
   shape.facing_share = f.facing_share;
   shape.upright = f.upright;
-  shape.seen = seen_along_axes(design.mesh);
+  shape.seen = seen;
   shape.up = design.up;
   return shape;
 }
@@ -339,19 +341,28 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   }
   if (!(area > 0)) throw std::logic_error("forecast: a design without area");
   f.strips_lower_bound = strips_lower_bound(area, settings);
-  f.faces = surface::smooth_faces(cut, crease_limits(settings.design.tolerance_mm, settings.blade)).size();
   // Two rings of such cells reach as far as a bend of the blade's radius has to for the depth of the
   // tolerance. A design that is small for that keeps some cells.
   const double passed_over = std::sqrt(f.blade_radius_mm * settings.design.tolerance_mm / 2);
-  const surface::TriangleMesh thin =
-      thinned(cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));
+  surface::TriangleMesh thin;
+  Vector3d seen = Vector3d::Zero();
+  surface::side_by_side(
+      [&] {
+        f.faces =
+            surface::smooth_faces(cut, crease_limits(settings.design.tolerance_mm, settings.blade)).size();
+      },
+      [&] {
+        thin = thinned(
+            cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));
+        seen = seen_along_axes(design.mesh);
+      });
   if (!thin.triangles().empty()) cut = thin;
   f.lean = lean_of(cut);
   f.upright = waste_side(cut, Keep::kBelow) == 0;
   const std::vector<Curved> points = curved_points(cut);
   f.surface = surface_bend(points, f.blade_radius_mm);
   choose_planes(cut, points, settings, f);
-  const Shape shape = shape_of(design, area, f);
+  const Shape shape = shape_of(design, area, seen, f);
   f.odd_size = odd_size(shape, settings);
   f.reasons = reasons(shape, settings);
   f.suggestions = suggestions(shape, f.odd_size, settings);

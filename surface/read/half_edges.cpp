@@ -3,6 +3,7 @@
 #include <OpenMesh/Core/System/omstream.hh>
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -36,40 +37,58 @@ void check(const TriangleSoup& soup) {
   });
 }
 
-// For each corner the half-edge along its edge: edges are numbered by the first of their corners, whose
-// half-edge is the even one.
-struct Numbers {
-  std::vector<int> halfedge, border;  // border: the corners without a mate, ascending
-  std::size_t edges = 0;
-};
-
-Numbers number_edges(const std::vector<int>& mates) {
-  Numbers numbers{std::vector<int>(mates.size()), {}, 0};
-  const std::size_t blocks = (mates.size() + kBlock - 1) / kBlock;
-  const auto is_first = [&](std::size_t c) { return mates[c] < 0 || at(mates[c]) > c; };
-  std::vector<std::size_t> before(blocks, 0);
-  std::vector<std::vector<int>> border(blocks);
-  for_blocks(mates.size(), kBlock, [&](std::size_t from, std::size_t to) {
-    for (std::size_t c = from; c < to; ++c) {
-      before[from / kBlock] += is_first(c) ? 1U : 0U;
-      if (mates[c] < 0) border[from / kBlock].push_back(static_cast<int>(c));
+// Numbers the edges of a plain surface by the first of their corners, whose half-edge is the even one.
+class EdgeNumbers {
+ public:
+  explicit EdgeNumbers(std::vector<int>& mates) : mates_(mates), before_(blocks(mates)) {
+    std::vector<std::vector<int>> border(before_.size());
+    for_blocks(mates.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t c = from; c < to; ++c) {
+        before_[from / kBlock] += is_first(c) ? 1U : 0U;
+        if (mates[c] < 0) border[from / kBlock].push_back(static_cast<int>(c));
+      }
+    });
+    for (std::size_t block = 0; block < before_.size(); ++block) {
+      edges_ += std::exchange(before_[block], edges_);
+      border_.insert(border_.end(), border[block].begin(), border[block].end());
     }
-  });
-  for (std::size_t block = 0; block < blocks; ++block) {
-    numbers.edges += std::exchange(before[block], numbers.edges);
-    numbers.border.insert(numbers.border.end(), border[block].begin(), border[block].end());
   }
-  for_blocks(mates.size(), kBlock, [&](std::size_t from, std::size_t to) {
-    auto edge = static_cast<int>(before[from / kBlock]);
-    for (std::size_t c = from; c < to; ++c) {
-      if (!is_first(c)) continue;
-      numbers.halfedge[c] = 2 * edge;
-      if (mates[c] >= 0) numbers.halfedge[at(mates[c])] = 2 * edge + 1;
-      ++edge;
-    }
-  });
-  return numbers;
-}
+
+  [[nodiscard]] std::size_t edges() const { return edges_; }
+  // Returns the corners without a mate, ascending; once.
+  [[nodiscard]] std::vector<int> take_border() { return std::move(border_); }
+
+  // Puts for each corner the half-edge along its edge in place of the mate, which is as long and needed no
+  // more.
+  void replace_mates() {
+    for_blocks(mates_.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      auto edge = static_cast<int>(before_[from / kBlock]);
+      for (std::size_t c = from; c < to; ++c) {
+        const int mate = place(c).load(std::memory_order_relaxed);
+        if (mate <= kReplaced || (mate >= 0 && at(mate) < c)) continue;
+        place(c).store(kReplaced - 2 * edge, std::memory_order_relaxed);
+        if (mate >= 0) place(at(mate)).store(kReplaced - (2 * edge + 1), std::memory_order_relaxed);
+        ++edge;
+      }
+    });
+    for_blocks(mates_.size(), kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t c = from; c < to; ++c) mates_[c] = kReplaced - mates_[c];
+    });
+  }
+
+ private:
+  static std::size_t blocks(const std::vector<int>& mates) { return (mates.size() + kBlock - 1) / kBlock; }
+  [[nodiscard]] bool is_first(std::size_t c) const { return mates_[c] < 0 || at(mates_[c]) > c; }
+
+  // Another block may have been at a corner already: what it left there, below -1, is no first corner either.
+  static constexpr int kReplaced = -2;
+  [[nodiscard]] std::atomic_ref<int> place(std::size_t c) { return std::atomic_ref<int>(mates_[c]); }
+
+  std::vector<int>& mates_;
+  std::vector<std::size_t> before_;  // edges before each block
+  std::vector<int> border_;
+  std::size_t edges_ = 0;
+};
 
 // A surface has V + F edges less its Euler characteristic, which holes and handles lower: an eighth of the
 // faces leaves room for those. What is reserved and not used takes no memory.
@@ -99,20 +118,20 @@ HalfEdges::HalfEdges(TriangleSoup soup) : vertices_(soup.vertices.size()) {
   } else {
     add(soup);
   }
-  mesh_.add_property(corners_);
-  mesh_.property(corners_).data_vector() = std::move(soup.triangles);
+  triangles_ = std::move(soup.triangles);
   if (!refused_.empty()) link_refused();
 }
 
 void HalfEdges::lay_out(const std::vector<std::array<int, 3>>& triangles, Mates mates) {
-  Numbers numbers = number_edges(mates.of_corner);
-  std::vector<int>().swap(mates.of_corner);
-  mesh_.resize(vertices_, numbers.edges, triangles.size());
-  border_ = std::move(numbers.border);
+  EdgeNumbers numbers(mates.of_corner);
+  border_ = numbers.take_border();
+  side_by_side([&] { mesh_.resize(vertices_, numbers.edges(), triangles.size()); },
+               [&] { numbers.replace_mates(); });
+  const std::vector<int>& half_edges = mates.of_corner;
   for_blocks(triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
     for (std::size_t f = from; f < to; ++f) {
       const OpenMesh::FaceHandle face(static_cast<int>(f));
-      const int* h = &numbers.halfedge[3 * f];
+      const int* h = &half_edges[3 * f];
       for (std::size_t i = 0; i < 3; ++i) {
         const Halfedge along(h[i]);
         mesh_.set_face_handle(along, face);
@@ -126,7 +145,7 @@ void HalfEdges::lay_out(const std::vector<std::array<int, 3>>& triangles, Mates 
     for (std::size_t v = from; v < to; ++v) {
       const int corner = mates.lowest[v];
       if (corner >= 0)
-        mesh_.set_halfedge_handle(vertex(static_cast<int>(v)), Halfedge(numbers.halfedge[at(corner)]));
+        mesh_.set_halfedge_handle(vertex(static_cast<int>(v)), Halfedge(half_edges[at(corner)]));
     }
   });
   set_border();

@@ -37,9 +37,7 @@ class HalfEdges {
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   [[nodiscard]] std::span<const Eigen::Vector3d> vertices() const { return {mesh_.points(), vertices_}; }
-  [[nodiscard]] std::span<const std::array<int, 3>> triangles() const {
-    return mesh_.property(corners_).data_vector();
-  }
+  [[nodiscard]] std::span<const std::array<int, 3>> triangles() const { return triangles_; }
 
   // Returns the half-edge along triangle f's edge from corner 0 to corner 1.
   [[nodiscard]] Halfedge first(int f) const {
@@ -99,7 +97,7 @@ class HalfEdges {
   std::size_t vertices_ = 0;  // given; copies follow
   bool plain_ = false;
   std::vector<int> border_;  // of a plain surface: corners
-  OpenMesh::FPropHandleT<std::array<int, 3>> corners_;
+  std::vector<std::array<int, 3>> triangles_;
   std::vector<int> refused_;                       // triangles
   OpenMesh::HPropHandleT<Halfedge> across_;        // only where triangles were refused
   std::vector<std::array<int, 2>> refused_edges_;  // sorted; the lower vertex first

@@ -310,10 +310,13 @@ class Repair {
     for (std::size_t v = 0; v < renamed.size(); ++v) {
       if (renamed[v] < 0) continue;
       soup_.vertices[static_cast<std::size_t>(kept)] = soup_.vertices[v];
-      file_number_.push_back(static_cast<int>(v) + 1);
       renamed[v] = kept++;
     }
-    if (static_cast<std::size_t>(kept) < first.size()) rename(renamed);
+    if (static_cast<std::size_t>(kept) < first.size()) {
+      rename(renamed);
+      for (std::size_t v = 0; v < renamed.size(); ++v)
+        if (renamed[v] >= 0) file_number_.push_back(static_cast<int>(v) + 1);
+    }
     health_.unused_vertices = first.size() - merged - stitched_ - static_cast<std::size_t>(kept);
     soup_.vertices.resize(static_cast<std::size_t>(kept));
     soup_.vertices.shrink_to_fit();
@@ -342,7 +345,9 @@ class Repair {
                                ": part or trim the sheets that meet there");
   }
 
-  std::string number(int v) const { return std::to_string(file_number_[static_cast<std::size_t>(v)]); }
+  std::string number(int v) const {
+    return std::to_string(file_number_.empty() ? v + 1 : file_number_[static_cast<std::size_t>(v)]);
+  }
 
   // Do two triangles run round their edge in opposite senses, as triangles of one side do?
   static bool agree(const TriangleMesh& mesh, HalfEdges::Halfedge h, HalfEdges::Halfedge other) {
@@ -488,7 +493,7 @@ class Repair {
   Health& health_;
   TriangleSoup soup_;                 // empty once it is a mesh
   std::vector<std::uint32_t> place_;  // per triangle
-  std::vector<int> file_number_;      // per vertex, before sheets are parted
+  std::vector<int> file_number_;      // per vertex, before sheets are parted; empty: as they are, from 1
   std::size_t stitched_ = 0;          // vertices
 };
 

@@ -58,19 +58,6 @@ bool overlap(const Box& a, const Box& b) {
   return (apart[0] | apart[1]) == 0;
 }
 
-constexpr float kSteps = 255;
-
-// A 255th of a leaf's size, and the numbers so many of them over its lowest and under its highest.
-float step_of(float low, float high) {
-  return (high - low) / kSteps;
-}
-float above(float low, int steps, float step) {
-  return low + static_cast<float>(steps) * step;
-}
-float below(float high, int steps, float step) {
-  return high - static_cast<float>(steps) * step;
-}
-
 template <class Box>
 void add(Box& box, const Box& other) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -79,57 +66,52 @@ void add(Box& box, const Box& other) {
   }
 }
 
-template <class Box>
-Box box_of(std::span<const Eigen::Vector3d> vertices, const std::array<int, 3>& t) {
-  Box box{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto at = [&](std::size_t i) {
-      return vertices[static_cast<std::size_t>(t[i])][static_cast<Eigen::Index>(k)];
-    };
-    box.low[k] = rounded_down(std::min({at(0), at(1), at(2)}));
-    box.high[k] = rounded_up(std::max({at(0), at(1), at(2)}));
-  }
-  return box;
-}
-
 }  // namespace
 
-NearFaces::NearFaces(std::span<const Eigen::Vector3d> vertices,
-                     std::span<const std::array<int, 3>> triangles) {
-  for (const auto& t : triangles) {
-    for (const int v : t) {
-      if (v < 0 || static_cast<std::size_t>(v) >= vertices.size())
-        throw std::logic_error("NearFaces: vertex index out of range");
+NearFaces::NearFaces(std::span<const Eigen::Vector3d> vertices, std::span<const std::array<int, 3>> triangles)
+    : vertices_(vertices), triangles_(triangles) {
+  for_blocks(triangles.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t f = from; f < to; ++f) {
+      for (const int v : triangles[f]) {
+        if (v < 0 || static_cast<std::size_t>(v) >= vertices.size())
+          throw std::logic_error("NearFaces: vertex index out of range");
+      }
     }
-  }
+  });
   if (triangles.empty()) return;
-  sort_faces(vertices, triangles);
+  sort_faces();
   grow_tree();
-  pack_leaves(vertices, triangles);
+  enclose_leaves();
   enclose();
   divide();
 }
 
 // By the boxes' middles along the curve (Morton 1966); faces of one cell of it keep their order.
-void NearFaces::sort_faces(std::span<const Eigen::Vector3d> vertices,
-                           std::span<const std::array<int, 3>> triangles) {
-  Eigen::Vector3d low = vertices[static_cast<std::size_t>(triangles[0][0])], high = low;
-  for (const auto& t : triangles) {
-    for (const int v : t) {
-      low = low.cwiseMin(vertices[static_cast<std::size_t>(v)]);
-      high = high.cwiseMax(vertices[static_cast<std::size_t>(v)]);
-    }
+void NearFaces::sort_faces() {
+  const auto at = [&](int v) -> const Eigen::Vector3d& { return vertices_[static_cast<std::size_t>(v)]; };
+  using Bounds = std::array<Eigen::Vector3d, 2>;
+  std::vector<Bounds> blocks((triangles_.size() + kBlock - 1) / kBlock);
+  for_blocks(triangles_.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    Bounds own{at(triangles_[from][0]), at(triangles_[from][0])};
+    for (std::size_t f = from; f < to; ++f)
+      for (const int v : triangles_[f]) own = {own[0].cwiseMin(at(v)), own[1].cwiseMax(at(v))};
+    blocks[from / kBlock] = own;
+  });
+  Eigen::Vector3d low = blocks[0][0], high = blocks[0][1];
+  for (const Bounds& own : blocks) {
+    low = low.cwiseMin(own[0]);
+    high = high.cwiseMax(own[1]);
   }
   // Key and number of a face in one: what the number leaves free is shared by the axes.
-  const int number_bits = static_cast<int>(std::bit_width(triangles.size())),
+  const int number_bits = static_cast<int>(std::bit_width(triangles_.size())),
             axis_bits = std::min(21, (64 - number_bits) / 3);
   const auto cells = static_cast<double>((1 << axis_bits) - 1);
   const double extent = (high - low).maxCoeff(), scale = extent > 0 ? cells / extent : 0;
-  std::vector<std::uint64_t> keys(triangles.size());
+  std::vector<std::uint64_t> keys(triangles_.size());
   for_blocks(keys.size(), kBlock, [&](std::size_t from, std::size_t to) {
     for (std::size_t f = from; f < to; ++f) {
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const int v : triangles[f]) sum += vertices[static_cast<std::size_t>(v)] - low;
+      for (const int v : triangles_[f]) sum += at(v) - low;
       std::uint64_t key = 0;
       for (Eigen::Index k = 0; k < 3; ++k)
         key |= spread(static_cast<std::uint64_t>(std::clamp(sum[k] / 3 * scale, 0.0, cells))) << k;
@@ -144,69 +126,40 @@ void NearFaces::sort_faces(std::span<const Eigen::Vector3d> vertices,
   });
 }
 
-void NearFaces::pack_leaves(std::span<const Eigen::Vector3d> vertices,
-                            std::span<const std::array<int, 3>> triangles) {
-  leaves_.resize(levels_[0].count);
-  for_blocks(leaves_.size(), kBlock / kLeaf, [&](std::size_t from, std::size_t to) {
-    std::array<Box, kLeaf> boxes{};
-    for (std::size_t leaf = from; leaf < to; ++leaf) {
-      const std::size_t first = leaf * kLeaf, count = std::min(kLeaf, faces_.size() - first);
-      for (std::size_t i = 0; i < count; ++i)
-        boxes[i] = box_of<Box>(vertices, triangles[static_cast<std::size_t>(faces_[first + i])]);
-      pack_leaf(leaf, std::span<const Box>(boxes).first(count));
+NearFaces::Box NearFaces::box_of(std::span<const int> faces) const {
+  const auto at = [&](int v) -> const Eigen::Vector3d& { return vertices_[static_cast<std::size_t>(v)]; };
+  Eigen::Vector3d low = at(triangles_[static_cast<std::size_t>(faces[0])][0]), high = low;
+  for (const int f : faces) {
+    for (const int v : triangles_[static_cast<std::size_t>(f)]) {
+      low = low.cwiseMin(at(v));
+      high = high.cwiseMax(at(v));
     }
+  }
+  Box box{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    box.low[k] = rounded_down(low[static_cast<Eigen::Index>(k)]);
+    box.high[k] = rounded_up(high[static_cast<Eigen::Index>(k)]);
+  }
+  return box;
+}
+
+std::span<const int> NearFaces::faces_of(std::size_t leaf) const {
+  const std::size_t first = leaf * kLeaf;
+  return std::span(faces_).subspan(first, std::min(kLeaf, faces_.size() - first));
+}
+
+void NearFaces::enclose_leaves() {
+  for_blocks(levels_[0].count, kBlock / kLeaf, [&](std::size_t from, std::size_t to) {
+    for (std::size_t leaf = from; leaf < to; ++leaf) nodes_[leaf] = box_of(faces_of(leaf));
   });
 }
 
-// A share is lowered until what it unpacks to holds the box: one of 0 is the leaf's own end, which does.
-void NearFaces::pack_leaf(std::size_t leaf, std::span<const Box> boxes) {
-  Box whole = boxes[0];
-  for (const Box& box : boxes.subspan(1)) add(whole, box);
-  nodes_[leaf] = whole;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const float low = whole.low[k], high = whole.high[k], step = step_of(low, high);
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const auto steps = [&](float way) {
-        return step > 0 ? static_cast<int>(std::min(kSteps, way / step)) : 0;
-      };
-      int from = steps(boxes[i].low[k] - low), to = steps(high - boxes[i].high[k]);
-      while (from > 0 && above(low, from, step) > boxes[i].low[k]) --from;
-      while (to > 0 && below(high, to, step) < boxes[i].high[k]) --to;
-      leaves_[leaf].low[k][i] = static_cast<std::uint8_t>(from);
-      leaves_[leaf].high[k][i] = static_cast<std::uint8_t>(to);
-    }
-  }
-}
-
-// The faces that may meet a box. Bytes tell them from most others: a box begins beyond the end of `within`
-// where its share is over that end's, and one step more leaves room for rounding.
-void NearFaces::unpack(std::size_t leaf, const Box& within, Unpacked& some) const {
-  using Bytes = std::uint8_t __attribute__((vector_size(kLeaf)));
-  const Box& whole = nodes_[leaf];
-  const LeafBoxes& packed = leaves_[leaf];
-  std::array<float, 3> step{};
-  auto apart = Bytes{} > Bytes{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    step[k] = step_of(whole.low[k], whole.high[k]);
-    if (!(step[k] > 0)) continue;
-    const auto share = [&](float way) {
-      return static_cast<std::uint8_t>(std::clamp(way / step[k] + 1, 0.0F, kSteps));
-    };
-    Bytes low, high;
-    std::memcpy(&low, packed.low[k].data(), sizeof low);
-    std::memcpy(&high, packed.high[k].data(), sizeof high);
-    apart |= (low > share(within.high[k] - whole.low[k])) | (high > share(whole.high[k] - within.low[k]));
-  }
-  const std::size_t first = leaf * kLeaf, count = std::min(kLeaf, faces_.size() - first);
+void NearFaces::find(std::size_t leaf, const Box& within, Some& some) const {
   some.count = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (apart[i] != 0) continue;
-    Box& box = some.boxes[some.count];
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] = above(whole.low[k], packed.low[k][i], step[k]);
-      box.high[k] = below(whole.high[k], packed.high[k][i], step[k]);
-    }
-    some.faces[some.count++] = faces_[first + i];
+  for (const int& f : faces_of(leaf)) {
+    some.boxes[some.count] = box_of({&f, 1});
+    some.faces[some.count] = f;
+    some.count += overlap(some.boxes[some.count], within) ? 1U : 0U;
   }
 }
 
@@ -240,6 +193,29 @@ void NearFaces::divide() {
   }
 }
 
+void NearFaces::leave_out(const std::function<bool(std::size_t, std::size_t)>& holds) {
+  if (levels_.empty()) return;
+  // A set's border grows with the root of its faces, and a surface turns away from an axis as it goes on.
+  constexpr std::size_t kMostFaces = std::size_t{1} << 14;
+  std::size_t level = 0;
+  while (level < top_ && (kLeaf << (level + 1)) <= kMostFaces) ++level;
+  left_out_.assign(nodes_.size(), 0);
+  for_blocks(levels_[level].count, 1, [&](std::size_t node, std::size_t) { leave_out(level, node, holds); });
+}
+
+void NearFaces::leave_out(std::size_t level, std::size_t node, const Holds& holds) {
+  // Fewer are compared as soon as their border is looked at.
+  constexpr std::size_t kFewestFaces = 64;
+  if (node >= levels_[level].count || (kLeaf << level) < kFewestFaces) return;
+  const std::size_t first = (node * kLeaf) << level;
+  if (holds(first, std::min(kLeaf << level, faces_.size() - first))) {
+    left_out_[levels_[level].first + node] = 1;
+    return;
+  }
+  leave_out(level - 1, 2 * node, holds);
+  leave_out(level - 1, 2 * node + 1, holds);
+}
+
 bool NearFaces::meet_in(std::size_t level, std::size_t node, std::size_t other) const {
   const std::size_t first = levels_[level].first;
   return overlap(nodes_[first + node], nodes_[first + other]);
@@ -251,6 +227,7 @@ void NearFaces::visit(std::size_t portion, const Meet& meet) const {
 }
 
 void NearFaces::within(std::size_t level, std::size_t node, const Meet& meet) const {
+  if (!left_out_.empty() && left_out_[levels_[level].first + node] != 0) return;
   if (level == 0) return compare(node, node, meet);
   within(level - 1, 2 * node, meet);
   if (2 * node + 1 == levels_[level - 1].count) return;
@@ -268,11 +245,11 @@ void NearFaces::between(std::size_t level, std::size_t node, std::size_t other, 
 }
 
 void NearFaces::compare(std::size_t leaf, std::size_t other, const Meet& meet) const {
-  Unpacked own, others;
-  unpack(leaf, nodes_[other], own);
+  Some own, others;
+  find(leaf, nodes_[other], own);
   if (own.count == 0) return;
-  if (leaf != other) unpack(other, nodes_[leaf], others);
-  const Unpacked& with = leaf == other ? own : others;
+  if (leaf != other) find(other, nodes_[leaf], others);
+  const Some& with = leaf == other ? own : others;
   for (std::size_t i = 0; i < own.count; ++i) {
     for (std::size_t k = leaf == other ? i + 1 : 0; k < with.count; ++k) {
       if (overlap(own.boxes[i], with.boxes[k])) meet(own.faces[i], with.faces[k]);

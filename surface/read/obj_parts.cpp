@@ -37,6 +37,10 @@ std::size_t words_in(const char* at, const char* end) {
 
 // Counts a line, without its end, as ObjStatements takes it.
 void count_line(std::string_view text, const char* at, const char* end, ObjPart& part) {
+  if (end - at > 1 && at[0] == 'v' && at[1] == ' ') {
+    ++part.vertices;
+    return;
+  }
   while (at != end && is_blank(*at)) ++at;
   const char* keyword = at;
   while (at != end && !is_blank(*at)) ++at;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -146,9 +147,57 @@ void ObjStatements::finish_statement() {
   if (at_ != end_) pass_line_end();
 }
 
+bool ObjStatements::take_plain_line(const char* at, const char* last) {
+  if (at != end_ && *at == '\r' && at + 1 != end_) ++at;
+  if (at != end_ && *at != '\n') return false;
+  keyword_ = {at_, 1};
+  first_ = at_;
+  last_ = last;
+  at_line_ += at != end_ ? 1U : 0U;
+  at_ = at != end_ ? at + 1 : at;
+  return true;
+}
+
+bool ObjStatements::plain_vertex() {
+  if (!reads_numbers_ || vertices_ >= kMost) return false;
+  Eigen::Vector3d p;
+  const char* at = at_ + 1;
+  for (double& coordinate : p) {
+    if (at == end_ || *at != ' ') return false;
+    while (at != end_ && *at == ' ') ++at;
+    const char* number = at;
+    at = plain_number(number, end_, coordinate);
+    if (at == number || std::abs(coordinate) > limit_) return false;
+  }
+  if (!take_plain_line(at, at)) return false;
+  position_ = p;
+  ++vertices_;
+  return true;
+}
+
+bool ObjStatements::plain_face() {
+  constexpr std::ptrdiff_t kMostDigits = 9;  // of an int all
+  corners_.clear();
+  const char *at = at_ + 1, *last = at;
+  while (at != end_ && *at == ' ') {
+    while (at != end_ && *at == ' ') ++at;
+    const char* number = at;
+    int index = 0;
+    for (; at != end_ && *at >= '0' && *at <= '9' && at - number < kMostDigits; ++at)
+      index = 10 * index + (*at - '0');
+    if (at == number) break;  // the line's end, or no plain corner
+    if (index == 0) return false;
+    corners_.push_back(index - 1);
+    last = at;
+  }
+  return corners_.size() >= 3 && take_plain_line(at, last);
+}
+
 ObjStatements::Kind ObjStatements::next() {
   while (at_ != end_) {
     line_ = at_line_;
+    if (*at_ == 'v' && plain_vertex()) return Kind::kVertex;
+    if (*at_ == 'f' && plain_face()) return Kind::kFace;
     keyword_ = token();
     if (keyword_.empty()) {
       finish_statement();

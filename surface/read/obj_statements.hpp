@@ -72,6 +72,13 @@ class ObjStatements {
   std::string_view token();
   void finish_statement();
 
+  // Read a line as nearly all are written at once: `v` and three numbers, `f` and corners without a `/`, with
+  // blanks alone between them. False, and nothing done, for every other line, also for one that is refused.
+  bool plain_vertex();
+  bool plain_face();
+  // Goes on behind the line that ends here, whose last word ends at `last`; false where more follows.
+  bool take_plain_line(const char* at, const char* last);
+
   Kind read_statement();
   [[nodiscard]] double number(std::string_view token) const;
   [[noreturn]] void reject_number(std::string_view token) const;

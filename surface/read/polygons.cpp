@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/words.hpp"
 
@@ -91,8 +92,13 @@ std::string refusal_of_position(const Eigen::Vector3d& position, double limit) {
 }
 
 double single_precision_spacing(std::span<const Eigen::Vector3d> positions) {
+  std::vector<double> blocks((positions.size() + kBlock - 1) / kBlock, 0.0);
+  for_blocks(positions.size(), kBlock, [&](std::size_t from, std::size_t to) {
+    for (const Eigen::Vector3d& p : positions.subspan(from, to - from))
+      blocks[from / kBlock] = std::max(blocks[from / kBlock], p.cwiseAbs().maxCoeff());
+  });
   double largest = 0;
-  for (const Eigen::Vector3d& p : positions) largest = std::max(largest, p.cwiseAbs().maxCoeff());
+  for (const double own : blocks) largest = std::max(largest, own);
   const auto single = static_cast<float>(largest);
   return static_cast<double>(std::nextafter(single, std::numeric_limits<float>::infinity())) -
          static_cast<double>(single);

@@ -8,8 +8,10 @@
 #include <limits>
 #include <vector>
 
+#include "surface/read/half_edges.hpp"
 #include "surface/read/near_faces.hpp"
 #include "surface/read/place_text.hpp"
+#include "surface/read/single_layers.hpp"
 #include "surface/read/spread_fans.hpp"
 #include "surface/read/warning.hpp"
 
@@ -99,7 +101,7 @@ bool cross(const Triangle& t, const Triangle& u) {
 
 class Faces {
  public:
-  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh), spread_(spread_fans(mesh)) {
+  explicit Faces(const TriangleMesh& mesh) : mesh_(mesh), spread_(mesh) {
     for (const Eigen::Vector3d& p : mesh.vertices())
       largest_ = std::max(largest_, p.lpNorm<Eigen::Infinity>());
   }
@@ -120,7 +122,7 @@ class Faces {
     const auto &t = mesh_.triangles()[static_cast<std::size_t>(f)],
                &u = mesh_.triangles()[static_cast<std::size_t>(g)];
     for (const int v : t)
-      if ((v == u[0] || v == u[1] || v == u[2]) && spread_[static_cast<std::size_t>(v)] != 0) return true;
+      if ((v == u[0] || v == u[1] || v == u[2]) && spread_.holds(v)) return true;
     // Shared corners last.
     std::array<int, 3> own_t{}, own_u{};
     std::size_t count = 0, shared = 3, count_u = 0, shared_u = 3;
@@ -188,8 +190,8 @@ class Faces {
     return box;
   }
   const TriangleMesh& mesh_;
-  std::vector<char> spread_;  // of each vertex: no two of its faces cross
-  double largest_ = 0;        // coordinate
+  SpreadFans spread_;
+  double largest_ = 0;  // coordinate
 };
 
 }  // namespace
@@ -199,7 +201,14 @@ SelfCrossings find_self_crossings(const TriangleMesh& mesh, const std::function<
     if (watch) watch();
   };
   const Faces faces(mesh);
-  const NearFaces near(mesh.vertices(), mesh.triangles());
+  NearFaces near(mesh.vertices(), mesh.triangles());
+  if (!mesh.triangles().empty() && mesh.half_edges().plain()) {
+    const SingleLayers layers(mesh, near.order());
+    near.leave_out([&](std::size_t first, std::size_t count) {
+      look();
+      return layers.holds(first, count);
+    });
+  }
   std::vector<SelfCrossings> found(near.portions());
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
     look();

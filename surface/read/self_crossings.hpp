@@ -25,7 +25,8 @@ struct SelfCrossings {
   }
 };
 
-// Returns how many pairs of faces cross, and where the first does. Boxes tell most pairs apart
+// Returns how many pairs of faces cross, and where the first does. Of a smooth surface most faces lie in
+// single layers and are not compared (single_layers.hpp); of the others boxes tell most pairs apart
 // (near_faces.hpp), a plane between the faces in plain numbers the next, and exact predicates (CGAL) the
 // rest. `watch` is called before each of the search's portions, on its threads; what it throws ends the
 // search.

@@ -1,13 +1,15 @@
 #include "surface/read/spread_fans.hpp"
 
 #include <Eigen/Geometry>
+#include <atomic>
 #include <cmath>
 
-#include "surface/read/blocks.hpp"
 #include "surface/read/half_edges.hpp"
 
 namespace hotblade::surface {
 namespace {
+
+constexpr char kNotYet = 0, kYes = 1, kNo = 2;
 
 // The edges that leave a vertex inside the surface, one after another round it, into `edges`; fewer than
 // three where it is on the border or has no triangles.
@@ -52,17 +54,22 @@ bool is_spread(const std::vector<Eigen::Vector3d>& edges) {
 
 }  // namespace
 
-std::vector<char> spread_fans(const TriangleMesh& mesh) {
-  std::vector<char> spread(mesh.vertices().size(), 0);
-  if (mesh.triangles().empty() || !mesh.half_edges().plain()) return spread;
-  for_blocks(spread.size(), kBlock, [&](std::size_t from, std::size_t to) {
+SpreadFans::SpreadFans(const TriangleMesh& mesh) : mesh_(mesh) {
+  if (!mesh.triangles().empty() && mesh.half_edges().plain()) told_.assign(mesh.vertices().size(), kNotYet);
+}
+
+// Threads that ask for a vertex at once find the same of it.
+bool SpreadFans::holds(int vertex) const {
+  if (told_.empty()) return false;
+  const std::atomic_ref<char> told(told_[static_cast<std::size_t>(vertex)]);
+  char found = told.load(std::memory_order_relaxed);
+  if (found == kNotYet) {
     std::vector<Eigen::Vector3d> edges;
-    for (std::size_t v = from; v < to; ++v) {
-      edges_about(mesh, static_cast<int>(v), edges);
-      spread[v] = is_spread(edges) ? 1 : 0;
-    }
-  });
-  return spread;
+    edges_about(mesh_, vertex, edges);
+    found = is_spread(edges) ? kYes : kNo;
+    told.store(found, std::memory_order_relaxed);
+  }
+  return found == kYes;
 }
 
 }  // namespace hotblade::surface

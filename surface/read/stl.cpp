@@ -7,7 +7,9 @@
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/bytes.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/warning.hpp"
@@ -20,53 +22,43 @@ constexpr std::size_t kHeader = 80, kCount = 4, kFacet = 50, kVector = 12;  // b
 // So that corners have numbers.
 constexpr std::size_t kMostFacets = std::numeric_limits<int>::max() / 3;
 
-// Takes facets, and notes what is odd about them.
-class Facets {
- public:
-  explicit Facets(std::string_view place) { polygons_.place = place; }
-
-  void reserve(std::size_t facets) {
-    polygons_.positions.reserve(3 * facets);
-    polygons_.corners.reserve(3 * facets);
-    polygons_.first_corner.reserve(facets + 1);
-    polygons_.face_place.reserve(facets);
-    polygons_.face_group.reserve(facets);
+// Counts facets of a kind, and keeps the first one's place.
+struct Odd {
+  std::size_t count = 0, first = 0;
+  void note(std::size_t place) {
+    if (count++ == 0) first = place;
   }
+  void add(const Odd& later) {
+    if (count == 0) first = later.first;
+    count += later.count;
+  }
+};
 
-  void add(const Eigen::Vector3d& normal, const std::array<Eigen::Vector3d, 3>& corners, std::size_t place,
-           std::uint32_t group) {
-    for (const Eigen::Vector3d& corner : corners) {
-      polygons_.corners.push_back(static_cast<int>(polygons_.positions.size()));
-      polygons_.positions.push_back(corner);
-    }
-    polygons_.first_corner.push_back(static_cast<std::uint32_t>(polygons_.corners.size()));
-    polygons_.face_place.push_back(static_cast<std::uint32_t>(place));
-    polygons_.face_group.push_back(group);
+// What is odd about facets.
+struct Oddities {
+  Odd looking_away, not_finite, attributes;
+
+  void look(const Eigen::Vector3d& normal, const std::array<Eigen::Vector3d, 3>& corners, std::size_t place) {
     if (!normal.allFinite()) {
-      not_finite_.note(place);
+      not_finite.note(place);
     } else if (looks_away(normal, corners)) {
-      looking_away_.note(place);
+      looking_away.note(place);
     }
   }
 
-  void note_attribute(std::size_t place) { attributes_.note(place); }
-  Polygons& polygons() { return polygons_; }
+  void add(const Oddities& later) {
+    looking_away.add(later.looking_away);
+    not_finite.add(later.not_finite);
+    attributes.add(later.attributes);
+  }
 
-  Polygons take() {
-    tell(looking_away_, Warning::kNormalLooksAway);
-    tell(not_finite_, Warning::kNormalNotFinite);
-    tell(attributes_, Warning::kFacetHasAttribute);
-    return std::move(polygons_);
+  void tell(Polygons& polygons) const {
+    tell(looking_away, Warning::kNormalLooksAway, polygons);
+    tell(not_finite, Warning::kNormalNotFinite, polygons);
+    tell(attributes, Warning::kFacetHasAttribute, polygons);
   }
 
  private:
-  struct Odd {
-    std::size_t count = 0, first = 0;
-    void note(std::size_t place) {
-      if (count++ == 0) first = place;
-    }
-  };
-
   static bool looks_away(const Eigen::Vector3d& normal, const std::array<Eigen::Vector3d, 3>& corners) {
     // More than 120 degrees: normals of slivers are turned by the rounding of their corners.
     constexpr double kCosine = -0.5;
@@ -74,19 +66,89 @@ class Facets {
     return normal.dot(wound) < kCosine * normal.norm() * wound.norm();
   }
 
-  void tell(const Odd& odd, Warning one) {
+  static void tell(const Odd& odd, Warning one, Polygons& polygons) {
     if (odd.count == 0) return;
-    polygons_.warnings.push_back(
-        text_of(odd.count, one, {std::string(polygons_.place), std::to_string(odd.first)}));
+    polygons.warnings.push_back(
+        text_of(odd.count, one, {std::string(polygons.place), std::to_string(odd.first)}));
   }
-
-  Polygons polygons_;
-  Odd looking_away_, not_finite_, attributes_;
 };
 
 std::size_t facets_of(std::string_view bytes) {
   return number_at<std::uint32_t>(bytes, kHeader);
 }
+
+// Reads facets side by side, each into its own places.
+class BinaryFacets {
+ public:
+  BinaryFacets(std::string_view bytes, std::size_t facets, double limit)
+      : bytes_(bytes), facets_(facets), limit_(limit) {}
+
+  Polygons parse(const std::string& name) {
+    polygons_.place = "facet";
+    side_by_side([&] { polygons_.positions.resize(3 * facets_); },
+                 [&] {
+                   polygons_.corners.resize(3 * facets_);
+                   polygons_.first_corner.resize(facets_ + 1);
+                   polygons_.face_place.resize(facets_);
+                   polygons_.face_group.resize(facets_);
+                 });
+    const std::size_t blocks = (facets_ + kBlock - 1) / kBlock;
+    std::vector<Oddities> odd(blocks);
+    std::vector<std::size_t> refused(blocks, facets_);
+    for_blocks(facets_, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to && refused[from / kBlock] == facets_; ++f)
+        if (!take(f, odd[from / kBlock])) refused[from / kBlock] = f;
+    });
+    for (const std::size_t f : refused)
+      if (f < facets_) refuse(f, name);
+    for (std::size_t block = 1; block < blocks; ++block) odd[0].add(odd[block]);
+    polygons_.spacing = single_precision_spacing(polygons_.positions);
+    odd[0].tell(polygons_);
+    return std::move(polygons_);
+  }
+
+ private:
+  // The normal (0) or a corner (1 to 3) of a facet, and the place of its first byte.
+  [[nodiscard]] static std::size_t place(std::size_t facet, std::size_t k) {
+    return kHeader + kCount + kFacet * facet + kVector * k;
+  }
+  [[nodiscard]] Eigen::Vector3d vector(std::size_t facet, std::size_t k) const {
+    const std::size_t at = place(facet, k);
+    return Eigen::Vector3f(number_at<float>(bytes_, at), number_at<float>(bytes_, at + 4),
+                           number_at<float>(bytes_, at + 8))
+        .cast<double>();
+  }
+
+  // False for a facet with a corner that cannot be taken.
+  bool take(std::size_t f, Oddities& odd) {
+    std::array<Eigen::Vector3d, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] = vector(f, k + 1);
+      if (!(corners[k].cwiseAbs().maxCoeff() <= limit_) || !corners[k].allFinite()) return false;
+      polygons_.positions[3 * f + k] = corners[k];
+      polygons_.corners[3 * f + k] = static_cast<int>(3 * f + k);
+    }
+    polygons_.first_corner[f + 1] = static_cast<std::uint32_t>(3 * f + 3);
+    polygons_.face_place[f] = static_cast<std::uint32_t>(f + 1);
+    odd.look(vector(f, 0), corners, f + 1);
+    if (number_at<std::uint16_t>(bytes_, place(f, 4)) != 0) odd.attributes.note(f + 1);
+    return true;
+  }
+
+  // Tells of the first corner that cannot be taken.
+  void refuse(std::size_t f, const std::string& name) const {
+    for (std::size_t k = 1; k <= 3; ++k) {
+      if (const std::string why = refusal_of_position(vector(f, k), limit_); !why.empty())
+        throw MeshError(name + ": facet " + std::to_string(f + 1) + " (byte " + std::to_string(place(f, k)) +
+                        "): " + why);
+    }
+  }
+
+  std::string_view bytes_;
+  std::size_t facets_;
+  double limit_;
+  Polygons polygons_;
+};
 
 Polygons parse_binary(std::string_view bytes, const std::string& name, double limit) {
   const auto fail = [&name](const std::string& what) { throw MeshError(name + ": " + what); };
@@ -104,30 +166,7 @@ Polygons parse_binary(std::string_view bytes, const std::string& name, double li
   if (facets > kMostFacets)
     fail("too many facets (" + std::to_string(facets) + ", limit " + std::to_string(kMostFacets) +
          "): thin the mesh out");
-  Facets taken("facet");
-  taken.reserve(facets);
-  for (std::size_t f = 0; f < facets; ++f) {
-    std::size_t at = kHeader + kCount + kFacet * f;
-    const auto vector = [&] {
-      const Eigen::Vector3f value(number_at<float>(bytes, at), number_at<float>(bytes, at + 4),
-                                  number_at<float>(bytes, at + 8));
-      at += kVector;
-      return Eigen::Vector3d(value.cast<double>());
-    };
-    const Eigen::Vector3d normal = vector();
-    std::array<Eigen::Vector3d, 3> corners;
-    for (Eigen::Vector3d& corner : corners) {
-      corner = vector();
-      const std::string why = refusal_of_position(corner, limit);
-      if (!why.empty()) {
-        fail("facet " + std::to_string(f + 1) + " (byte " + std::to_string(at - kVector) + "): " + why);
-      }
-    }
-    taken.add(normal, corners, f + 1, 0);
-    if (number_at<std::uint16_t>(bytes, at) != 0) taken.note_attribute(f + 1);
-  }
-  taken.polygons().spacing = single_precision_spacing(taken.polygons().positions);
-  return taken.take();
+  return BinaryFacets(bytes, facets, limit).parse(name);
 }
 
 class StlText {
@@ -143,7 +182,8 @@ class StlText {
       word = words_.next();
     }
     if (facets_ == 0) fail("no facets in the file (0): export the design as a mesh");
-    return taken_.take();
+    odd_.tell(polygons_);
+    return std::move(polygons_);
   }
 
  private:
@@ -169,13 +209,12 @@ class StlText {
   }
 
   void read_solid() {
-    Polygons& polygons = taken_.polygons();
     const std::string solid(words_.rest_of_line());
     if (!solid.empty()) {
-      polygons.groups.push_back({solid, {}});
-      if (polygons.groups.size() > kMostFacets) fail("too many solids: join them");
+      polygons_.groups.push_back({solid, {}});
+      if (polygons_.groups.size() > kMostFacets) fail("too many solids: join them");
     }
-    const auto group = static_cast<std::uint32_t>(solid.empty() ? 0 : polygons.groups.size() - 1);
+    const auto group = static_cast<std::uint32_t>(solid.empty() ? 0 : polygons_.groups.size() - 1);
     for (;;) {
       const std::string_view word = words_.next();
       if (is(word, "endsolid")) break;
@@ -202,8 +241,19 @@ class StlText {
     }
     expect("endloop");
     expect("endfacet");
-    taken_.add(normal, corners, line, group);
+    add(corners, line, group);
+    odd_.look(normal, corners, line);
     ++facets_;
+  }
+
+  void add(const std::array<Eigen::Vector3d, 3>& corners, std::size_t line, std::uint32_t group) {
+    for (const Eigen::Vector3d& corner : corners) {
+      polygons_.corners.push_back(static_cast<int>(polygons_.positions.size()));
+      polygons_.positions.push_back(corner);
+    }
+    polygons_.first_corner.push_back(static_cast<std::uint32_t>(polygons_.corners.size()));
+    polygons_.face_place.push_back(static_cast<std::uint32_t>(line));
+    polygons_.face_group.push_back(group);
   }
 
   Eigen::Vector3d read_vector(bool position) {
@@ -231,7 +281,8 @@ class StlText {
   Words words_;
   std::string name_;
   double limit_;
-  Facets taken_{"line"};
+  Polygons polygons_;
+  Oddities odd_;
   std::size_t facets_ = 0;
 };
 

@@ -1,6 +1,8 @@
 #include "surface/read/words.hpp"
 
+#include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstdlib>
 
 namespace hotblade::surface {
@@ -24,10 +26,40 @@ std::string counted(std::size_t n, const std::string& one, const std::string& ma
   return std::to_string(n) + " " + (n == 1 ? one : many);
 }
 
+const char* plain_number(const char* from, const char* end, double& value) {
+  constexpr std::size_t kMostDigits = 15;  // of 2^53 all: a whole number of so many is not rounded
+  constexpr std::array<double, kMostDigits + 1> kTens{1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                      1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const char* at = from;
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  std::uint64_t whole = 0;
+  std::size_t digits = 0, behind = 0, point = 0;
+  for (; at != end; ++at) {
+    const auto digit = static_cast<unsigned>(static_cast<unsigned char>(*at)) - '0';
+    if (digit <= 9) {
+      if (++digits > kMostDigits) return from;
+      whole = 10 * whole + digit;
+      behind += point;
+    } else if (*at == '.' && point == 0) {
+      point = 1;
+    } else {
+      break;
+    }
+  }
+  if (digits == 0) return from;
+  const double size = static_cast<double>(static_cast<std::int64_t>(whole)) / kTens[behind];
+  value = negative ? -size : size;
+  return at;
+}
+
 std::optional<double> number_in(std::string_view word) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0;
+  if (plain_number(digits.data(), digits.data() + digits.size(), value) == digits.data() + digits.size() &&
+      !digits.empty())
+    return value;
   const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   // Out of range is said for numbers too small as well; those are zero for every purpose here.
   if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);

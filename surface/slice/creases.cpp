@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "surface/read/blocks.hpp"
+#include "surface/read/half_edges.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -39,11 +40,8 @@ class Creases {
     const std::size_t triangles = mesh_.triangles().size();
     std::vector<std::vector<int>> found((triangles + kBlock - 1) / kBlock);
     for_blocks(triangles, kBlock, [&](std::size_t from, std::size_t to) {
-      for (int corner = static_cast<int>(3 * from); corner < static_cast<int>(3 * to); ++corner) {
-        const int other = mesh_.beyond(corner);
-        if (other > corner && !surely_flat(corner / 3, other / 3) && is_crease(corner, other))
-          found[from / kBlock].push_back(corner);
-      }
+      for (auto face = static_cast<int>(from); face < static_cast<int>(to); ++face)
+        look(face, found[from / kBlock]);
     });
     std::vector<int> all;
     for (const std::vector<int>& own : found) all.insert(all.end(), own.begin(), own.end());
@@ -54,6 +52,20 @@ class Creases {
   [[nodiscard]] const Vector3d& at(int corner) const {
     return mesh_.vertices()[static_cast<std::size_t>(vertex_at(mesh_, corner))];
   }
+  // Adds the creases between a face and those of higher numbers.
+  void look(int face, std::vector<int>& found) const {
+    const HalfEdges& half_edges = mesh_.half_edges();
+    const Vector3d own = across(face);
+    HalfEdges::Halfedge h = half_edges.first(face);
+    for (int corner = 3 * face; corner < 3 * face + 3;
+         ++corner, h = half_edges.mesh().next_halfedge_handle(h)) {
+      const HalfEdges::Halfedge beyond = half_edges.across(h);
+      if (!beyond.is_valid()) continue;
+      const int other = half_edges.mesh().face_handle(beyond).idx();
+      if (other > face && !surely_flat(own, across(other)) && is_crease(corner, half_edges.corner_of(beyond)))
+        found.push_back(corner);
+    }
+  }
   // Square to the face, as long as twice its area.
   [[nodiscard]] Vector3d across(int face) const {
     const int corner = 3 * face;
@@ -62,8 +74,7 @@ class Creases {
   [[nodiscard]] Vector3d normal(int face) const { return across(face).stableNormalized(); }
 
   // Told without a root or an angle of nearly all edges of a smooth surface: their fold rounds off.
-  [[nodiscard]] bool surely_flat(int face, int other) const {
-    const Vector3d m = across(face), n = across(other);
+  [[nodiscard]] bool surely_flat(const Vector3d& m, const Vector3d& n) const {
     const double cosine = m.dot(n), squares = m.squaredNorm() * n.squaredNorm();
     return flat_ > 0 && cosine > 0 && squares > kLeastSquares && cosine * cosine > flat_ * flat_ * squares;
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <mutex>
 #include <random>
 #include <set>
 
@@ -60,14 +61,44 @@ TEST(NearFaces, AreThePairsWhoseBoxesMeetEachOnce) {
       for (const double offset : {0.0, 1e6}) {
         const TriangleSoup mesh = soup(random, triangles, size, offset);
         const Pairs found = found_in(mesh), least = brute_force(mesh, 0),
-                    // A leaf of strewn faces may be as large as all of them; shares of it are 255ths.
-            most = brute_force(mesh, 1e-7 * (offset + 200) + (100 + 2 * size) / 255);
+                    most = brute_force(mesh, 1e-7 * (offset + 200));  // single precision
         EXPECT_TRUE(std::includes(found.begin(), found.end(), least.begin(), least.end()));
         EXPECT_TRUE(std::includes(most.begin(), most.end(), found.begin(), found.end()));
         for (const auto& pair : found) ASSERT_EQ(found.count(pair), 1U);
       }
     }
   }
+}
+
+// Sets of every size are left out, told by their first face: pairs within them are not found, all others are.
+TEST(NearFaces, AreAllButThoseOfSetsThatAreLeftOut) {
+  const TriangleSoup mesh = grid(90, 90, [](double s, double t) {
+    return Eigen::Vector3d(1000 * s, 1000 * t, 300 * s * s + 200 * s * t);
+  });
+  NearFaces near(mesh.vertices, mesh.triangles);
+  std::vector<int> set(mesh.triangles.size(), -1);
+  std::set<std::size_t> sizes;
+  std::mutex one_at_a_time;
+  near.leave_out([&](std::size_t first, std::size_t count) {
+    const int face = near.order()[first];
+    if (face % 3 != 0) return false;
+    const std::lock_guard lock(one_at_a_time);
+    for (std::size_t i = first; i < first + count; ++i) set[static_cast<std::size_t>(near.order()[i])] = face;
+    sizes.insert(count);
+    return true;
+  });
+  EXPECT_GE(sizes.size(), 2U);
+  const auto left_out = [&](const std::array<int, 2>& pair) {
+    const int one = set[static_cast<std::size_t>(pair[0])], other = set[static_cast<std::size_t>(pair[1])];
+    return one >= 0 && one == other;
+  };
+  Pairs expected = found_in(mesh), found;
+  const std::size_t all = expected.size();
+  std::erase_if(expected, left_out);
+  for (std::size_t i = 0; i < near.portions(); ++i)
+    near.visit(i, [&](int f, int g) { found.insert({std::min(f, g), std::max(f, g)}); });
+  EXPECT_EQ(found, expected);
+  EXPECT_LT(found.size(), all - all / 5);
 }
 
 TEST(NearFaces, AreInProportionToTheFacesOfASurface) {

@@ -176,7 +176,7 @@ TEST(SpreadFans, HaveNoFacesThatCross) {
       fan.triangles.push_back({0, 1 + i, 1 + (i + 1) % rim});
     }
     const TriangleMesh mesh(fan);
-    const bool said = spread_fans(mesh)[0] != 0;
+    const bool said = SpreadFans(mesh).holds(0);
     const std::size_t crossing = find_self_crossings(mesh).pairs;
     // Without the centre's face among them the faces are compared by exact predicates.
     TriangleSoup parted{{}, {}};

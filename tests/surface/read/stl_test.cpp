@@ -137,6 +137,30 @@ TEST(Stl, WhatIsWrongInBinaryIsToldWithItsFacetAndByte) {
   EXPECT_THAT(refusal_of("", "a.stl"), HasSubstr("0 bytes"));
 }
 
+// Facets are read side by side: the first that is wrong is told, and what is odd is counted over all of them.
+TEST(Stl, OfManyFacetsTheFirstOneThatIsWrongIsTold) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  constexpr std::uint32_t kFacets = 200'000;
+  const std::string sound = stl_facet(kA, kB, Eigen::Vector3f(0, 1, 0)),
+                    wrong = stl_facet(kA, kB, Eigen::Vector3f(nan, 1, 0)), odd = [&] {
+                      std::string bytes = sound;
+                      bytes.back() = 1;
+                      return bytes;
+                    }();
+  std::string facets;
+  for (std::size_t f = 0; f < kFacets; ++f) facets += sound;
+  const auto put = [&](std::size_t f, const std::string& facet) { facets.replace(50 * f, 50, facet); };
+  put(70'000, odd);
+  put(199'999, odd);
+  EXPECT_THAT(read_bytes_as(binary_stl(facets, kFacets), "a.stl").health.warnings,
+              ElementsAre(AllOf(HasSubstr("2 facets have attribute bytes"), HasSubstr("facet 70001"))));
+  put(150'000, wrong);
+  put(90'000, wrong);
+  put(90'001, wrong);
+  EXPECT_THAT(refusal_of(binary_stl(facets, kFacets), "a.stl"),
+              HasSubstr("a.stl: facet 90001 (byte 4500120): "));
+}
+
 TEST(Stl, CutAnywhereItIsRefused) {
   const std::string text = "solid a\n" + kFacet + "endsolid", binary = binary_stl(kSquare, 2, "scan");
   for (std::size_t n = 0; n < text.size(); ++n)
