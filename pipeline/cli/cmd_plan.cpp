@@ -181,6 +181,7 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const bool may_try = arguments.advise || !suggested.empty();
   hooks.progress = progress_within(console, kRead, may_try ? kTried : kPlanned);
   hooks.backend = backend_named(arguments.backend);
+  hooks.refused_too = arguments.override_refusal;
   // Sheets that cross do not stop a plan; they are looked for beside it.
   std::future<std::string> crossings =
       std::async(std::launch::async, [&] { return surface::self_crossings_text(design); });

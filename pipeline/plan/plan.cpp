@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -14,8 +13,8 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
-#include "pipeline/plan/planned_ribs.hpp"
 #include "pipeline/plan/stopwatch.hpp"
+#include "pipeline/plan/strip_looks.hpp"
 #include "pipeline/plan/suggestions.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
@@ -25,7 +24,6 @@
 #include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/design_faces.hpp"
-#include "pipeline/verify/foam_share.hpp"
 #include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
@@ -39,97 +37,11 @@ namespace {
 // Of a try that is looked at in full, what is done when its strips are posed.
 constexpr double kPosed = 0.6;
 
-// The narrowest and the widest band by the speeds of poses.
-void set_bands(const std::vector<BladePose>& poses, const Settings& settings, StripFacts& facts) {
-  facts.band_min_mm = facts.band_max_mm = settings.blade.kerf_mm;
-  if (!settings.blade.melt.by_speed()) return;
-  const BladeSpeeds speeds(poses);
-  const double feed = settings.motion.feed_mm_s;
-  const auto [slowest, fastest] = speeds.empty() ? std::pair(feed, feed) : speeds.range();
-  facts.band_min_mm = settings.blade.band_mm(fastest);
-  facts.band_max_mm = settings.blade.band_mm(slowest);
-}
-
-// A blade that goes slower than anybody measured melts wider than the plan takes.
-void warn_of_slow_melt(const std::string& strip, const std::vector<BladePose>& poses,
-                       const Settings& settings, std::vector<std::string>& warnings) {
-  const auto& pairs = settings.blade.melt.band_mm_at_mm_s;
-  if (pairs.empty()) return;
-  const BladeSpeeds speeds(poses);
-  if (speeds.empty() || speeds.range().first >= pairs.front()[0]) return;
-  warnings.push_back(
-      say(Saying::kSlowMelt, {strip, speeds.range().first, pairs.front()[0], pairs.front()[1]}));
-}
-
-StripFacts facts_of(const PosedStrip& posed, const Settings& settings) {
-  const StripPlan& plan = posed.strip;
-  StripFacts f;
-  f.id = plan.id;
-  f.ribs = plan.ribs.size();
-  f.blade_length_mm = plan.blade_length_mm;
-  f.motion = posed.motion.facts;
-  f.smallest_margin = std::min(plan.smallest_margin, f.motion.smallest_margin);
-  double steepest = 0;
-  for (const RibFit& rib : plan.ribs) {
-    f.projected_ribs += rib.projected ? 1 : 0;
-    f.worst_fit_mm = std::max(f.worst_fit_mm, rib.deviation_mm);
-    f.worst_bezier_mm = std::max(f.worst_bezier_mm, rib.bezier_deviation_mm);
-    f.largest_lambda_residual = std::max(f.largest_lambda_residual, rib.lambda_residual);
-    steepest = std::max(steepest, rib.max_slope_rad);
-  }
-  f.joint_fit_mm = plan.joint_fit_mm;
-  f.seam = plan.seam_before;
-  // The twist tilts the section, whose edges move by half its width.
-  f.droop_error_mm =
-      f.motion.droop_mm * std::sin(steepest) + 0.5 * settings.blade.width_mm * f.motion.twist_rad;
-  f.stock_volume_mm3 = plan.block.size_mm.prod();
-  set_bands(posed.motion.poses, settings, f);
-  f.plinth_mm = plan.block.height_above_table_mm(plan.design_to_cell);
-  f.plane_turn_rad =
-      plan.planes.angle(plan.ribs.back().offset_mm) - plan.planes.angle(plan.ribs.front().offset_mm);
-  return f;
-}
-
-PlannedStrip planned_strip(PosedStrip posed, const Settings& settings) {
-  PlannedStrip planned;
-  planned.facts = facts_of(posed, settings);
-  planned.refusals = std::move(posed.motion.refusals);
-  planned.warnings = std::move(posed.motion.warnings);
-  warn_of_slow_melt(posed.strip.id, posed.motion.poses, settings, planned.warnings);
-  planned.strip = make_strip(posed.strip, std::move(posed.motion.poses), settings.design.tolerance_mm);
-  planned.facts.foam_kept_share = foam_kept_share(planned.strip);
-  return planned;
-}
-
 DesignData design_data(const surface::DesignSurface& design, const Settings& settings) {
   return {design.file_name,     design.sha256,          design.units,
           design.format,        design.scale_to_mm,     design.up,
           settings.design.keep, design.health.vertices, design.health.triangles,
           design.health.bbox_mm};
-}
-
-// Strips are posed side by side and handed over in their order.
-void pose_strips(const std::vector<StripPlan>& strips, const Settings& settings, const PlanHooks& hooks,
-                 MotionLook look, PlanResult& result) {
-  const std::size_t count = strips.size();
-  std::vector<PlannedStrip> planned(count);
-  std::mutex telling;
-  std::size_t told = 0;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    PosedStrip posed{strips[i], move_blade(strips[i], settings, look)};
-    posed.strip.design_to_cell.p.z() += posed.motion.raise_mm;
-    planned[i] = planned_strip(std::move(posed), settings);
-    const std::scoped_lock lock(telling);
-    const double posed_share = static_cast<double>(++told) / static_cast<double>(count);
-    hooks.progress("pose", posed_share * kPosed);
-  });
-  gpu::stop_point();
-  for (PlannedStrip& d : planned) {
-    result.program.strips.push_back(std::move(d.strip));
-    result.strips.push_back(std::move(d.facts));
-    std::move(d.refusals.begin(), d.refusals.end(), std::back_inserter(result.refusals));
-    std::move(d.warnings.begin(), d.warnings.end(), std::back_inserter(result.warnings));
-  }
 }
 
 // Bezier against elastica, all ribs of the plan in one batch.
@@ -168,21 +80,10 @@ void measure_cut(const surface::DesignSurface& design, gpu::Backend backend, Pla
   take_report(verify(result.program, design, verify_options(result.program.settings, backend)), result);
 }
 
-// Poses strips, and measures what they cut.
-void pose_and_verify(const std::vector<StripPlan>& strips, const surface::DesignSurface& design,
-                     const Settings& settings, const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
-  pose_strips(strips, settings, hooks, MotionLook::kFull, result);
-  watch.lap("pose");
-  measure_ribs(result.program, hooks.backend);
-  hooks.progress("verify", kPosed);
-  measure_cut(design, hooks.backend, result);
-  watch.lap("verify");
-}
-
 // Limits of the whole: the deviation and the area left out.
 void judge(const Settings& settings, PlanResult& result) {
   const VerifyReport& v = result.verification;
-  if (result.program.strips.empty() && result.refusals.empty()) {
+  if (result.strips.empty() && result.refusals.empty()) {
     result.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
   }
   for (const StripFacts& f : result.strips) {
@@ -210,7 +111,7 @@ void judge(const Settings& settings, PlanResult& result) {
   }
   // Without strips all is uncut: what stands before says why.
   if (v.uncut_share() > settings.design.max_uncut_share &&
-      !(result.program.strips.empty() && !result.refusals.empty())) {
+      !(result.strips.empty() && !result.refusals.empty())) {
     result.refusals.push_back(
         {"design", "", Limit::kUncutShare, 100 * v.uncut_share(), 100 * settings.design.max_uncut_share});
   }
@@ -271,67 +172,152 @@ Decision decision_of(const SweptPlan& swept, const PlanResult& result) {
   return d;
 }
 
-// Verifies a swept plan in full.
-void plan_swept(const SweptPlan& swept, const surface::DesignSurface& design, const Settings& settings,
-                const PlanHooks& hooks, Stopwatch& watch, PlanResult& result) {
-  result.program.strips.clear();
-  result.strips.clear();
-  result.warnings.clear();
-  result.spacing_mm = 0;
-  for (const StripPlan& strip : swept.strips) {
-    const auto gaps = static_cast<double>(strip.ribs.size() - 1);
-    result.spacing_mm =
-        std::max(result.spacing_mm, (strip.ribs.back().offset_mm - strip.ribs.front().offset_mm) / gaps);
+// Looks at the plans of one design. Of a plan that follows another only strips that changed are posed and
+// measured, as long as one of them fails.
+class PlanLooks {
+ public:
+  // `empty` has what all results have in common.
+  PlanLooks(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+            Stopwatch& watch, const PlanResult& empty)
+      : design_(design), settings_(settings), hooks_(hooks), watch_(watch) {
+    empty_.program = empty.program;
   }
-  result.refusals = swept.refusals;
-  pose_and_verify(swept.strips, design, settings, hooks, watch, result);
-  judge(settings, result);
-}
 
-// Looks at each of a plan's strips by itself, more coarsely than in full: where it leaves the design and what
-// of its motion is refused.
-PlanResult plan_alone(const SweptPlan& swept, const surface::DesignSurface& design, const Settings& settings,
-                      const PlanHooks& hooks, const PlanResult& result) {
-  PlanResult alone;
-  alone.program = result.program;
-  pose_strips(swept.strips, settings, hooks, MotionLook::kCoarse, alone);
-  constexpr double kCoarser = 2;
-  VerifyOptions options = verify_options(alone.program.settings, hooks.backend);
-  options.sample_mm *= kCoarser;
-  options.cut_only = true;
-  take_report(measure(alone.program, {}, design, options), alone);
-  judge(settings, alone);
-  return alone;
-}
+  struct Seen {
+    PlanResult result;   // judged
+    bool whole = false;  // with what of the design is left uncut, its ribs and its poses
+  };
+
+  // Each strip by itself, more coarsely than in full: where it leaves the design and what of its motion is
+  // refused.
+  Seen coarsely(const SweptPlan& swept) {
+    coarse_.pose(swept.strips, settings_, [&](double share) { hooks_.progress("pose", share); });
+    coarse_.measure_fresh(empty_.program, design_, coarser());
+    watch_.lap("look");
+    return {judged(coarse_.known()), false};
+  }
+
+  // In full: where few strips changed these first, and the whole when they pass.
+  Seen in_full(const SweptPlan& swept) {
+    pose(full_, swept);
+    if (2 * full_.fresh() < full_.count()) {
+      full_.measure_fresh(empty_.program, design_, verify_options(settings_, hooks_.backend));
+      PlanResult known = judged(full_.known());
+      watch_.lap("verify");
+      if (!known.refusals.empty()) return {std::move(known), false};
+    }
+    return {whole(swept), true};
+  }
+
+  // All of a plan in full.
+  PlanResult whole(const SweptPlan& swept) {
+    pose(full_, swept);
+    PlanResult result = started(swept);
+    full_.give(result);
+    measure_ribs(result.program, hooks_.backend);
+    hooks_.progress("verify", kPosed);
+    measure_cut(design_, hooks_.backend, result);
+    judge(settings_, result);
+    watch_.lap("verify");
+    return result;
+  }
+
+  // Keeps the strips of a plan that was refused for the next one.
+  void keep(Seen& seen) {
+    if (seen.whole) full_.take_back(seen.result);
+  }
+
+  // A plan that was seen whole, with its strips again.
+  PlanResult with_strips(const SweptPlan& swept, PlanResult result) {
+    pose(full_, swept);
+    PlanResult again;
+    full_.give(again);
+    result.program.strips = std::move(again.program.strips);
+    measure_ribs(result.program, hooks_.backend);
+    return result;
+  }
+
+  // All of a plan, but its poses and samples farther apart and without the clamps' errors: for one of many
+  // strips that is refused, and only shown.
+  PlanResult shown_coarsely(const SweptPlan& swept) {
+    StripLooks looks(MotionLook::kCoarse);
+    pose(looks, swept);
+    PlanResult result = started(swept);
+    looks.give(result);
+    measure_ribs(result.program, hooks_.backend);
+    hooks_.progress("verify", kPosed);
+    take_report(measure(result.program, {}, design_, coarser()), result);
+    judge(settings_, result);
+    result.warnings.push_back(say(Saying::kShownCoarsely, {}));
+    watch_.lap("verify");
+    return result;
+  }
+
+ private:
+  [[nodiscard]] VerifyOptions coarser() const {
+    constexpr double kCoarser = 2;
+    VerifyOptions options = verify_options(settings_, hooks_.backend);
+    options.sample_mm *= kCoarser;
+    return options;
+  }
+
+  void pose(StripLooks& looks, const SweptPlan& swept) {
+    looks.pose(swept.strips, settings_, [&](double share) { hooks_.progress("pose", share * kPosed); });
+    watch_.lap("pose");
+  }
+
+  // A result with what is known of a plan before its strips are looked at.
+  [[nodiscard]] PlanResult started(const SweptPlan& swept) const {
+    PlanResult result = empty_;
+    for (const StripPlan& strip : swept.strips) {
+      const auto gaps = static_cast<double>(strip.ribs.size() - 1);
+      result.spacing_mm =
+          std::max(result.spacing_mm, (strip.ribs.back().offset_mm - strip.ribs.front().offset_mm) / gaps);
+    }
+    result.refusals = swept.refusals;
+    return result;
+  }
+
+  [[nodiscard]] PlanResult judged(PlanResult known) const {
+    known.program.settings = empty_.program.settings;
+    judge(settings_, known);
+    return known;
+  }
+
+  const surface::DesignSurface& design_;
+  const Settings& settings_;
+  const PlanHooks& hooks_;
+  Stopwatch& watch_;
+  PlanResult empty_;
+  StripLooks coarse_{MotionLook::kCoarse}, full_{MotionLook::kFull};
+};
 
 // The refused plan that comes nearest to one that passes: what is shown when none does.
 class Nearest {
  public:
-  void offer(const SweptPlan& swept, const PlanResult* verified) {
-    const Nearness rank = nearness(swept, verified);
+  // `seen` without its strips; null where it was not looked at.
+  void offer(const SweptPlan& swept, const PlanLooks::Seen* seen) {
+    const Nearness rank = nearness(swept, seen ? &seen->result : nullptr);
     if (rank_ && !(rank < *rank_)) return;
     rank_ = rank;
     swept_ = swept;
-    verified_ = verified ? std::optional(*verified) : std::nullopt;
+    verified_ = seen && seen->whole ? std::optional(seen->result) : std::nullopt;
   }
 
   // The plan that was offered, without strips where none was.
   [[nodiscard]] const SweptPlan& swept() const { return swept_; }
 
-  void show(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-            Stopwatch& watch, PlanResult& result) {
-    PlanResult shown = verified_ ? std::move(*verified_) : result;
-    if (!verified_ && rank_) plan_swept(swept_, design, settings, hooks, watch, shown);
-    if (!rank_) {
-      // Without anything to try no part was found, which the judgement says.
-      if (waste_side(design.mesh, settings.design.keep) == 0)
-        shown.refusals = {leaning_refusal(design, settings)};
-      pose_and_verify({}, design, settings, hooks, watch, shown);
-      judge(settings, shown);
-    }
-    shown.decisions = std::move(result.decisions);
-    shown.times = std::move(result.times);
-    result = std::move(shown);
+  [[nodiscard]] PlanResult shown(const surface::DesignSurface& design, const Settings& settings,
+                                 const PlanHooks& hooks, PlanLooks& looks) const {
+    // As many take as long to look at in full as the search took, or longer.
+    constexpr std::size_t kMostInFull = 32;
+    if (verified_) return looks.with_strips(swept_, *verified_);
+    if (swept_.strips.size() > kMostInFull && !hooks.refused_too) return looks.shown_coarsely(swept_);
+    PlanResult shown = looks.whole(swept_);
+    // Without anything to try no part was found, which the judgement says.
+    if (!rank_ && waste_side(design.mesh, settings.design.keep) == 0)
+      shown.refusals = {leaning_refusal(design, settings)};
+    return shown;
   }
 
  private:
@@ -367,37 +353,49 @@ SweepVerdict verdict_on(const PlanResult& looked) {
           deviations_with_sag_mm(looked)};
 }
 
+// A result takes the place of the one that has the tries so far, and their times.
+void take(PlanResult other, PlanResult& result) {
+  other.decisions = std::move(result.decisions);
+  other.times = std::move(result.times);
+  result = std::move(other);
+}
+
 // Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
 // looked at in full, `progress` of the rest. Returns the plan that is shown.
 SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
                      PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
   std::optional<SweptPlan> taken;
   Nearest nearest;
-  const auto judged = [&](const SweptPlan& swept) -> SweepVerdict {
+  PlanLooks looks(design, settings, hooks, watch, result);
+  SweepJudges judges;
+  judges.together = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
-    PlanResult other = result;
-    const bool whole = swept.refusals.empty();
-    if (whole) plan_swept(swept, design, settings, hooks, watch, other);
-    result.decisions.push_back(decision_of(swept, other));
-    if (!whole || !other.refusals.empty()) {
-      nearest.offer(swept, whole ? &other : nullptr);
-      progress.next_try();
-      return whole ? verdict_on(other) : SweepVerdict{};
+    PlanLooks::Seen seen;
+    const bool any = swept.refusals.empty();
+    if (any) seen = looks.in_full(swept);
+    result.decisions.push_back(decision_of(swept, seen.result));
+    result.decisions.back().alone = any && !seen.whole;
+    if (any && seen.whole && seen.result.refusals.empty()) {
+      take(std::move(seen.result), result);
+      for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
+      taken = swept;
+      return {true, {}};
     }
-    other.decisions = std::move(result.decisions);
-    other.times = std::move(result.times);
-    result = std::move(other);
-    for (Decision& d : result.decisions) d.taken = &d == &result.decisions.back();
-    taken = swept;
-    return {true, {}};
+    if (any) looks.keep(seen);
+    nearest.offer(swept, any ? &seen : nullptr);
+    progress.next_try();
+    return any ? verdict_on(seen.result) : SweepVerdict{};
   };
-  const auto judged_alone = [&](const SweptPlan& swept) -> SweepVerdict {
+  judges.alone = [&](const SweptPlan& swept) -> SweepVerdict {
     watch.lap("sweep");
-    const PlanResult alone = plan_alone(swept, design, settings, hooks, result);
-    watch.lap("look");
-    result.decisions.push_back(decision_of(swept, alone));
+    const PlanLooks::Seen seen = looks.coarsely(swept);
+    result.decisions.push_back(decision_of(swept, seen.result));
     result.decisions.back().alone = true;
-    return verdict_on(alone);
+    return verdict_on(seen.result);
+  };
+  judges.given_up = [&](const SweptPlan& swept) {
+    const PlanLooks::Seen seen = looks.coarsely(swept);
+    nearest.offer(swept, &seen);
   };
   const auto watched = [&] { progress.fitted(); };
   BandsOfSweep bands;
@@ -405,11 +403,11 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
     bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
   std::vector<PlanesTried> ranking;
   try {
-    ranking = search_sweeps(design, settings, {judged, judged_alone}, watched, bands);
+    ranking = search_sweeps(design, settings, judges, watched, bands);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
-  if (!taken) nearest.show(design, settings, hooks, watch, result);
+  if (!taken) take(nearest.shown(design, settings, hooks, looks), result);
   result.ranking = std::move(ranking);
   return taken.value_or(nearest.swept());
 }
@@ -479,7 +477,10 @@ SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::T
     std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
     std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));
   }
-  plan_swept(whole, design, settings, hooks, watch, result);
+  PlanResult all = PlanLooks(design, settings, hooks, watch, result).whole(whole);
+  all.faces = std::move(result.faces);
+  all.ranking = std::move(result.ranking);
+  take(std::move(all), result);
   result.decisions.push_back(decision_of(whole, result));
   result.decisions.back().taken = result.refusals.empty();
   return whole;

@@ -73,7 +73,7 @@ struct Decision {
   double fit_mm = 0;        // what the fit itself was off, where that was found
   double deviation_mm = 0;  // verified; 0 where it never came to that
   bool passed = false, taken = false;
-  bool alone = false;                   // each strip looked at by itself, before they are fitted together
+  bool alone = false;  // each strip looked at by itself, and nothing of what they leave uncut
   std::optional<Refusal> stopped_by{};  // the first of what it failed by
 
   // Returns what it failed by, in words; empty: nothing.
@@ -135,6 +135,8 @@ struct PlanResult {
 struct PlanHooks {
   std::function<void(const std::string&, double)> progress = [](const std::string&, double) {};
   gpu::Backend backend = gpu::Backend::kCpu;  // of the verification's distances; changes no value
+  // Whether a refused plan is handed on all the same: then one of many strips too is posed as it would run.
+  bool refused_too = false;
 };
 
 // Returns the plan of a design whose health was checked (no blockers). Throws Error (kNotCuttable) when

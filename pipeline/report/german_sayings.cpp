@@ -150,6 +150,10 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "check schlägt eine vor"},
     {"is the design really in {}? Else plan it in parts",
      "ist der Entwurf wirklich in {}? Sonst in Teilen planen"},
+    {"a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least",
+     "ein Schnitt, der dort glatt über die {:.0f} mm breiten Facetten des Entwurfs geht, weicht mindestens "
+     "so "
+     "weit ab"},
     {"first: {}", "die erste: {}"},
     {"within {:g} mm if the clamps are within {:g} mm and {:g} mrad",
      "auf {:g} mm genau, wenn die Klemmen auf {:g} mm und {:g} mrad genau sind"},
@@ -214,6 +218,11 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "the surface that they stand for",
      "Entwurf: Höhe über den Sehnen der Facetten ({:.3g} mm, Grenze {:.3g} mm): der Schnitt folgt den "
      "Facetten, nicht der Fläche, für die sie stehen"},
+    {"design: refused, and shown as it was looked at: poses eight times as far apart, the cut measured at "
+     "half "
+     "as many places a mm, the clamps' errors left out",
+     "Entwurf: abgelehnt und gezeigt, wie er angesehen wurde: Stellungen achtmal so weit auseinander, der "
+     "Schnitt an halb so vielen Stellen je mm gemessen, ohne Fehler der Klemmen"},
     {"design: {}", "Entwurf: {}"},
     {"error budget {:.4g} mm (tolerance {:g} mm), of it {:.4g} mm by clamps that err by {:g} mm and {:g} "
      "mrad: {}",

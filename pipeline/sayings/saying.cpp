@@ -32,6 +32,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
      "the design is closed, and a blade cuts one side of it: design.facing says which, and check proposes "
      "one"},
     {Saying::kUnitOrParts, "is the design really in {}? Else plan it in parts"},
+    {Saying::kOverFacets,
+     "a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least"},
     {Saying::kFirstWarning, "first: {}"},
     {Saying::kClampsWithin, "within {:g} mm if the clamps are within {:g} mm and {:g} mrad"},
     {Saying::kClampsNotEnough, "not within {:g} mm for certain, however exact the clamps are"},
@@ -81,6 +83,10 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kFacets,
      "design: height of the facets' chords ({:.3g} mm, limit {:.3g} mm): the cut follows its facets, not the "
      "surface that they stand for"},
+    {Saying::kShownCoarsely,
+     "design: refused, and shown as it was looked at: poses eight times as far apart, the cut measured at "
+     "half "
+     "as many places a mm, the clamps' errors left out"},
     {Saying::kOfDesign, "design: {}"},
     {Saying::kOverBudget,
      "error budget {:.4g} mm (tolerance {:g} mm), of it {:.4g} mm by clamps that err by {:g} mm and {:g} "

@@ -193,6 +193,7 @@ class CutMeasurement {
     report_.area_mm2 = design.health.area_mm2;
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
     report_.strip_bound_mm.assign(program.strips.size(), 0.0);
+    report_.strip_max_at.assign(program.strips.size(), Eigen::Vector3d::Zero());
   }
 
   VerifyReport take(const BladeTouches& touches) {
@@ -238,8 +239,11 @@ class CutMeasurement {
       report_.worst_strip = strip;
     }
     statistics_.add(distance, at, area_mm2);
-    double& largest = report_.strip_max_mm[static_cast<std::size_t>(strip)];
-    largest = std::max(largest, distance);
+    const auto of = static_cast<std::size_t>(strip);
+    if (distance > report_.strip_max_mm[of]) {
+      report_.strip_max_mm[of] = distance;
+      report_.strip_max_at[of] = at;
+    }
     add_bound(distance, strip);
   }
 
@@ -503,6 +507,7 @@ VerifyReport measure(const SweptSurface& cut, const BladeTouches& touches, const
   report.area_mm2 = report.uncut_mm2 = design.health.area_mm2;
   report.strip_max_mm.assign(program.strips.size(), 0.0);
   report.strip_bound_mm.assign(program.strips.size(), 0.0);
+  report.strip_max_at.assign(program.strips.size(), Eigen::Vector3d::Zero());
   return report;
 }
 

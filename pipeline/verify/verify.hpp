@@ -63,6 +63,7 @@ struct VerifyReport {
       percentiles_mm;  // percent of the area, deviation it stays within
   // By strip: of the samples of both surfaces that are its own or nearest to it, and the bound of their cells.
   std::vector<double> strip_max_mm, strip_bound_mm;
+  std::vector<Eigen::Vector3d> strip_max_at;  // where the samples deviate the most
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;

@@ -7,6 +7,55 @@
 
 namespace hotblade::pipeline {
 
+namespace {
+
+bool same(const DesignPart& a, const DesignPart& b) {
+  return a.first == b.first && a.last == b.last;
+}
+
+bool same(const elastica::Elastica& a, const elastica::Elastica& b) {
+  return a.x == b.x && a.y == b.y && a.theta == b.theta && a.kappa == b.kappa && a.lambda1 == b.lambda1 &&
+         a.lambda2 == b.lambda2 && a.length == b.length;
+}
+
+bool same(const RibFit& a, const RibFit& b) {
+  return a.offset_mm == b.offset_mm && a.deviation_mm == b.deviation_mm &&
+         a.max_slope_rad == b.max_slope_rad && same(a.own, b.own) && same(a.elastica, b.elastica) &&
+         a.target == b.target;
+}
+
+bool same(const FormedPart& a, const FormedPart& b) {
+  return a.offset_mm == b.offset_mm && same(a.part, b.part);
+}
+
+bool same(const RibAxes& a, const RibAxes& b) {
+  const surface::PlaneFamily &p = a.planes, &q = b.planes;
+  return a.sweep == b.sweep && a.x == b.x && a.y == b.y && p.normal(0) == q.normal(0) &&
+         p.centre() == q.centre() && p.axis() == q.axis() && p.radius_mm() == q.radius_mm() &&
+         p.closed() == q.closed();
+}
+
+bool same(const Block& a, const Block& b) {
+  return a.size_mm == b.size_mm && a.frame.origin == b.frame.origin && a.frame.x == b.frame.x &&
+         a.frame.y == b.frame.y;
+}
+
+template <typename Each>
+bool same(const std::vector<Each>& a, const std::vector<Each>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Each& p, const Each& q) { return same(p, q); });
+}
+
+}  // namespace
+
+bool same_blades(const StripPlan& a, const StripPlan& b) {
+  const RibAxes &axes = a, &others = b;
+  return a.blade_length_mm == b.blade_length_mm && a.share_a == b.share_a && same(a.ribs, b.ribs) &&
+         same(a.formed, b.formed) && same(axes, others) && same(a.block, b.block) &&
+         a.design_to_cell.p == b.design_to_cell.p &&
+         a.design_to_cell.q.coeffs() == b.design_to_cell.q.coeffs();
+}
+
 DesignPart StripPlan::formed_at(double offset_mm) const {
   if (formed.empty()) return {};
   const auto above = std::upper_bound(formed.begin(), formed.end(), offset_mm,

@@ -44,6 +44,10 @@ struct StripPlan : RibAxes {
   [[nodiscard]] Frame swept_plane(double offset_mm) const;
 };
 
+// Returns whether two strips are cut by the same blades from the same block, to the bit. Their names, and
+// what stands between them and their neighbours, may differ.
+[[nodiscard]] bool same_blades(const StripPlan& a, const StripPlan& b);
+
 // Returns the blade of a rib: its elastica extended along itself to the strip's blade length.
 [[nodiscard]] elastica::Elastica extended(const elastica::Elastica& rib, double blade_length_mm,
                                           double share_a);

@@ -364,12 +364,14 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   std::vector<SweepEvaluation> own(unknowns.size());
   tbb::parallel_for(std::size_t{0}, unknowns.size(), [&](std::size_t i) {
     const JointPart& part = *unknowns[i].part;
+    if (part.held) return;
     const SweepProblem problem(part.data, part.options, part.start);
     own[i] = problem.evaluate(problem.pack(part.start), problem.first_feet());
   });
   gpu::stop_point();
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
     Unknowns& u = unknowns[i];
+    if (u.part->held) continue;
     u.scale_mm = std::max(own[i].max_mm, u.part->wanted_mm);
     auto foot = own[i].feet.begin();
     for (const SweepSection& section : u.part->data.sections) {
@@ -419,7 +421,15 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
     }
     problem.AddResidualBlock(new ProbesCost(std::move(probes)), nullptr, blocks);
   }
-  for (Unknowns& u : unknowns) add_smoothness(problem, u);
+  for (Unknowns& u : unknowns) {
+    if (!u.part->held) {
+      add_smoothness(problem, u);
+      continue;
+    }
+    for (int k = 0; k < u.basis.count(); ++k) {
+      if (problem.HasParameterBlock(u.block(k))) problem.SetParameterBlockConstant(u.block(k));
+    }
+  }
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.num_threads = 1;  // sums of several threads would differ with their number
@@ -435,8 +445,9 @@ std::vector<SweepFitReport> fit_together(const std::vector<JointPart>& parts,
   gpu::stop_point();
   watched.rethrow();
   std::vector<SweepFitReport> reports(unknowns.size());
-  tbb::parallel_for(std::size_t{0}, unknowns.size(),
-                    [&](std::size_t i) { reports[i] = report_of(unknowns[i], summary); });
+  tbb::parallel_for(std::size_t{0}, unknowns.size(), [&](std::size_t i) {
+    if (!unknowns[i].part->held) reports[i] = report_of(unknowns[i], summary);
+  });
   gpu::stop_point();
   return reports;
 }

@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,23 @@ void Layout::add(FittedPart part) {
   cost_mm = std::max(cost_mm, part.fit.cost_mm);
   parts.push_back(std::move(part.part));
   fits.push_back(std::move(part.fit));
+}
+
+Eigen::Vector2d turn_of(const Layout& layout, double most_rad) {
+  double scale = 0;
+  for (const PartFit& fit : layout.fits) scale = std::max(scale, fit.turn.scale_mm);
+  PlaneTurn all;
+  for (const PartFit& fit : layout.fits) {
+    const PlaneTurn part = fit.turn.at_scale(scale);
+    all.gradient += part.gradient;
+    all.matrix += part.matrix;
+  }
+  constexpr double kDamping = 1e-3;
+  Eigen::Matrix2d damped = all.matrix;
+  damped.diagonal() += kDamping * Eigen::Vector2d::Constant(all.matrix.trace());
+  const Eigen::Vector2d step = -damped.ldlt().solve(all.gradient);
+  if (!step.allFinite()) return {0, 0};
+  return step.norm() > most_rad ? Eigen::Vector2d(most_rad / step.norm() * step) : step;
 }
 
 bool layout_before(const Layout& a, const Layout& b) {

@@ -43,6 +43,10 @@ struct Layout {
   void add(FittedPart part);
 };
 
+// Returns by how many rad about x and y of the whole's axes the planes should turn, as far as the terms of
+// the parts' fits say; zero where no fit says.
+[[nodiscard]] Eigen::Vector2d turn_of(const Layout& layout, double most_rad);
+
 [[nodiscard]] bool layout_before(const Layout& a, const Layout& b);
 
 class SweepLayouts {

@@ -289,6 +289,8 @@ PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double ca
       if (best.strip && best.fit.max_mm <= wanted) return best;
     }
     if (best.strip) return best;
+    // A calmer blade comes no nearer.
+    if (best.refusal && best.refusal->limit == Limit::kDeviation) break;
   }
   if (best.refusal && best.refusal->limit == Limit::kDeviation) explain(part, best);
   return best;
@@ -401,9 +403,71 @@ PartPlan PartFitter::met(const SweepPart& part, const JointPart& joint, const Sw
   return own;
 }
 
+namespace {
+
+// Which parts a joint fit moves, and which it holds for them.
+struct Moved {
+  std::vector<bool> moves, holds;
+};
+
+// Parts that are not settled move, and their neighbours with them; the neighbours of these are held.
+Moved moved_parts(const std::vector<bool>& settled, const std::vector<PartSeam>& seams) {
+  const std::size_t count = settled.size();
+  Moved moved{std::vector<bool>(count, false), std::vector<bool>(count, false)};
+  for (std::size_t i = 0; i < count; ++i) moved.moves[i] = !settled[i];
+  const auto beside = [&](const std::vector<bool>& some) {
+    std::vector<bool> all(count, false);
+    for (const PartSeam& seam : seams) {
+      if (some[seam.first]) all[seam.second] = true;
+      if (some[seam.second]) all[seam.first] = true;
+    }
+    return all;
+  };
+  const std::vector<bool> next = beside(moved.moves);
+  for (std::size_t i = 0; i < count; ++i) moved.moves[i] = moved.moves[i] || next[i];
+  const std::vector<bool> around = beside(moved.moves);
+  for (std::size_t i = 0; i < count; ++i) moved.holds[i] = around[i] && !moved.moves[i];
+  return moved;
+}
+
+}  // namespace
+
+JointPart PartFitter::joint_part(const SweepPart& part, const PartPlan& own, const PartPlan& met,
+                                 bool held) const {
+  const PartFit& fit = own.fit;
+  const SweepEffort effort = final_effort(fit.family.count(), own.calm, own.steadying);
+  JointPart joint;
+  joint.data = sections_of(part, effort, fit.formed_by.get());
+  joint.options = options_for(joint.data, effort);
+  joint.options.blade_length_mm = fit.blade_length_mm;
+  joint.start = met.fit.family;
+  joint.wanted_mm = wanted_mm();
+  joint.most_mm = std::max(most_mm(own), fit.max_mm);
+  joint.held = held;
+  return joint;
+}
+
+void PartFitter::measure_seams(const std::vector<PartSeam>& seams, std::vector<PartPlan>& met) const {
+  std::vector<SeamFacts> facts(seams.size());
+  tbb::parallel_for(std::size_t{0}, seams.size(), [&](std::size_t i) {
+    facts[i] = seam_facts(seams[i], met[seams[i].first].fit.family, met[seams[i].second].fit.family,
+                          settings_.blade.free_lengths_mm.back());
+  });
+  gpu::stop_point();
+  for (PartPlan& plan : met) {
+    if (plan.strip) plan.strip->seam_before = {};
+  }
+  for (std::size_t i = 0; i < seams.size(); ++i) {
+    std::optional<StripPlan>& strip = met[seams[i].second].strip;
+    if (!strip) continue;
+    strip->seam_before.gap_mm = std::max(strip->seam_before.gap_mm, facts[i].gap_mm);
+    strip->seam_before.kink_deg = std::max(strip->seam_before.kink_deg, facts[i].kink_deg);
+  }
+}
+
 std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
-                                       std::vector<PartPlan> plans) const {
-  std::vector<JointPart> joined(parts.size());
+                                       const std::vector<PartPlan>& plans, std::vector<PartPlan> met,
+                                       const std::vector<bool>& settled) const {
   std::vector<SeamSide> sides;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SweepFamily& family = plans[i].fit.family;
@@ -411,37 +475,36 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
                      parts[i].bands.get(), family.first_mm, family.last_mm});
   }
   const std::vector<PartSeam> seams = seams_of(sides, section_options(settings_, {}, 1, 1, nullptr, nullptr));
-  if (seams.empty()) return plans;
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    watch_();
-    const PartFit& fit = plans[i].fit;
-    const SweepEffort effort = final_effort(fit.family.count(), plans[i].calm, plans[i].steadying);
-    SweepData data = sections_of(parts[i], effort, fit.formed_by.get());
-    SweepFitOptions options = options_for(data, effort);
-    options.blade_length_mm = fit.blade_length_mm;
-    joined[i] = {std::move(data), std::move(options), fit.family, wanted_mm(),
-                 std::max(most_mm(plans[i]), fit.max_mm)};
-  });
-  gpu::stop_point();
-  const std::vector<SweepFitReport> fits = fit_together(joined, seams, watch_);
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    watch_();
-    plans[i] = met(parts[i], joined[i], fits[i].family, plans[i]);
-  });
-  gpu::stop_point();
-  std::vector<SeamFacts> facts(seams.size());
-  tbb::parallel_for(std::size_t{0}, seams.size(), [&](std::size_t i) {
-    facts[i] = seam_facts(seams[i], plans[seams[i].first].fit.family, plans[seams[i].second].fit.family,
-                          settings_.blade.free_lengths_mm.back());
-  });
-  gpu::stop_point();
-  for (std::size_t i = 0; i < seams.size(); ++i) {
-    std::optional<StripPlan>& strip = plans[seams[i].second].strip;
-    if (!strip) continue;
-    strip->seam_before.gap_mm = std::max(strip->seam_before.gap_mm, facts[i].gap_mm);
-    strip->seam_before.kink_deg = std::max(strip->seam_before.kink_deg, facts[i].kink_deg);
+  if (seams.empty()) return met;
+  const Moved moved = moved_parts(settled, seams);
+  std::vector<std::size_t> part_of, place(parts.size());  // of the joint fit, and in it
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!moved.moves[i] && !moved.holds[i]) continue;
+    place[i] = part_of.size();
+    part_of.push_back(i);
   }
-  return plans;
+  std::vector<JointPart> joined(part_of.size());
+  tbb::parallel_for(std::size_t{0}, joined.size(), [&](std::size_t k) {
+    watch_();
+    const std::size_t i = part_of[k];
+    joined[k] = joint_part(parts[i], plans[i], met[i], moved.holds[i]);
+  });
+  gpu::stop_point();
+  std::vector<PartSeam> between;
+  for (const PartSeam& seam : seams) {
+    if (!moved.moves[seam.first] && !moved.moves[seam.second]) continue;
+    between.push_back({place[seam.first], place[seam.second], seam.places});
+  }
+  const std::vector<SweepFitReport> fits = fit_together(joined, between, watch_);
+  tbb::parallel_for(std::size_t{0}, joined.size(), [&](std::size_t k) {
+    if (joined[k].held) return;
+    watch_();
+    const std::size_t i = part_of[k];
+    met[i] = this->met(parts[i], joined[k], fits[k].family, plans[i]);
+  });
+  gpu::stop_point();
+  measure_seams(seams, met);
+  return met;
 }
 
 // Where a blade that may bend as sharply as it likes would follow the part, its radius is the reason.

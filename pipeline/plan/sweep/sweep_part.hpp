@@ -109,9 +109,12 @@ class PartFitter {
   [[nodiscard]] PartPlan again(const SweepPart& part, const PartPlan& plan) const;
 
   // Strips that meet at seams fitted together, from the plans of their own; all parts have a strip. Where no
-  // blade takes what a strip would be so, it goes towards it as far as one does.
+  // blade takes what a strip would be so, it goes towards it as far as one does. `met` has what they were
+  // when they were last fitted so, or their own plans; those that are `settled` and meet no others than such
+  // stay so.
   [[nodiscard]] std::vector<PartPlan> join(const std::vector<SweepPart>& parts,
-                                           std::vector<PartPlan> plans) const;
+                                           const std::vector<PartPlan>& plans, std::vector<PartPlan> met,
+                                           const std::vector<bool>& settled) const;
 
   // What a part's fit may be off by, as far as is known, for its strip to stay within the tolerance.
   [[nodiscard]] double most_mm(const PartPlan& plan) const;
@@ -136,6 +139,9 @@ class PartFitter {
   void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
   [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
   [[nodiscard]] HeldBlade held(const PartPlan& plan) const;
+  [[nodiscard]] JointPart joint_part(const SweepPart& part, const PartPlan& own, const PartPlan& met,
+                                     bool held) const;
+  void measure_seams(const std::vector<PartSeam>& seams, std::vector<PartPlan>& met) const;
   [[nodiscard]] PartPlan met(const SweepPart& part, const JointPart& joint, const SweepFamily& together,
                              const PartPlan& own) const;
   [[nodiscard]] std::optional<PartPlan> steadier(const SweepPart& part, const PartPlan& plan,

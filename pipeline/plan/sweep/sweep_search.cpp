@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
+#include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
 #include "pipeline/sayings/saying.hpp"
 
@@ -55,8 +55,17 @@ class Search {
     if (fewest > kMostEven) {
       Tried tried = first_try(layouts_.in_rows(), SweepWay::kRows);
       tried.many = true;
-      // Shown, where the search ends at strips that fail by themselves.
-      if (!look_at(tried) && !settle(tried, kMostRoundsOfMany) && tried.lone) (void)look_together(tried);
+      if (const std::optional<Refusal> coarse = too_coarse(tried)) {
+        SweptPlan none;
+        none.way = tried.way;
+        none.planes = tried.layout.planes;
+        none.parts = tried.layout.parts.size();
+        none.refusals = {*coarse};
+        (void)judges_.together(none);
+        return;
+      }
+      if (!look_at(tried) && !settle(tried, kMostRoundsOfMany) && tried.lone)
+        judges_.given_up(plan_of(tried, tried.joined));
       return;
     }
     std::size_t tries = 0;
@@ -90,6 +99,7 @@ class Search {
     SweepWay way = SweepWay::kEven;
     std::vector<PartPlan> plans;   // each of its own
     std::vector<PartPlan> joined;  // fitted together at their seams
+    std::vector<bool> settled;     // those that were, and have the same plan since
     std::vector<bool> failed, too_far;
     std::vector<bool> halves;  // parts that came of the last split
     bool many = false;         // parts: each is looked at by itself first
@@ -127,6 +137,26 @@ class Search {
            std::pair(b.layout.parts.size() + b.failing(), b.layout.cost_mm);
   }
 
+  // Of many parts, those whose facets leave the most to a smooth cut are planned first: where they leave more
+  // than the tolerance and no family comes nearer, no split into parts larger than facets does. Returns why
+  // that is the end.
+  [[nodiscard]] std::optional<Refusal> too_coarse(Tried& tried) const {
+    constexpr std::size_t kFirst = 3;
+    tried.plans.resize(tried.layout.parts.size());
+    for (const auto& [i, rise] : coarsest(tried.layout, settings_.design.tolerance_mm, kFirst)) {
+      PartPlan& plan = tried.plans[i];
+      plan = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i]);
+      if (plan.strip || !plan.refusal || plan.refusal->limit != Limit::kDeviation) continue;
+      Refusal coarse = *plan.refusal;
+      coarse.strip = fmt::format("S{:03}", i + 1);
+      coarse.value = rise.off_mm;
+      coarse.note = say(Saying::kOverFacets, {rise.facet_mm});
+      set_place(tried.layout.parts[i], plan.fit, coarse);
+      return coarse;
+    }
+    return std::nullopt;
+  }
+
   // Plans the parts that have none yet.
   void plan_parts(Tried& tried) const {
     const std::size_t count = tried.layout.parts.size();
@@ -150,11 +180,21 @@ class Search {
                        [](const PartPlan& plan) { return plan.strip.has_value(); });
   }
 
+  // Parts that are not settled meet the others as they are by themselves.
+  static void unjoin(Tried& tried) {
+    tried.settled.resize(tried.plans.size());
+    tried.joined.resize(tried.plans.size());
+    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
+      if (!tried.settled[i]) tried.joined[i] = tried.plans[i];
+    }
+  }
+
   // Fits planned parts together; whether all have a strip.
   bool join_parts(Tried& tried) const {
-    tried.joined = tried.plans;
+    unjoin(tried);
     if (!all_made(tried.plans)) return false;
-    tried.joined = fitter_.join(tried.layout.parts, std::move(tried.joined));
+    tried.joined = fitter_.join(tried.layout.parts, tried.plans, std::move(tried.joined), tried.settled);
+    tried.settled.assign(tried.plans.size(), true);
     return all_made(tried.joined);
   }
 
@@ -179,6 +219,7 @@ class Search {
         tried.plans[i] = fitter_.again(tried.layout.parts[i], tried.plans[i]);
       });
       gpu::stop_point();
+      tried.settled.clear();
       if (join_parts(tried)) continue;
       tried = std::move(before);  // whose cut the verification says
       return;
@@ -197,12 +238,18 @@ class Search {
       if (!tried.failed[i] || !plan.unsteady) continue;
       const std::shared_ptr<const PartPlan> before = plan.unsteady;
       plan = *before;
-      if (tried.many) tried.served[i] = false;
+      changed(tried, i);
       any = true;
     }
     if (!any) return false;
     tried.way = SweepWay::kUnsteady;
     return look_once(tried);
+  }
+
+  // A part has another plan.
+  static void changed(Tried& tried, std::size_t i) {
+    if (i < tried.served.size()) tried.served[i] = false;
+    if (i < tried.settled.size()) tried.settled[i] = false;
   }
 
   bool look_once(Tried& tried) const {
@@ -214,7 +261,7 @@ class Search {
   bool serve_alone(Tried& tried) const {
     const std::size_t count = tried.layout.parts.size();
     tried.served.resize(count);
-    tried.joined = tried.plans;
+    unjoin(tried);
     tried.lone = true;
     tried.failed.assign(count, false);
     tried.too_far.assign(count, false);
@@ -249,6 +296,9 @@ class Search {
     for (int meeting = 0; meeting < kMeetings; ++meeting) {
       if (meet(tried)) return true;
       if (!may_meet(tried)) return false;
+      for (std::size_t i = 0; i < tried.failed.size(); ++i) {
+        if (tried.failed[i]) tried.settled[i] = false;
+      }
       tried.way = SweepWay::kMet;
     }
     return meet(tried);
@@ -268,14 +318,28 @@ class Search {
   }
 
   bool meet(Tried& tried) const {
-    const std::size_t count = tried.layout.parts.size();
     if (join_parts(tried) && bands_) settle_bands(tried);
     const SweptPlan plan = plan_of(tried, tried.joined);
+    tried.lone = tried.many && plan.refusals.empty();
+    // Of many, most of what fails as it meets the others is found by looking at it as coarsely as before.
+    if (tried.lone) {
+      const SweepVerdict verdict = judges_.alone(plan);
+      note(tried, plan, verdict);
+      if (tried.failing() > 0) return false;
+      tried.lone = false;
+    }
     const SweepVerdict verdict = judges_.together(plan);
     if (verdict.taken) return true;
-    tried.lone = false;
+    note(tried, plan, verdict);
+    return false;
+  }
+
+  // What a look found of parts as they meet.
+  static void note(Tried& tried, const SweptPlan& plan, const SweepVerdict& verdict) {
+    const std::size_t count = tried.layout.parts.size();
     tried.failed.assign(count, false);
     tried.too_far.assign(count, false);
+    if (verdict.taken) return;
     for (std::size_t i = 0; i < count; ++i) {
       const std::optional<Refusal>& refusal = tried.joined[i].refusal;
       const bool refused = !plan.refusals.empty();
@@ -285,7 +349,6 @@ class Search {
       if (!refused && !verdict.deviation_mm.empty())
         tried.plans[i].beyond_fit_mm = verdict.deviation_mm[i] - tried.joined[i].fit.max_mm;
     }
-    return false;
   }
 
   // Planes that served their samples and failed when all of the cut was looked at are turned on, as those are
@@ -340,7 +403,7 @@ class Search {
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);
-      if (tried.many) tried.served[i] = false;
+      changed(tried, i);
       tried.failed[i] = false;
       tried.way = SweepWay::kCalmer;
       any = true;
@@ -370,12 +433,16 @@ class Search {
       if (!fails) {
         next.layout.add({tried.layout.parts[i], tried.layout.fits[i]});
         next.plans.push_back(tried.plans.empty() ? PartPlan{} : tried.plans[i]);
+        next.joined.push_back(tried.joined.empty() ? PartPlan{} : tried.joined[i]);
+        next.settled.push_back(!tried.settled.empty() && tried.settled[i]);
         next.halves.push_back(false);
         next.served.push_back(!tried.served.empty() && tried.served[i]);
       }
       for (FittedPart& piece : pieces[i]) {
         next.layout.add(std::move(piece));
         next.plans.emplace_back();
+        next.joined.emplace_back();
+        next.settled.push_back(false);
         next.halves.push_back(true);
         next.served.push_back(false);
       }
@@ -436,24 +503,6 @@ class Search {
     }
     best.turned = true;
     return best;
-  }
-
-  // By rad about x and y of the whole's axes; zero where no fit says.
-  static Eigen::Vector2d turn_of(const Layout& layout, double most_rad) {
-    double scale = 0;
-    for (const PartFit& fit : layout.fits) scale = std::max(scale, fit.turn.scale_mm);
-    PlaneTurn all;
-    for (const PartFit& fit : layout.fits) {
-      const PlaneTurn part = fit.turn.at_scale(scale);
-      all.gradient += part.gradient;
-      all.matrix += part.matrix;
-    }
-    constexpr double kDamping = 1e-3;
-    Eigen::Matrix2d damped = all.matrix;
-    damped.diagonal() += kDamping * Eigen::Vector2d::Constant(all.matrix.trace());
-    const Eigen::Vector2d step = -damped.ldlt().solve(all.gradient);
-    if (!step.allFinite()) return {0, 0};
-    return step.norm() > most_rad ? Eigen::Vector2d(most_rad / step.norm() * step) : step;
   }
 
   // Of the parts that are asked for, with plans of their own or joined ones.

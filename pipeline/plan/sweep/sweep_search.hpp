@@ -67,9 +67,11 @@ using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;
 // Who looks at plans.
 struct SweepJudges {
   JudgeSweep together;  // at all strips of a plan, fitted together
-  // At some strips of a plan of many, each by its own fit, and with the parts that have none; those that it
-  // takes go on to be fitted together.
+  // At some strips of a plan of many, each by its own fit or as it meets the others, and with the parts that
+  // have none; those that it takes go on.
   JudgeSweep alone;
+  // Is told of the plan that a search of many parts ends with where some fail by themselves.
+  std::function<void(const SweptPlan&)> given_up = [](const SweptPlan&) {};
 };
 
 // What the blades of a plan's strips melt by the speeds that they would have; for each strip in its order,

@@ -145,6 +145,16 @@ TEST_P(SweptTogether, ClosesTheGapAndKeepsTheDeviation) {
   }
 }
 
+TEST_P(SweptTogether, BringsAPartToOneThatIsHeld) {
+  Halves halves(GetParam());
+  halves.parts[1].held = true;
+  const std::vector<SweepFitReport> together = fit_together(halves.parts, halves.met);
+  const SeamFacts before = seam_facts(halves.met[0], halves.parts[0].start, halves.parts[1].start, kReachMm);
+  const SeamFacts after = seam_facts(halves.met[0], together[0].family, halves.parts[1].start, kReachMm);
+  EXPECT_LT(after.gap_mm, 0.5 * before.gap_mm) << before.gap_mm;
+  EXPECT_EQ(together[1].family.count(), 0) << "nothing is said of what does not move";
+}
+
 // The samples of one part are moved away from the other's, so that closing the gap costs deviation.
 TEST_P(SweptTogether, LeavesAGapOpenRatherThanAPartBeyondWhatItMayDeviate) {
   constexpr double kApartMm = 0.8, kMore = 1.1, kNearMm = 0.02;
