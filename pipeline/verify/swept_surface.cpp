@@ -390,9 +390,14 @@ struct Counts {
   }
 };
 
-// A chord is four times as high over twice its length.
-GridSteps coarser(const GridSteps& steps) {
-  return {2 * steps.finest_mm, 2 * steps.widest_mm, 4 * steps.chord_mm, steps.most_vertices};
+// Steps with which so many vertices become few enough, or nearly. A chord is higher by the square of its
+// length.
+GridSteps coarser(const GridSteps& steps, std::size_t vertices) {
+  constexpr double kLeast = 1.1;
+  const double times = std::max(
+      kLeast, std::sqrt(static_cast<double>(vertices) / static_cast<double>(steps.most_vertices)));
+  return {times * steps.finest_mm, times * steps.widest_mm, times * times * steps.chord_mm,
+          steps.most_vertices};
 }
 
 SweptSurface surface_of(const Counts& counts) {
@@ -424,7 +429,7 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
   GridSteps steps = given;
   std::vector<StripGrid> grids(program.strips.size());
   Counts counts;
-  for (bool fits = false; !fits; steps = coarser(steps)) {
+  for (bool fits = false; !fits;) {
     tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
       gpu::stop_point();
       grids[i] = strip_grid(program.strips[i], steps);
@@ -433,6 +438,7 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
     counts = {};
     for (StripGrid& grid : grids) counts.add(grid);
     fits = counts.vertices <= steps.most_vertices;
+    if (!fits) steps = coarser(steps, counts.vertices);
   }
   SweptSurface surface = surface_of(counts);
   tbb::parallel_for(std::size_t{0}, grids.size(),

@@ -38,9 +38,9 @@ struct GridSteps {
   double finest_mm = 2.5;  // > 0
   double widest_mm = 2.5;  // where the surface is straight enough; no less than the finest
   double chord_mm = 0;     // a step that is wider than the finest leaves no place farther off its chord
-  // Of more vertices than this all steps are doubled, and chords with them, until they are fewer: memory, 600
+  // Of more vertices than this all steps are wider, and chords with them, until they are fewer: memory, 600
   // bytes a vertex with a search tree over the facets.
-  std::size_t most_vertices = std::size_t{1} << 20;
+  std::size_t most_vertices = std::size_t{1} << 18;
 };
 
 // Returns a grid over the poses that form the design (those with a foam interval). Rows follow the poses:

@@ -109,7 +109,7 @@ struct CellEdges {
 
 CellEdges cell_edges(const VerifyOptions& options, double area_mm2) {
   // So many cells, about, are made of a design where nothing asks for more: time and memory.
-  constexpr double kCells = 2e6;
+  constexpr double kCells = 5e5;
   // Of the square of its longest edge a right triangle takes a quarter, halved ones less.
   constexpr double kCell = 0.2;
   const double widest_mm = options.widest * options.sample_mm;
