@@ -133,7 +133,7 @@ void print_report(const Program& program, const VerifyReport& report, const Veri
   std::cout << fmt::format(
       "deviation max {}, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} mm), worst at "
       "({:.1f}, {:.1f}, {:.1f})\n",
-      largest_text(report), d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+      largest_and_bound_text(report), d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   print_branches(program, report);

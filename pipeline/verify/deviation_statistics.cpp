@@ -42,10 +42,10 @@ std::vector<double> DeviationStatistics::percentiles(std::span<const double> per
   gpu::stop_point();
   std::size_t i = 0;
   double below_mm2 = 0;  // area of the samples before and with the one at hand
-  for (std::size_t k = 0; k < all_.size(); ++k) {
-    below_mm2 += all_[k].area_mm2;
+  for (const Sample& sample : all_) {
+    below_mm2 += sample.area_mm2;
     for (; i < percents.size() && below_mm2 >= percents[i] / 100 * area_mm2_; ++i)
-      values[i] = percents[i] < 100 ? all_[k].distance : deviation_.max;
+      values[i] = percents[i] < 100 ? sample.distance : deviation_.max;
   }
   // Sums of areas in another order are rounded otherwise.
   for (; i < percents.size() && !all_.empty(); ++i) values[i] = deviation_.max;

@@ -10,4 +10,7 @@ namespace hotblade::pipeline {
 // Returns it as it is written: "2.959 mm", or ">= 2.959 mm" where it is capped.
 [[nodiscard]] std::string largest_text(const VerifyReport& report);
 
+// Returns it with the bound of all places: "2.959 mm (nowhere over 2.981 mm)"; a capped one has no bound.
+[[nodiscard]] std::string largest_and_bound_text(const VerifyReport& report);
+
 }  // namespace hotblade::pipeline

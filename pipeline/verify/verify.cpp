@@ -461,6 +461,7 @@ class CutMeasurement {
     const std::vector<DesignFaces::Foot> touched =
         to_design_.feet(touches.points, [&](std::size_t i) { return touches.strip_of_point[i]; });
     std::vector<Eigen::Vector3d> feet;
+    feet.reserve(touched.size());
     for (const DesignFaces::Foot& foot : touched) feet.push_back(foot.point);
     const std::vector<gpu::Nearest> formed = search.search().query(feet);
     for (std::size_t k = 0; k < feet.size(); ++k) {
@@ -544,6 +545,11 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
 
 std::string largest_text(const VerifyReport& report) {
   return fmt::format("{}{:.3f} mm", report.capped ? ">= " : "", report.deviation.max);
+}
+
+std::string largest_and_bound_text(const VerifyReport& report) {
+  if (report.capped) return largest_text(report);
+  return fmt::format("{} (nowhere over {:.3f} mm)", largest_text(report), report.bound_mm);
 }
 
 std::vector<std::string> not_checked(const robot::Blade& blade) {

@@ -305,7 +305,7 @@ TEST(Advice, OfEveryKindHoldsOnBothSides) {
     const char* setting;
     std::function<void(Settings&, double)> set;
     double refused;
-  } kinds[] = {{"design.tolerance_mm", [](Settings& s, double x) { s.design.tolerance_mm = x; }, 0.002},
+  } kinds[] = {{"design.tolerance_mm", [](Settings& s, double x) { s.design.tolerance_mm = x; }, 0.001},
                {"machine.plinth_mm", [](Settings& s, double x) { s.machine.plinth_mm = x; }, 20},
                {"motion.min_feed_mm_s", [](Settings& s, double x) { s.motion.min_feed_mm_s = x; }, 7.5}};
   for (const auto& kind : kinds) {

@@ -76,7 +76,7 @@ TEST(Remedies, AreNotInventedWhereNoNumberHelps) {
 // What is said has to hold: the job is planned again with it.
 TEST(Remedies, ToleranceOfARefusedJobIsOneThatItPassesWith) {
   Settings settings = along_x();
-  settings.design.tolerance_mm = 0.002;
+  settings.design.tolerance_mm = 0.001;
   const surface::DesignSurface design = cylinder_design();
   const PlanResult refused = plan(design, settings, {});
   const std::vector<Remedy> list = remedies(refused);

@@ -43,7 +43,7 @@ TEST(NearestPlan, BreaksTheFewestKindsOfLimitsBeforeTheFewestStripsFail) {
 TEST(NearestPlan, NamesTheStripsThatFail) {
   PlanResult result = verified(3, {{"S002 lead_in", Limit::kClampClearance}});
   EXPECT_THAT(failed_strips(result), ::testing::ElementsAre(false, true, false));
-  result.strips[2].deviation_max_mm = 1.5;
+  result.strips[2].deviation_bound_mm = 1.5;
   EXPECT_THAT(failed_strips(result), ::testing::ElementsAre(false, true, true));
   EXPECT_THAT(failed_strips(verified(2, {{"design", Limit::kUncutShare}})), ::testing::IsEmpty());
 }

@@ -137,12 +137,14 @@ TEST_P(PanelPromises, Hold) {
   EXPECT_TRUE(again.within_tolerance) << again.deviation.max << " mm";
   EXPECT_TRUE(again.holds());
 
-  // A dense grid finds no place that the bound does not hold, and no larger deviation worth naming.
+  // A dense grid finds no place of the design that the bound does not hold, and no larger deviation worth
+  // naming. What of the cut goes on for up to a millimetre past the border is compared with the last facet's
+  // plane, by samples only.
   VerifyOptions dense = options;
   dense.sample_mm = dense.widest = 1;
   const VerifyReport densely = measure(swept_surface(executed.work.program, dense.sample_mm),
                                        executed.work.program, design, dense);
-  EXPECT_LE(densely.deviation.max, again.bound_mm);
+  EXPECT_LE(densely.deviation.max, again.bound_mm + 0.015 * options.tolerance_mm);
   EXPECT_NEAR(densely.deviation.max, again.deviation.max, 0.02 * options.tolerance_mm);
   EXPECT_NEAR(densely.deviation.p99, again.deviation.p99, 0.03 * options.tolerance_mm);
   EXPECT_NEAR(densely.uncut_mm2, again.uncut_mm2, 1e-3 * again.area_mm2);

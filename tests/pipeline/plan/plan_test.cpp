@@ -268,7 +268,8 @@ TEST(Plan, FindsTheSameCutInADesignTurnedUpsideDownAndKeptAbove) {
   });
   const PlanResult above = plan(turned, settings, {});
   ASSERT_EQ(above.strips.size(), below.strips.size());
-  EXPECT_NEAR(above.verification.deviation.max, below.verification.deviation.max, 1e-5);
+  // Both lie in other cells: what the grid's quadratic patches leave differs.
+  EXPECT_NEAR(above.verification.deviation.max, below.verification.deviation.max, 5e-4);
   EXPECT_NEAR(above.strips[0].smallest_margin, below.strips[0].smallest_margin, 1e-3);
   EXPECT_EQ(above.strips[0].blade_length_mm, below.strips[0].blade_length_mm);
 }
