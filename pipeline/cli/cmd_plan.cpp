@@ -88,7 +88,8 @@ void print_summary(const PlanResult& result, const fs::path& program, const fs::
     std::cout << fmt::format(
         "deviation max {}, p99 {:.3f} mm, rms {:.3f} mm (tolerance {:.3g} mm), worst at "
         "({:.1f}, {:.1f}, {:.1f})\n",
-        largest_and_bound_text(result.verification), d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+        largest_and_bound_text(result.verification), d.p99, d.rms, v.tolerance_mm, d.at.x(), d.at.y(),
+        d.at.z());
   }
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design)\n", v.uncut_mm2,
                            100 * result.verification.uncut_share());

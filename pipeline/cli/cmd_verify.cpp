@@ -125,15 +125,15 @@ Exit verify_as_cut(const VerifyArguments& arguments, const Console& console) {
 void print_report(const Program& program, const VerifyReport& report, const VerifyOptions& options) {
   const Deviation& d = report.deviation;
   for (std::size_t i = 0; i < program.strips.size(); ++i) {
-    std::cout << fmt::format("{}  cut to design max {:.3f} mm\n", program.strips[i].id,
-                             report.strip_max_mm[i]);
+    std::cout << fmt::format("{}  deviation max {:.3f} mm\n", program.strips[i].id, report.strip_max_mm[i]);
   }
   std::cout << fmt::format("samples {} of the cut, {} of the design\n", report.cut_samples,
                            report.design_samples);
   std::cout << fmt::format(
       "deviation max {}, p99 {:.3f} mm, rms {:.3f} mm, mean {:.3f} mm (tolerance {:.3g} mm), worst at "
       "({:.1f}, {:.1f}, {:.1f})\n",
-      largest_and_bound_text(report), d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(), d.at.z());
+      largest_and_bound_text(report), d.p99, d.rms, d.mean, options.tolerance_mm, d.at.x(), d.at.y(),
+      d.at.z());
   std::cout << fmt::format("uncut {:.0f} mm2 ({:.2f} % of the design, limit {:.2f} %)\n", report.uncut_mm2,
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   print_branches(program, report);
@@ -208,7 +208,9 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       ->type_name("CELL");
   command->add_flag("--json", arguments->json, "The result as one JSON object");
   add_backend_option(*command, arguments->backend);
-  command->add_option("--sample", arguments->sample_mm, "Spacing of the samples on both surfaces where they lie close, mm")
+  command
+      ->add_option("--sample", arguments->sample_mm,
+                   "Spacing of the samples on both surfaces where they lie close, mm")
       ->check(CLI::Range(0.05, 100.0))
       ->type_name("MM");
   command->add_option("--jobs", arguments->jobs, "Threads (default: all cores)")

@@ -45,7 +45,7 @@ double DesignCells::longest_edge_mm(const Cell& cell) const {
 std::size_t DesignCells::longest_edge(const Cell& cell) const {
   const auto rank = [&](std::size_t i) {
     const std::uint32_t a = cell.corners[i], b = cell.corners[(i + 1) % 3];
-    // Points lie nearer to each other than rounding tells apart in another order.
+    // Both cells at an edge take its difference the same way round, so that rounding is the same for both.
     const Eigen::Vector3d &low = points_[std::min(a, b)], &high = points_[std::max(a, b)];
     return std::pair((high - low).squaredNorm(), ~edge_key(a, b));
   };

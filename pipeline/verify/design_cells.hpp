@@ -22,7 +22,6 @@ class DesignCells {
 
   struct Cell {
     std::array<std::uint32_t, 3> corners{};  // indices into points()
-    [[nodiscard]] bool operator==(const Cell&) const = default;
   };
 
   // All points there are: a point keeps its index.
@@ -33,15 +32,15 @@ class DesignCells {
   [[nodiscard]] double area_mm2(const Cell& cell) const;
   [[nodiscard]] double longest_edge_mm(const Cell& cell) const;
 
-  // Divides the cells for which an edge is wanted, mm, towards that their longest is no longer, and takes those
-  // for which none is (0) away: they are settled. One span entry a cell (std::logic_error). A place on an edge
-  // that two of the cells share becomes one point. New points and cells are the same whatever the number of
-  // threads.
+  // Divides the cells for which an edge is wanted, mm, towards that their longest is no longer, and takes
+  // those for which none is (0) away: they are settled. One span entry a cell (std::logic_error). A place on
+  // an edge that two of the cells share becomes one point. New points and cells are the same whatever the
+  // number of threads.
   void divide(std::span<const double> wanted_mm);
 
  private:
-  // The longest edge from corners[edge] to the next; of equal ones the one between the lowest indices, so that
-  // two cells at an edge choose alike.
+  // The longest edge from corners[edge] to the next; of equal ones the one between the lowest indices, so
+  // that two cells at an edge choose alike.
   [[nodiscard]] std::size_t longest_edge(const Cell& cell) const;
   [[nodiscard]] double edge_mm(const Cell& cell, std::size_t edge) const;
 

@@ -153,7 +153,8 @@ StripGrid strip_grid(const Strip& strip, const GridSteps& steps) {
   for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
   const double step = grid.rows.empty() ? steps.finest_mm : column_step_mm(grid.rows, steps);
   grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / step))) + 1;
-  // A blade hangs alike over eight finest steps.
+  // A blade hangs nearly alike over eight finest steps, 20 mm: between two of them its sag is taken as
+  // linear.
   constexpr double kFinestSteps = 8;
   grid.sag_every =
       static_cast<std::size_t>(std::max(1.0, std::floor(kFinestSteps * steps.finest_mm / steps.widest_mm)));
@@ -268,8 +269,8 @@ Eigen::Vector3d line_direction(std::size_t i, std::size_t count, const At& at) {
 // Unit normal of the blade points at a row and column, towards where `left` points.
 Eigen::Vector3d grid_normal(const StripGrid& g, const GridOf& points, std::size_t row, std::size_t column,
                             const Eigen::Vector3d& left) {
-  const Eigen::Vector3d along = line_direction(
-                            column, g.columns, [&](std::size_t j) { return points.at(row, j); }),
+  const Eigen::Vector3d along = line_direction(column, g.columns,
+                                               [&](std::size_t j) { return points.at(row, j); }),
                         sweep = line_direction(row, g.rows.size(),
                                                [&](std::size_t i) { return points.at(i, column); });
   const Eigen::Vector3d n = along.cross(sweep);
@@ -281,8 +282,8 @@ Eigen::Vector3d grid_normal(const StripGrid& g, const GridOf& points, std::size_
 // Speed of the blade at a row and column square to itself, by central differences.
 double grid_speed(const StripGrid& g, const GridOf& points, std::size_t row, std::size_t column) {
   const std::size_t before = row > 0 ? row - 1 : 0, after = std::min(row + 1, g.rows.size() - 1);
-  return speed_across(points.at(before, column), points.at(after, column), g.rows[after]->t - g.rows[before]->t,
-                      points.along(row, column));
+  return speed_across(points.at(before, column), points.at(after, column),
+                      g.rows[after]->t - g.rows[before]->t, points.along(row, column));
 }
 
 // How a surface bends at a vertex, per mm: of its curves along the blade and along the sweep, and how it
@@ -390,12 +391,12 @@ struct Counts {
   }
 };
 
-// Steps with which so many vertices become few enough, or nearly. A chord is higher by the square of its
-// length.
+// Returns steps with which so many vertices become few enough, or nearly: the sum of many grids is rounded
+// up. A chord is higher by the square of its length.
 GridSteps coarser(const GridSteps& steps, std::size_t vertices) {
-  constexpr double kLeast = 1.1;
-  const double times = std::max(
-      kLeast, std::sqrt(static_cast<double>(vertices) / static_cast<double>(steps.most_vertices)));
+  constexpr double kLeast = 1.1;  // less would hardly take a row or column away
+  const double times =
+      std::max(kLeast, std::sqrt(static_cast<double>(vertices) / static_cast<double>(steps.most_vertices)));
   return {times * steps.finest_mm, times * steps.widest_mm, times * times * steps.chord_mm,
           steps.most_vertices};
 }

@@ -361,7 +361,8 @@ class CutMeasurement {
 
   [[nodiscard]] CellBound bound_of(const DesignCells& cells, const DesignCells::Cell& cell,
                                    std::span<const NearestCut> nearest) const {
-    // A circle of a third of the longest edge's square covers a triangle, and the sagitta is half of its bend.
+    // A circle whose radius squared is a third of the longest edge's covers a triangle, and a surface that
+    // bends by k rises k/2 times that radius squared over it.
     constexpr double kCover = 1.0 / 6;
     CellBound bound;
     double bend_per_mm = 0;
@@ -386,8 +387,7 @@ class CutMeasurement {
     if (nearest[a].uncut && nearest[b].uncut && nearest[c].uncut) return 0;
     const bool at_edge = nearest[a].on_edge || nearest[b].on_edge || nearest[c].on_edge;
     if (at_edge && edge > edges_.finest_mm) return edges_.finest_mm;
-    const bool between_strips =
-        nearest[a].strip != nearest[b].strip || nearest[b].strip != nearest[c].strip;
+    const bool between_strips = nearest[a].strip != nearest[b].strip || nearest[b].strip != nearest[c].strip;
     // Each strip goes on for some millimetres past where they meet.
     if (between_strips && edge > 2 * edges_.finest_mm) return 2 * edges_.finest_mm;
     if (bound.uncut) return 0;
@@ -395,8 +395,7 @@ class CutMeasurement {
     // settles.
     constexpr double kNothing = 0.1;
     const bool decides = most <= options_.tolerance_mm && bound.sum() > options_.tolerance_mm;
-    const bool open =
-        bound.sum() > most + settled_mm() || (decides && bound.bend > kNothing * settled_mm());
+    const bool open = bound.sum() > most + settled_mm() || (decides && bound.bend > kNothing * settled_mm());
     return open ? 0.5 * edge : 0;
   }
 

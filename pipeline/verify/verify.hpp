@@ -8,8 +8,9 @@
 // is on the cut's edge, or farther than `far` tolerances from every cut.
 //
 // Samples lie close only where that settles something. The cut's lie as far apart as it is straight
-// (swept_surface.hpp). The design's are corners of cells that are divided (design_cells.hpp) until the bound of
-// all that lies between them is no more than a hundredth of the tolerance above the largest deviation found.
+// (swept_surface.hpp). The design's are corners of cells that are divided (design_cells.hpp) until the bound
+// of all that lies between them is no more than a hundredth of the tolerance above the largest deviation
+// found.
 //
 // The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
 // branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
@@ -58,10 +59,10 @@ struct VerifyReport {
   int worst_strip = -1;     // of the largest deviation: index into program.strips
   double gouge_mm = 0;      // deepest cut of a touch into the kept side of its own strip's design
   double half_band_mm = 0;  // largest difference of the half band by the cut's own slope and by the design's
-  DeviationHistogram histogram;  // up to 1.5 tolerances
-  std::vector<std::pair<double, double>>
-      percentiles_mm;  // percent of the area, deviation it stays within
-  // By strip: of the samples of both surfaces that are its own or nearest to it, and the bound of their cells.
+  DeviationHistogram histogram;                           // up to 1.5 tolerances
+  std::vector<std::pair<double, double>> percentiles_mm;  // percent of the area, deviation it stays within
+  // By strip: of the samples of both surfaces that are its own or nearest to it, and the bound of their
+  // cells.
   std::vector<double> strip_max_mm, strip_bound_mm;
   std::vector<Eigen::Vector3d> strip_max_at;  // where the samples deviate the most
   double uncut_mm2 = 0, area_mm2 = 0;

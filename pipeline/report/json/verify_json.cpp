@@ -42,8 +42,9 @@ std::string verify_json(const Program& program, const VerifyReport& report, cons
   }
   json["strips"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < program.strips.size(); ++i)
-    json["strips"].push_back(
-        {{"id", program.strips[i].id}, {"deviation_max_mm", report.strip_max_mm[i]}, {"deviation_bound_mm", report.strip_bound_mm[i]}});
+    json["strips"].push_back({{"id", program.strips[i].id},
+                              {"deviation_max_mm", report.strip_max_mm[i]},
+                              {"deviation_bound_mm", report.strip_bound_mm[i]}});
   if (!joints.is_null()) json["joints"] = joints;
   json["not_checked"] = program.verification.not_checked;
   return json_text(json, 2) + "\n";

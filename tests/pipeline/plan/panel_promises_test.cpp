@@ -142,8 +142,8 @@ TEST_P(PanelPromises, Hold) {
   // plane, by samples only.
   VerifyOptions dense = options;
   dense.sample_mm = dense.widest = 1;
-  const VerifyReport densely = measure(swept_surface(executed.work.program, dense.sample_mm),
-                                       executed.work.program, design, dense);
+  const VerifyReport densely =
+      measure(swept_surface(executed.work.program, dense.sample_mm), executed.work.program, design, dense);
   EXPECT_LE(densely.deviation.max, again.bound_mm + 0.015 * options.tolerance_mm);
   EXPECT_NEAR(densely.deviation.max, again.deviation.max, 0.02 * options.tolerance_mm);
   EXPECT_NEAR(densely.deviation.p99, again.deviation.p99, 0.03 * options.tolerance_mm);

@@ -122,8 +122,8 @@ TEST(Plan, KeepsStripsApartAtAWindowWhereAskedTo) {
   EXPECT_EQ(across.program.verification.status, VerificationStatus::kPassed);
   ASSERT_EQ(across.program.strips.size(), 1u);
   EXPECT_EQ(across.verification.uncut_mm2, 0);
-  // The cut over the window, 240 x 200 mm without 1 mm along its border, as samples up to 10 mm apart tell it,
-  // and what goes on past the design's ends.
+  // The cut over the window, 240 x 200 mm without 1 mm along its border, as samples up to 10 mm apart tell
+  // it, and what goes on past the design's ends.
   constexpr double kWindowMm2 = 238 * 198;
   EXPECT_NEAR(across.verification.beyond_mm2, kWindowMm2, 0.25 * kWindowMm2);
   settings.slice.gaps = Gaps::kApart;

@@ -135,8 +135,7 @@ TEST(Verify, SettlesWhatADenseGridFinds) {
     EXPECT_LE(report.bound_mm, densely.deviation.max + 0.03);
     EXPECT_NEAR(report.deviation.rms, densely.deviation.rms, 0.02);
     EXPECT_NEAR(report.uncut_mm2, densely.uncut_mm2, 2e-3 * report.area_mm2);
-    EXPECT_LT(4 * (report.cut_samples + report.design_samples),
-              densely.cut_samples + densely.design_samples);
+    EXPECT_LT(4 * (report.cut_samples + report.design_samples), densely.cut_samples + densely.design_samples);
     // Where something is left uncut, its edge decides.
     for (std::size_t i = 0; i < c.program.strips.size() && densely.uncut_mm2 == 0; ++i)
       EXPECT_LE(densely.strip_max_mm[i], report.strip_bound_mm[i] + 0.01);
