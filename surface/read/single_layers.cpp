@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -11,24 +10,15 @@
 
 #include "surface/read/blocks.hpp"
 #include "surface/read/half_edges.hpp"
+#include "surface/read/sure_sign.hpp"
 
 namespace hotblade::surface {
 namespace {
 
 using Eigen::Vector3d;
 
-// The area of two differences of coordinates is off by less than 3.4e-16 of its terms; what is smaller than
-// the other may have lost digits at the bottom.
-constexpr double kRounding = 4e-16, kLeast = 1e-280;
-
 // Axes 0 to 5 are x, -x, y, -y, z, -z, looked along from far out towards the origin.
 constexpr int kAxes = 6;
-
-// The sign of left - right; 0 where rounding may have made it.
-int sure_sign(double left, double right) {
-  const double doubt = kRounding * (std::abs(left) + std::abs(right)) + kLeast, difference = left - right;
-  return difference > doubt ? 1 : (difference < -doubt ? -1 : 0);
-}
 
 // The axes, as bits, that a triangle is surely seen along from its front.
 unsigned seen_along(std::span<const Vector3d> vertices, const std::array<int, 3>& t) {

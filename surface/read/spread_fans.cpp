@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <atomic>
-#include <cmath>
 
 #include "surface/read/half_edges.hpp"
+#include "surface/read/sure_sign.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -28,15 +28,12 @@ void edges_about(const TriangleMesh& mesh, int v, std::vector<Eigen::Vector3d>& 
 }
 
 // Do the edges turn once about the vertex as seen along an axis, each step in the same sense and by less than
-// half a turn? A difference of coordinates has its exact sign, and the area of two differences is off by less
-// than 3.4e-16 of its terms.
-bool turn_once(const std::vector<Eigen::Vector3d>& edges, Eigen::Index x, Eigen::Index y, double sense) {
-  constexpr double kRounding = 4e-16, kLeast = 1e-280;  // less than this may have lost digits at the bottom
+// half a turn? A difference of coordinates has its exact sign.
+bool turn_once(const std::vector<Eigen::Vector3d>& edges, Eigen::Index x, Eigen::Index y, int sense) {
   int turns = 0;
   const Eigen::Vector3d* a = &edges.back();
   for (const Eigen::Vector3d& b : edges) {
-    const double left = (*a)[x] * b[y], right = (*a)[y] * b[x], terms = std::abs(left) + std::abs(right);
-    if (!(sense * (left - right) > kRounding * terms + kLeast)) return false;
+    if (sure_sign((*a)[x] * b[y], (*a)[y] * b[x]) != sense) return false;
     turns += (*a)[y] < 0 && b[y] >= 0 ? 1 : 0;
     a = &b;
   }
