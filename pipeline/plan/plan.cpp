@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/blade_reach.hpp"
 #include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/stopwatch.hpp"
@@ -500,6 +501,24 @@ void try_design(const surface::DesignSurface& design, const Settings& settings, 
   gpu::stop_point();
 }
 
+// Why strips are farther off than the tolerance: how far a blade follows the design about there, if that can
+// be told.
+void explain_deviations(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
+  constexpr std::size_t kMost = 3;  // of the reasons that a report begins with
+  constexpr double kAround_mm = 150;
+  const surface::CreaseLimits cut = crease_limits(settings.design.tolerance_mm, settings.blade);
+  std::size_t told = 0;
+  for (Refusal& refusal : result.refusals) {
+    if (refusal.limit != Limit::kDeviation || !refusal.note.empty() || !refusal.at || told == kMost) continue;
+    ++told;
+    const std::optional<BladeReach> reach =
+        shortest_reach(design.mesh, *refusal.at, kAround_mm, {cut.tolerance_mm, 1 / cut.least_radius_mm});
+    refusal.note = reach ? say(Saying::kBladeReach, {reach->at.x(), reach->at.y(), reach->at.z(),
+                                                     cut.least_radius_mm, reach->length_mm})
+                         : say(Saying::kNoBound, {result.decisions.size()});
+  }
+}
+
 // What the program says of itself, once all is measured.
 void conclude(const surface::DesignSurface& design, PlanResult& result) {
   Program& program = result.program;
@@ -546,6 +565,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   PlanHooks looking = hooks;
   looking.progress = [&](const std::string& stage, double share) { progress.looked_at(stage, share); };
   try_design(design, settings, looking, progress, watch, result);
+  explain_deviations(design, settings, result);
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   conclude(design, result);

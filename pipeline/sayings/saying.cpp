@@ -34,6 +34,11 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kUnitOrParts, "is the design really in {}? Else plan it in parts"},
     {Saying::kOverFacets,
      "a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least"},
+    {Saying::kBladeReach,
+     "at ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for more than {:.0f} "
+     "mm, "
+     "whichever way it lies"},
+    {Saying::kNoBound, "{} tries came no nearer; that none would is not proved"},
     {Saying::kFirstWarning, "first: {}"},
     {Saying::kClampsWithin, "within {:g} mm if the clamps are within {:g} mm and {:g} mrad"},
     {Saying::kClampsNotEnough, "not within {:g} mm for certain, however exact the clamps are"},

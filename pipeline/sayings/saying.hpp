@@ -33,6 +33,8 @@ enum class Saying : std::uint8_t {
   kClosed,
   kUnitOrParts,
   kOverFacets,
+  kBladeReach,
+  kNoBound,
   kFirstWarning,
   kClampsWithin,
   kClampsNotEnough,

@@ -206,7 +206,7 @@ DesignSurface design_of(FileBytes bytes, const std::filesystem::path& file, cons
   std::string().swap(polygons.beside);
   design.place = polygons.place;
   warn_of_spacing(polygons, design.scale_to_mm, options.resolution_mm);
-  design.health.file_vertices = polygons.positions.size();
+  design.health.file_vertices = polygons.positions.size() + polygons.joined;
   design.health.file_faces = polygons.faces();
   design.health.warnings = std::move(polygons.warnings);
   if (!options.group.empty()) {

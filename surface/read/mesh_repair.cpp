@@ -36,8 +36,9 @@ std::vector<int> merge_positions(std::vector<Eigen::Vector3d>& positions) {
     for (const double c : positions[v]) h = stir(h, std::bit_cast<std::uint64_t>(c));
     return h;
   };
-  return first_of_equals(positions.size(), hash,
-                         [&](std::size_t v, std::size_t w) { return positions[v] == positions[w]; });
+  return first_of_equals(
+      positions.size(), hash, [&](std::size_t v, std::size_t w) { return positions[v] == positions[w]; },
+      Equals::kNear);
 }
 
 // For each triangle the first one over the same three vertices.
@@ -52,8 +53,9 @@ std::vector<int> match_triangles(const std::vector<std::array<int, 3>>& triangle
     for (const int v : sorted(f)) h = stir(h, static_cast<std::uint64_t>(v));
     return h;
   };
-  return first_of_equals(triangles.size(), hash,
-                         [&](std::size_t f, std::size_t g) { return sorted(f) == sorted(g); });
+  return first_of_equals(
+      triangles.size(), hash, [&](std::size_t f, std::size_t g) { return sorted(f) == sorted(g); },
+      Equals::kRare);
 }
 
 // The parts of a plain surface, whose triangles at a vertex hang together: as many as its vertices fall into.
@@ -102,6 +104,7 @@ class Repair {
       : polygons_(std::move(polygons)), options_(options), name_(name), health_(health) {
     soup_.vertices = std::move(positions);
     place_word_ = polygons_.place;
+    joined_ = polygons_.joined;
   }
 
   RepairedMesh run() {
@@ -320,8 +323,8 @@ class Repair {
     health_.unused_vertices = first.size() - merged - stitched_ - static_cast<std::size_t>(kept);
     soup_.vertices.resize(static_cast<std::size_t>(kept));
     soup_.vertices.shrink_to_fit();
-    if (merged > 0) {
-      health_.repairs.push_back("merged " + counted(merged, "vertex", "vertices") +
+    if (merged + joined_ > 0) {
+      health_.repairs.push_back("merged " + counted(merged + joined_, "vertex", "vertices") +
                                 " with another of exactly the same coordinates");
     }
   }
@@ -493,6 +496,7 @@ class Repair {
   Health& health_;
   TriangleSoup soup_;                 // empty once it is a mesh
   std::vector<std::uint32_t> place_;  // per triangle
+  std::size_t joined_ = 0;            // vertices that the reader had merged
   std::vector<int> file_number_;      // per vertex, before sheets are parted; empty: as they are, from 1
   std::size_t stitched_ = 0;          // vertices
 };

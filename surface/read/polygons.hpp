@@ -15,8 +15,9 @@ inline constexpr double kLargestCoordinateMm = 1e7;
 
 // Holds all polygons in one flat array: face f has corners[first_corner[f]] .. corners[first_corner[f + 1]].
 struct Polygons {
-  std::vector<Eigen::Vector3d> positions;       // in the file's units and axes
-  std::vector<int> corners;                     // indices into positions, from 0
+  std::vector<Eigen::Vector3d> positions;  // in the file's units and axes
+  std::size_t joined = 0;                  // positions that the file has more: each is one of these again
+  std::vector<int> corners;                // indices into positions, from 0
   std::vector<std::uint32_t> first_corner{0U};  // faces + 1 entries
   // What a face is counted by in the file (line, facet, face or triangle), and of each its number, from 1.
   std::string_view place = "line";

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "surface/read/blocks.hpp"
 #include "surface/read/bytes.hpp"
 #include "surface/read/design_surface.hpp"
+#include "surface/read/first_of_equals.hpp"
 #include "surface/read/warning.hpp"
 #include "surface/read/words.hpp"
 
@@ -77,7 +79,7 @@ std::size_t facets_of(std::string_view bytes) {
   return number_at<std::uint32_t>(bytes, kHeader);
 }
 
-// Reads facets side by side, each into its own places.
+// Reads facets side by side.
 class BinaryFacets {
  public:
   BinaryFacets(std::string_view bytes, std::size_t facets, double limit)
@@ -85,25 +87,18 @@ class BinaryFacets {
 
   Polygons parse(const std::string& name) {
     polygons_.place = "facet";
-    side_by_side([&] { polygons_.positions.resize(3 * facets_); },
-                 [&] {
-                   polygons_.corners.resize(3 * facets_);
-                   polygons_.first_corner.resize(facets_ + 1);
-                   polygons_.face_place.resize(facets_);
-                   polygons_.face_group.resize(facets_);
-                 });
-    const std::size_t blocks = (facets_ + kBlock - 1) / kBlock;
-    std::vector<Oddities> odd(blocks);
-    std::vector<std::size_t> refused(blocks, facets_);
+    check(name);
+    join_corners();
+    polygons_.first_corner.resize(facets_ + 1);
+    polygons_.face_place.resize(facets_);
+    polygons_.face_group.resize(facets_);
     for_blocks(facets_, kBlock, [&](std::size_t from, std::size_t to) {
-      for (std::size_t f = from; f < to && refused[from / kBlock] == facets_; ++f)
-        if (!take(f, odd[from / kBlock])) refused[from / kBlock] = f;
+      for (std::size_t f = from; f < to; ++f) {
+        polygons_.first_corner[f + 1] = static_cast<std::uint32_t>(3 * f + 3);
+        polygons_.face_place[f] = static_cast<std::uint32_t>(f + 1);
+      }
     });
-    for (const std::size_t f : refused)
-      if (f < facets_) refuse(f, name);
-    for (std::size_t block = 1; block < blocks; ++block) odd[0].add(odd[block]);
     polygons_.spacing = single_precision_spacing(polygons_.positions);
-    odd[0].tell(polygons_);
     return std::move(polygons_);
   }
 
@@ -119,20 +114,69 @@ class BinaryFacets {
         .cast<double>();
   }
 
+  // Refuses the first facet that cannot be taken, and tells what is odd about the others.
+  void check(const std::string& name) {
+    const std::size_t blocks = (facets_ + kBlock - 1) / kBlock;
+    std::vector<Oddities> odd(blocks);
+    std::vector<std::size_t> refused(blocks, facets_);
+    for_blocks(facets_, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t f = from; f < to && refused[from / kBlock] == facets_; ++f)
+        if (!look_at(f, odd[from / kBlock])) refused[from / kBlock] = f;
+    });
+    for (const std::size_t f : refused)
+      if (f < facets_) refuse(f, name);
+    for (std::size_t block = 1; block < blocks; ++block) odd[0].add(odd[block]);
+    odd[0].tell(polygons_);
+  }
+
   // False for a facet with a corner that cannot be taken.
-  bool take(std::size_t f, Oddities& odd) {
+  bool look_at(std::size_t f, Oddities& odd) const {
     std::array<Eigen::Vector3d, 3> corners;
     for (std::size_t k = 0; k < 3; ++k) {
       corners[k] = vector(f, k + 1);
       if (!(corners[k].cwiseAbs().maxCoeff() <= limit_) || !corners[k].allFinite()) return false;
-      polygons_.positions[3 * f + k] = corners[k];
-      polygons_.corners[3 * f + k] = static_cast<int>(3 * f + k);
     }
-    polygons_.first_corner[f + 1] = static_cast<std::uint32_t>(3 * f + 3);
-    polygons_.face_place[f] = static_cast<std::uint32_t>(f + 1);
     odd.look(vector(f, 0), corners, f + 1);
     if (number_at<std::uint16_t>(bytes_, place(f, 4)) != 0) odd.attributes.note(f + 1);
     return true;
+  }
+
+  // Corners of the same bytes are one position: a surface has six of them at a vertex, and six times the
+  // positions would take more memory than all else.
+  void join_corners() {
+    const std::size_t count = 3 * facets_, blocks = (count + kBlock - 1) / kBlock;
+    const auto bytes_of = [&](std::size_t c) { return place(c / 3, c % 3 + 1); };
+    const std::vector<int> first = first_of_equals(
+        count,
+        [&](std::size_t c) {
+          return stir(stir(0, number_at<std::uint64_t>(bytes_, bytes_of(c))),
+                      number_at<std::uint32_t>(bytes_, bytes_of(c) + 8));
+        },
+        [&](std::size_t c, std::size_t d) {
+          return bytes_.substr(bytes_of(c), kVector) == bytes_.substr(bytes_of(d), kVector);
+        },
+        Equals::kNear);
+    const auto is_first = [&](std::size_t c) { return first[c] == static_cast<int>(c); };
+    std::vector<std::size_t> next(blocks + 1, 0);  // number of a block's first position
+    for_blocks(count, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t c = from; c < to; ++c) next[from / kBlock + 1] += is_first(c) ? 1U : 0U;
+    });
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    polygons_.positions.resize(next.back());
+    polygons_.joined = count - next.back();
+    polygons_.corners.resize(count);
+    for_blocks(count, kBlock, [&](std::size_t from, std::size_t to) {
+      std::size_t number = next[from / kBlock];
+      for (std::size_t c = from; c < to; ++c) {
+        if (!is_first(c)) continue;
+        polygons_.positions[number] = vector(c / 3, c % 3 + 1);
+        polygons_.corners[c] = static_cast<int>(number++);
+      }
+    });
+    for_blocks(count, kBlock, [&](std::size_t from, std::size_t to) {
+      for (std::size_t c = from; c < to; ++c)
+        if (!is_first(c)) polygons_.corners[c] = polygons_.corners[static_cast<std::size_t>(first[c])];
+    });
   }
 
   // Tells of the first corner that cannot be taken.

@@ -278,15 +278,21 @@ class Search {
     if (looked.empty() && tried.failing() == 0) return true;
     const SweepVerdict verdict = judges_.alone(plan_of(
         tried, tried.plans, [&](std::size_t i) { return !tried.plans[i].strip || !tried.served[i]; }));
+    note(tried, tried.plans, looked, verdict);
+    for (const std::size_t i : looked) tried.served[i] = !tried.failed[i];
+    return tried.failing() == 0;
+  }
+
+  // What a look found of some parts, each as it is in these plans.
+  static void note(Tried& tried, const std::vector<PartPlan>& plans, const std::vector<std::size_t>& looked,
+                   const SweepVerdict& verdict) {
     for (std::size_t k = 0; k < looked.size(); ++k) {
       const std::size_t i = looked[k];
       tried.failed[i] = !verdict.failed.empty() && verdict.failed[k];
       tried.too_far[i] = !verdict.too_far.empty() && verdict.too_far[k];
       if (!verdict.deviation_mm.empty())
-        tried.plans[i].beyond_fit_mm = verdict.deviation_mm[k] - tried.plans[i].fit.max_mm;
-      tried.served[i] = !tried.failed[i];
+        tried.plans[i].beyond_fit_mm = verdict.deviation_mm[k] - plans[i].fit.max_mm;
     }
-    return tried.failing() == 0;
   }
 
   // Fits the parts together and has the whole judged, as long as what is found of them may let a next fit
@@ -320,18 +326,32 @@ class Search {
   bool meet(Tried& tried) const {
     if (join_parts(tried) && bands_) settle_bands(tried);
     const SweptPlan plan = plan_of(tried, tried.joined);
-    tried.lone = tried.many && plan.refusals.empty();
-    // Of many, most of what fails as it meets the others is found by looking at it as coarsely as before.
-    if (tried.lone) {
-      const SweepVerdict verdict = judges_.alone(plan);
-      note(tried, plan, verdict);
-      if (tried.failing() > 0) return false;
-      tried.lone = false;
-    }
+    tried.lone = tried.many && plan.refusals.empty() && !meets_coarsely(tried);
+    if (tried.lone) return false;
     const SweepVerdict verdict = judges_.together(plan);
     if (verdict.taken) return true;
     note(tried, plan, verdict);
     return false;
+  }
+
+  // Of many parts, has those looked at as coarsely as before that meeting the others may have led too far
+  // off, by what was found of them; whether they still serve.
+  bool meets_coarsely(Tried& tried) const {
+    constexpr double kSure = 0.9;  // of the tolerance: the look before told of another fit
+    const double sure_mm = kSure * settings_.design.tolerance_mm;
+    std::vector<std::size_t> doubtful;
+    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
+      const std::optional<double>& beyond = tried.plans[i].beyond_fit_mm;
+      if (!beyond || !(tried.joined[i].fit.max_mm + *beyond <= sure_mm)) doubtful.push_back(i);
+    }
+    tried.failed.assign(tried.plans.size(), false);
+    tried.too_far.assign(tried.plans.size(), false);
+    if (doubtful.empty()) return true;
+    const auto is_doubtful = [&](std::size_t i) {
+      return std::binary_search(doubtful.begin(), doubtful.end(), i);
+    };
+    note(tried, tried.joined, doubtful, judges_.alone(plan_of(tried, tried.joined, is_doubtful)));
+    return tried.failing() == 0;
   }
 
   // What a look found of parts as they meet.

@@ -168,10 +168,11 @@ TEST(FirstOfEquals, IsTheLowestNumberInListsOfManyParts) {
       if (first < 0) first = static_cast<int>(i);
       expected[i] = first;
     }
-    EXPECT_EQ(first_of_equals(
-                  count, [&](std::size_t i) { return stir(0, items[i]); },
-                  [&](std::size_t i, std::size_t j) { return items[i] == items[j]; }),
-              expected);
+    for (const Equals where : {Equals::kRare, Equals::kNear})
+      EXPECT_EQ(first_of_equals(
+                    count, [&](std::size_t i) { return stir(0, items[i]); },
+                    [&](std::size_t i, std::size_t j) { return items[i] == items[j]; }, where),
+                expected);
   }
 }
 

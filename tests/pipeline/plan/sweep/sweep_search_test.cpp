@@ -210,7 +210,8 @@ struct ManyParts {
   std::vector<Look> looks;
   std::size_t given_up = 0;  // how often a plan was handed over at the end
 
-  ManyParts(const std::string& fails, bool always) {
+  // `near`: looks tell that strips are 0.2 mm off, S001 0.95; else nothing is told of it.
+  ManyParts(const std::string& fails, bool always, bool near = false) {
     Settings small = back_of();
     small.stock.max_size_mm = {300, 300, 300};
     const auto told = [&](const SweptPlan& plan, bool alone) {
@@ -226,6 +227,8 @@ struct ManyParts {
       const bool first = looks.empty();
       told(plan, true);
       SweepVerdict verdict{!first && !always, {}, {}};
+      for (const StripPlan& strip : plan.strips)
+        if (near) verdict.deviation_mm.push_back(strip.id == "S001" ? 0.95 : 0.2);
       if (verdict.taken) return verdict;
       for (const StripPlan& strip : plan.strips) verdict.failed.push_back(always || strip.id == fails);
       verdict.too_far = verdict.failed;
@@ -249,6 +252,15 @@ TEST(SweepSearch, OfManyPartsLooksAtEachByItselfAsItMeetsTheOthersAndThenAtAllTo
   EXPECT_EQ(many.looks[2].ids.size(), count + 1);
   EXPECT_FALSE(many.looks[3].alone);
   EXPECT_EQ(many.looks[3].ids, many.looks[2].ids);
+}
+
+TEST(SweepSearch, OfManyPartsLooksAgainOnlyAtThoseThatMeetingTheOthersMayHaveLedTooFar) {
+  const ManyParts many("S002", false, true);
+  ASSERT_EQ(many.looks.size(), 4U);
+  EXPECT_TRUE(many.looks[2].alone) << "as they meet";
+  EXPECT_EQ(many.looks[2].ids, std::vector<std::string>{"S001"});
+  EXPECT_FALSE(many.looks[3].alone);
+  EXPECT_EQ(many.looks[3].ids.size(), many.looks[0].ids.size() + 1);
 }
 
 TEST(SweepSearch, OfManyPartsThatFailByThemselvesFitsNoneTogetherAndHandsTheLastOver) {

@@ -1,0 +1,202 @@
+#include "pipeline/plan/blade_reach.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "gpu/backend/stop.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+using Eigen::Vector3d;
+
+// The longest that a curve's chord tells of.
+double longest_half_mm(const CutLimits& limits) {
+  return 0.5 * std::numbers::pi / limits.curvature_per_mm;
+}
+
+// A design round a place.
+class Surroundings {
+ public:
+  // What lies within `around_mm` of the place can be asked about.
+  Surroundings(const surface::TriangleMesh& mesh, const Vector3d& place, double around_mm,
+               const CutLimits& limits)
+      : vertices_(mesh.vertices()), limits_(limits) {
+    constexpr double kAllowed = 4;  // tolerances and spacings beyond a ring's radius
+    const double reach = around_mm + 1.1 * longest_half_mm(limits) + kAllowed * limits.tolerance_mm;
+    const auto near = [&](const std::array<int, 3>& t) {
+      Eigen::AlignedBox3d box(at(t[0]));
+      box.extend(at(t[1]));
+      box.extend(at(t[2]));
+      return box.exteriorDistance(place) <= reach;
+    };
+    const auto triangles = mesh.triangles();
+    for (const auto& t : triangles) {
+      if (!near(t)) continue;
+      const Vector3d &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
+      pieces_.push_back({t, (a + b + c) / 3, std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()})});
+    }
+    std::vector<std::array<int, 3>> edges;  // as triangles without width
+    for (const int corner : mesh.border()) {
+      const auto& t = triangles[static_cast<std::size_t>(corner) / 3];
+      const std::size_t k = static_cast<std::size_t>(corner) % 3;
+      if (near(t)) edges.push_back({t[k], t[(k + 1) % 3], t[k]});
+    }
+    if (!edges.empty()) border_.emplace(vertices_, edges);
+  }
+
+  [[nodiscard]] bool may_tell(const Vector3d& p, double half_mm) const {
+    return half_mm + 2 * limits_.tolerance_mm < border_mm(p) && half_mm <= longest_half_mm(limits_);
+  }
+
+  // Whether no two samples of the surface, whose spacing is this, are as a and b would have to be: `doubt_mm`
+  // more than these are off P, and within it of their distance from it.
+  [[nodiscard]] bool lacks(const Vector3d& p, double half_mm, double spacing_mm, double doubt_mm) const {
+    const double k = limits_.curvature_per_mm, t = limits_.tolerance_mm;
+    const double chord = 2 / k * std::sin(0.5 * k * half_mm);
+    std::vector<Vector3d> points = ring(p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm, spacing_mm);
+    const double allowed = k * half_mm * half_mm + 4 * t + 2 * doubt_mm;
+    const auto by_x = [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); };
+    std::sort(points.begin(), points.end(), by_x);
+    return std::none_of(points.begin(), points.end(), [&](const Vector3d& a) {
+      auto b = std::lower_bound(points.begin(), points.end(), Vector3d(-a.x() - allowed, 0, 0), by_x);
+      for (; b != points.end() && b->x() <= -a.x() + allowed; ++b)
+        if ((a + *b).squaredNorm() <= allowed * allowed) return true;
+      return false;
+    });
+  }
+
+  // By samples that are a small part of what is allowed for anyway apart, with all of their doubt.
+  [[nodiscard]] bool proved(const Vector3d& p, double half_mm) const {
+    constexpr double kOfTolerance = 0.3, kOfLength = 1.0 / 40;
+    const double spacing = std::max(kOfTolerance * limits_.tolerance_mm, kOfLength * half_mm);
+    return lacks(p, half_mm, spacing, spacing);
+  }
+
+  // As few samples tell, as if they were all.
+  [[nodiscard]] bool seems(const Vector3d& p, double half_mm) const {
+    constexpr double kOfTolerance = 0.5, kOfLength = 1.0 / 12;
+    return lacks(p, half_mm, std::max(kOfTolerance * limits_.tolerance_mm, kOfLength * half_mm), 0);
+  }
+
+  // The shortest of a ladder of half lengths, from `least_mm` on, that no blade follows through a place to
+  // both sides as `tells` has it; none: infinite.
+  [[nodiscard]] double shortest_half_mm(const Vector3d& p, double least_mm,
+                                        bool (Surroundings::*tells)(const Vector3d&, double) const) const {
+    // Over the root of four of these a circle of the blade's radius rises by two tolerances: nothing is told
+    // of much shorter lengths.
+    const double unit = std::sqrt(limits_.tolerance_mm / limits_.curvature_per_mm);
+    constexpr double kStep = 1.25;
+    const double most = std::min(border_mm(p) - 2 * limits_.tolerance_mm, longest_half_mm(limits_));
+    for (double half = unit; half < most; half *= kStep)
+      if (half >= least_mm && (this->*tells)(p, half)) return half;
+    return std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  [[nodiscard]] const Vector3d& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
+
+  [[nodiscard]] double border_mm(const Vector3d& p) const {
+    return border_ ? border_->query(std::span(&p, 1)).front().distance
+                   : std::numeric_limits<double>::infinity();
+  }
+
+  // Samples of the surface, as seen from p, whose distance from it is between these; no point of the surface
+  // is farther from one than the spacing.
+  [[nodiscard]] std::vector<Vector3d> ring(const Vector3d& p, double from_mm, double to_mm,
+                                           double spacing_mm) const {
+    std::vector<Vector3d> points;
+    for (const Piece& piece : pieces_) {
+      const double off = (piece.middle - p).norm();
+      if (off > to_mm + piece.longest || off < from_mm - piece.longest) continue;
+      const Vector3d a = at(piece.corners[0]), b = at(piece.corners[1]) - a, c = at(piece.corners[2]) - a;
+      const int parts = std::max(1, static_cast<int>(std::ceil(piece.longest / spacing_mm)));
+      for (int i = 0; i <= parts; ++i) {
+        for (int j = 0; i + j <= parts; ++j) {
+          const Vector3d q = a + b * i / parts + c * j / parts - p;
+          const double d = q.norm();
+          if (d >= from_mm && d <= to_mm) points.push_back(q);
+        }
+      }
+    }
+    return points;
+  }
+
+  struct Piece {
+    std::array<int, 3> corners;
+    Vector3d middle;
+    double longest;  // edge: no point of the triangle is farther from its middle
+  };
+
+  std::span<const Vector3d> vertices_;
+  CutLimits limits_;
+  std::vector<Piece> pieces_;
+  std::optional<gpu::MeshDistance> border_;
+};
+
+// Of the vertices near a place one in each cell of a grid, the nearest to it.
+std::vector<Vector3d> spread_vertices(std::span<const Vector3d> vertices, const Vector3d& place,
+                                      double around_mm) {
+  constexpr double kAcross = 40;  // cells
+  std::map<std::array<long, 3>, Vector3d> cells;
+  for (const Vector3d& v : vertices) {
+    if ((v - place).norm() > around_mm) continue;
+    const Vector3d cell = (v - place) * kAcross / (2 * around_mm);
+    const std::array<long, 3> key{std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())};
+    const auto [own, is_new] = cells.try_emplace(key, v);
+    if (!is_new && (v - place).norm() < (own->second - place).norm()) own->second = v;
+  }
+  std::vector<Vector3d> spread;
+  for (const auto& [key, v] : cells) spread.push_back(v);
+  return spread;
+}
+
+}  // namespace
+
+bool no_blade_follows(const surface::TriangleMesh& mesh, const Vector3d& p, double half_mm,
+                      const CutLimits& limits) {
+  const Surroundings around(mesh, p, 0, limits);
+  return around.may_tell(p, half_mm) && around.proved(p, half_mm);
+}
+
+std::optional<BladeReach> shortest_reach(const surface::TriangleMesh& mesh, const Vector3d& place,
+                                         double around_mm, const CutLimits& limits) {
+  constexpr std::size_t kMostProofs = 12;
+  const std::vector<Vector3d> places = spread_vertices(mesh.vertices(), place, around_mm);
+  const Surroundings around(mesh, place, around_mm, limits);
+  // Places that blades seem to follow least come first, among them those nearest to the one that is asked.
+  std::vector<std::pair<double, std::size_t>> seeming(places.size());
+  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+    seeming[i] = {around.shortest_half_mm(places[i], 0, &Surroundings::seems), i};
+  });
+  gpu::stop_point();
+  std::erase_if(seeming, [](const auto& place_of) { return !std::isfinite(place_of.first); });
+  std::stable_sort(seeming.begin(), seeming.end(), [&](const auto& a, const auto& b) {
+    return std::pair(a.first, (places[a.second] - place).norm()) <
+           std::pair(b.first, (places[b.second] - place).norm());
+  });
+  if (seeming.size() > kMostProofs) seeming.resize(kMostProofs);
+  std::vector<double> halves(seeming.size());
+  tbb::parallel_for(std::size_t{0}, seeming.size(), [&](std::size_t i) {
+    halves[i] = around.shortest_half_mm(places[seeming[i].second], seeming[i].first, &Surroundings::proved);
+  });
+  gpu::stop_point();
+  const auto shortest = std::min_element(halves.begin(), halves.end());
+  if (shortest == halves.end() || !std::isfinite(*shortest)) return std::nullopt;
+  const std::size_t i = seeming[static_cast<std::size_t>(shortest - halves.begin())].second;
+  return BladeReach{2 * *shortest, places[i]};
+}
+
+}  // namespace hotblade::pipeline
