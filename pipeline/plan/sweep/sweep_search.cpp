@@ -36,64 +36,28 @@ class Search {
 
   [[nodiscard]] const std::vector<PlanesTried>& tried_planes() const { return tried_planes_; }
 
+  // Layouts in the order of their parts and costs, each attempted until one is taken.
   void run() {
-    // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
-    constexpr std::size_t kMostEven = 4, kMostTries = 3;
-    constexpr int kMostRounds = 8;
-    // A round that ends at strips by themselves takes a tenth of the time of one that fits and measures all.
-    constexpr int kMostRoundsOfMany = 16;
-    const std::size_t fewest = layouts_.fewest_parts();
     // A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
     constexpr std::size_t kMostStrips = 2000;
+    const std::size_t fewest = layouts_.fewest_parts();
     if (fewest > kMostStrips) {
-      SweptPlan none;
-      none.refusals = {{"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
-                        say(Saying::kUnitOrParts, {settings_.design.units})}};
-      (void)judges_.together(none);
-      return;
+      refuse(first_try({}, SweepWay::kEven),
+             {"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
+              say(Saying::kUnitOrParts, {settings_.design.units})});
+    } else if (fewest > kMostEven) {
+      run_rows();
+    } else {
+      run_even(fewest);
     }
-    if (fewest > kMostEven) {
-      Tried tried = first_try(layouts_.in_rows(), SweepWay::kRows);
-      tried.many = true;
-      if (const std::optional<Refusal> coarse = too_coarse(tried)) {
-        SweptPlan none;
-        none.way = tried.way;
-        none.planes = tried.layout.planes;
-        none.parts = tried.layout.parts.size();
-        none.refusals = {*coarse};
-        (void)judges_.together(none);
-        return;
-      }
-      if (!look_at(tried) && !settle(tried, kMostRoundsOfMany) && tried.lone)
-        judges_.given_up(plan_of(tried, tried.joined));
-      return;
-    }
-    std::size_t tries = 0;
-    Tried nearest, hopeless;
-    for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
-      // One failing strip split costs no more strips than even parts do.
-      if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1 && settle(nearest, 1)) return;
-      const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
-      const std::vector<Layout> near = refined(ranked);
-      if (hopeless.layout.parts.empty() && !ranked.empty())
-        hopeless = first_try(ranked.front(), SweepWay::kEven);
-      std::vector<Tried> failed;
-      for (const Layout& layout : near) {
-        failed.push_back(first_try(layout, SweepWay::kEven));
-        if (look_at(failed.back())) return;
-      }
-      for (Tried& tried : failed) {
-        if (turn_on(tried)) return;
-        if (better(tried, nearest)) nearest = std::move(tried);
-      }
-      tries += near.empty() ? 0 : 1;
-    }
-    if (nearest.layout.parts.empty()) nearest = std::move(hopeless);
-    if (!nearest.layout.parts.empty()) (void)settle(nearest, kMostRounds);
   }
 
  private:
-  // A layout with the plans of its parts, and what of it failed.
+  // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
+  static constexpr std::size_t kMostEven = 4;
+
+  // A layout with the plans of its parts, and what of it failed. Attempts take and return it by value: what
+  // comes of one depends on nothing else.
   struct Tried {
     Layout layout;
     SweepWay way = SweepWay::kEven;
@@ -105,6 +69,7 @@ class Search {
     bool many = false;         // parts: each is looked at by itself first
     std::vector<bool> served;  // those that were, and did not fail
     bool lone = false;         // the last look was at parts by themselves
+    bool taken = false;
     // Whether all of these fail again.
     [[nodiscard]] bool fruitless() const {
       for (std::size_t i = 0; i < halves.size(); ++i) {
@@ -124,6 +89,60 @@ class Search {
     }
   };
 
+  // A design of many parts, in rows of blocks.
+  void run_rows() const {
+    // A round that ends at strips by themselves takes a tenth of the time of one that fits and measures all.
+    constexpr int kMostRounds = 16;
+    auto [tried, coarse] = coarsest_first(first_try(layouts_.in_rows(), SweepWay::kRows));
+    if (coarse) return refuse(tried, *coarse);
+    tried.many = true;
+    tried = attempt(std::move(tried));
+    if (!tried.taken) tried = settled(std::move(tried), kMostRounds);
+    if (!tried.taken && tried.lone) judges_.given_up(plan_of(tried, tried.joined));
+  }
+
+  // A design of few: the best layouts of even parts, fewer parts first; then the one that came nearest is
+  // split where it fails.
+  void run_even(std::size_t fewest) {
+    constexpr std::size_t kMostTries = 3;
+    constexpr int kMostRounds = 8;
+    std::size_t tries = 0;
+    Tried nearest, hopeless;
+    for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
+      // One failing strip split costs no more strips than even parts do.
+      if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1)
+        nearest = settled(std::move(nearest), 1);
+      if (nearest.taken) return;
+      const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
+      const std::vector<Layout> near = refined(ranked);
+      if (hopeless.layout.parts.empty() && !ranked.empty())
+        hopeless = first_try(ranked.front(), SweepWay::kEven);
+      std::vector<Tried> failed;
+      for (const Layout& layout : near) {
+        failed.push_back(attempt(first_try(layout, SweepWay::kEven)));
+        if (failed.back().taken) return;
+      }
+      for (Tried& tried : failed) {
+        tried = attempted_further(std::move(tried));
+        if (tried.taken) return;
+        if (better(tried, nearest)) nearest = std::move(tried);
+      }
+      tries += near.empty() ? 0 : 1;
+    }
+    if (nearest.layout.parts.empty()) nearest = std::move(hopeless);
+    if (!nearest.layout.parts.empty()) (void)settled(std::move(nearest), kMostRounds);
+  }
+
+  // Hands a layout over that no attempt is worth.
+  void refuse(const Tried& tried, const Refusal& refusal) const {
+    SweptPlan none;
+    none.way = tried.way;
+    none.planes = tried.layout.planes;
+    none.parts = tried.layout.parts.size();
+    none.refusals = {refusal};
+    (void)judges_.together(none);
+  }
+
   static Tried first_try(Layout layout, SweepWay way) {
     Tried tried;
     tried.layout = std::move(layout);
@@ -138,9 +157,9 @@ class Search {
   }
 
   // Of many parts, those whose facets leave the most to a smooth cut are planned first: where they leave more
-  // than the tolerance and no family comes nearer, no split into parts larger than facets does. Returns why
-  // that is the end.
-  [[nodiscard]] std::optional<Refusal> too_coarse(Tried& tried) const {
+  // than the tolerance and no family comes nearer, no split into parts larger than facets does. Returns the
+  // layout with these plans, and why that is the end.
+  [[nodiscard]] std::pair<Tried, std::optional<Refusal>> coarsest_first(Tried tried) const {
     constexpr std::size_t kFirst = 3;
     tried.plans.resize(tried.layout.parts.size());
     for (const auto& [i, rise] : coarsest(tried.layout, settings_.design.tolerance_mm, kFirst)) {
@@ -152,9 +171,9 @@ class Search {
       coarse.value = rise.off_mm;
       coarse.note = say(Saying::kOverFacets, {rise.facet_mm});
       set_place(tried.layout.parts[i], plan.fit, coarse);
-      return coarse;
+      return {std::move(tried), coarse};
     }
-    return std::nullopt;
+    return {std::move(tried), std::nullopt};
   }
 
   // Plans the parts that have none yet.
@@ -229,9 +248,10 @@ class Search {
   [[nodiscard]] double nominal_band_mm() const { return settings_.blade.band_mm(settings_.motion.feed_mm_s); }
 
   // Plans the parts and has the whole judged, what fails of it once more as it was before its blades were
-  // made steadier; whether it is taken.
-  bool look_at(Tried& tried) const {
-    if (look_once(tried)) return true;
+  // made steadier.
+  [[nodiscard]] Tried attempt(Tried tried) const {
+    tried.taken = look_at(tried);
+    if (tried.taken) return tried;
     bool any = false;
     for (std::size_t i = 0; i < tried.plans.size(); ++i) {
       PartPlan& plan = tried.plans[i];
@@ -241,9 +261,10 @@ class Search {
       changed(tried, i);
       any = true;
     }
-    if (!any) return false;
+    if (!any) return tried;
     tried.way = SweepWay::kUnsteady;
-    return look_once(tried);
+    tried.taken = look_at(tried);
+    return tried;
   }
 
   // A part has another plan.
@@ -252,7 +273,8 @@ class Search {
     if (i < tried.settled.size()) tried.settled[i] = false;
   }
 
-  bool look_once(Tried& tried) const {
+  // The steps of an attempt change what it was given; whether the plan is taken.
+  bool look_at(Tried& tried) const {
     plan_parts(tried);
     return (!tried.many || serve_alone(tried)) && look_together(tried);
   }
@@ -372,20 +394,18 @@ class Search {
   }
 
   // Planes that served their samples and failed when all of the cut was looked at are turned on, as those are
-  // that do not serve: before a panel takes a strip more, its planes come as near as they can. Whether the
-  // plan was taken.
-  bool turn_on(Tried& tried) const {
-    if (tried.layout.turned) return false;
+  // that do not serve: before a panel takes a strip more, its planes come as near as they can. Returns the
+  // better of both.
+  [[nodiscard]] Tried attempted_further(Tried tried) const {
+    if (tried.layout.turned) return tried;
     Layout nearer = turned_on(tried.layout);
-    if (!(nearer.cost_mm < tried.layout.cost_mm)) return false;
-    Tried other = first_try(std::move(nearer), SweepWay::kTurned);
-    if (look_at(other)) return true;
-    if (better(other, tried)) tried = std::move(other);
-    return false;
+    if (!(nearer.cost_mm < tried.layout.cost_mm)) return tried;
+    Tried other = attempt(first_try(std::move(nearer), SweepWay::kTurned));
+    return other.taken || better(other, tried) ? other : tried;
   }
 
-  // Splits what fails until nothing does; whether a plan was taken.
-  bool settle(Tried& tried, int rounds) const {
+  // Splits what fails until nothing does, or it is no use.
+  [[nodiscard]] Tried settled(Tried tried, int rounds) const {
     // Rounds in a row in which every half failed again. Parts that are too large or face away may need a few
     // of them; where blades were tried, as many say enough.
     constexpr int kTooLarge = 3, kTooHard = 3;
@@ -395,24 +415,31 @@ class Search {
     for (int round = 0; round < rounds;) {
       const bool planned = tried.any_planned();
       // One that is calm may pass its neighbour's place at the seam on, which then has to be calm as well.
-      const bool calmed = planned && calm(tried);
-      const bool splits = tried.many ? tried.failing() > 0 : !calmed;
-      if (!calmed && !splits) return false;
-      if (splits && !split(tried, most)) return false;
-      if (look_at(tried)) return true;
+      std::optional<Tried> next = planned ? calmed(tried) : std::nullopt;
+      const bool is_calmed = next.has_value();
+      if (next) tried = std::move(*next);
+      const bool splits = tried.many ? tried.failing() > 0 : !is_calmed;
+      if (!is_calmed && !splits) return tried;
+      if (splits) {
+        next = split(tried, most);
+        if (!next) return tried;
+        tried = std::move(*next);
+      }
+      tried = attempt(std::move(tried));
+      if (tried.taken) return tried;
       if (!splits) continue;
       ++round;
       const bool fruitless = tried.fruitless();
       too_large = fruitless && !tried.any_planned() ? too_large + 1 : 0;
       too_hard = fruitless && planned ? too_hard + 1 : 0;
-      if (too_large >= kTooLarge || too_hard >= kTooHard) return false;
+      if (too_large >= kTooLarge || too_hard >= kTooHard) return tried;
     }
-    return false;
+    return tried;
   }
 
-  // Calmer fits of the failing strips, which lead the blade past a snap, but no nearer to the design; these
-  // are no longer taken for failing. Whether there are any.
-  bool calm(Tried& tried) const {
+  // With calmer fits of the failing strips, which lead the blade past a snap, but no nearer to the design;
+  // these are no longer taken for failing. None where there are no such fits.
+  [[nodiscard]] std::optional<Tried> calmed(Tried tried) const {
     bool any = false;
     for (std::size_t i = 0; i < tried.failed.size(); ++i) {
       const PartPlan& plan = tried.plans[i];
@@ -428,11 +455,12 @@ class Search {
       tried.way = SweepWay::kCalmer;
       any = true;
     }
-    return any;
+    if (!any) return std::nullopt;
+    return tried;
   }
 
-  // The failing parts as two each, or as they are: false where one cannot be split, or all would be too many.
-  [[nodiscard]] bool split(Tried& tried, std::size_t most) const {
+  // With the failing parts as two each; none where one cannot be split, or all would be too many.
+  [[nodiscard]] std::optional<Tried> split(const Tried& tried, std::size_t most) const {
     const std::size_t count = tried.layout.parts.size();
     std::vector<std::vector<FittedPart>> pieces(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -449,7 +477,7 @@ class Search {
     next.layout.named = tried.layout.named;
     for (std::size_t i = 0; i < count; ++i) {
       const bool fails = tried.failed.empty() ? !tried.layout.fits[i].holds() : tried.failed[i];
-      if (fails && pieces[i].empty()) return false;
+      if (fails && pieces[i].empty()) return std::nullopt;
       if (!fails) {
         next.layout.add({tried.layout.parts[i], tried.layout.fits[i]});
         next.plans.push_back(tried.plans.empty() ? PartPlan{} : tried.plans[i]);
@@ -467,9 +495,8 @@ class Search {
         next.served.push_back(false);
       }
     }
-    if (next.layout.parts.size() > most) return false;
-    tried = std::move(next);
-    return true;
+    if (next.layout.parts.size() > most) return std::nullopt;
+    return next;
   }
 
   // The best few with more coefficients, turned where need be; none where cheap fits are hopelessly far off.
