@@ -318,31 +318,32 @@ class Search {
   }
 
   // Fits the parts together and has the whole judged, as long as what is found of them may let a next fit
-  // meet better; whether it is taken.
+  // meet better; whether it is taken. Where others have to be split, those that may are left to the fit after
+  // that.
   bool look_together(Tried& tried) const {
     constexpr int kMeetings = 2;
     for (int meeting = 0; meeting < kMeetings; ++meeting) {
       if (meet(tried)) return true;
-      if (!may_meet(tried)) return false;
-      for (std::size_t i = 0; i < tried.failed.size(); ++i) {
-        if (tried.failed[i]) tried.settled[i] = false;
+      std::vector<std::size_t> may;
+      for (std::size_t i = 0; i < tried.failed.size(); ++i)
+        if (tried.failed[i] && may_meet(tried, i)) may.push_back(i);
+      if (may.empty()) return false;
+      const bool all = may.size() == tried.failing();
+      for (const std::size_t i : may) {
+        tried.settled[i] = false;
+        tried.failed[i] = all;
       }
+      if (!all) return false;
       tried.way = SweepWay::kMet;
     }
     return meet(tried);
   }
 
-  // Whether each strip that failed would serve by its own fit, and left the design too far as it met others.
-  [[nodiscard]] bool may_meet(const Tried& tried) const {
-    bool any = false;
-    for (std::size_t i = 0; i < tried.plans.size(); ++i) {
-      if (!tried.failed[i]) continue;
-      const PartPlan& plan = tried.plans[i];
-      if (!tried.joined[i].strip || !tried.too_far[i] || !plan.beyond_fit_mm) return false;
-      if (!(plan.fit.max_mm <= fitter_.most_mm(plan))) return false;
-      any = true;
-    }
-    return any;
+  // Whether a strip that failed would serve by its own fit, and left the design too far as it met others.
+  [[nodiscard]] bool may_meet(const Tried& tried, std::size_t i) const {
+    const PartPlan& plan = tried.plans[i];
+    return tried.joined[i].strip && tried.too_far[i] && plan.beyond_fit_mm &&
+           plan.fit.max_mm <= fitter_.most_mm(plan);
   }
 
   bool meet(Tried& tried) const {
