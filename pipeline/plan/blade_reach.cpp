@@ -100,9 +100,9 @@ class Surroundings {
     const double unit = std::sqrt(limits_.tolerance_mm / limits_.curvature_per_mm);
     constexpr double kStep = 1.25;
     const double most = std::min(border_mm(p) - 2 * limits_.tolerance_mm, longest_half_mm(limits_));
-    for (double half = unit; half < most; half *= kStep)
-      if (half >= least_mm && (this->*tells)(p, half)) return half;
-    return std::numeric_limits<double>::infinity();
+    double half = unit;
+    while (half < most && !(half >= least_mm && (this->*tells)(p, half))) half *= kStep;
+    return half < most ? half : std::numeric_limits<double>::infinity();
   }
 
  private:
@@ -159,6 +159,7 @@ std::vector<Vector3d> spread_vertices(std::span<const Vector3d> vertices, const 
     if (!is_new && (v - place).norm() < (own->second - place).norm()) own->second = v;
   }
   std::vector<Vector3d> spread;
+  spread.reserve(cells.size());
   for (const auto& [key, v] : cells) spread.push_back(v);
   return spread;
 }
