@@ -14,6 +14,7 @@
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
+#include "pipeline/plan/sweep/sweep_tried.hpp"
 #include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
@@ -55,39 +56,6 @@ class Search {
  private:
   // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
   static constexpr std::size_t kMostEven = 4;
-
-  // A layout with the plans of its parts, and what of it failed. Attempts take and return it by value: what
-  // comes of one depends on nothing else.
-  struct Tried {
-    Layout layout;
-    SweepWay way = SweepWay::kEven;
-    std::vector<PartPlan> plans;   // each of its own
-    std::vector<PartPlan> joined;  // fitted together at their seams
-    std::vector<bool> settled;     // those that were, and have the same plan since
-    std::vector<bool> failed, too_far;
-    std::vector<bool> halves;  // parts that came of the last split
-    bool many = false;         // parts: each is looked at by itself first
-    std::vector<bool> served;  // those that were, and did not fail
-    bool lone = false;         // the last look was at parts by themselves
-    bool taken = false;
-    // Whether all of these fail again.
-    [[nodiscard]] bool fruitless() const {
-      for (std::size_t i = 0; i < halves.size(); ++i) {
-        if (halves[i] && !failed[i]) return false;
-      }
-      return true;
-    }
-    [[nodiscard]] std::size_t failing() const {
-      return static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
-    }
-    // Whether what failed was more than parts that no fit is tried for.
-    [[nodiscard]] bool any_planned() const {
-      for (std::size_t i = 0; i < failed.size(); ++i) {
-        if (failed[i] && layout.fits[i].holds()) return true;
-      }
-      return false;
-    }
-  };
 
   // A design of many parts, in rows of blocks.
   void run_rows() const {
@@ -141,19 +109,6 @@ class Search {
     none.parts = tried.layout.parts.size();
     none.refusals = {refusal};
     (void)judges_.together(none);
-  }
-
-  static Tried first_try(Layout layout, SweepWay way) {
-    Tried tried;
-    tried.layout = std::move(layout);
-    tried.way = way;
-    return tried;
-  }
-
-  static bool better(const Tried& a, const Tried& b) {
-    if (b.layout.parts.empty()) return true;
-    return std::pair(a.layout.parts.size() + a.failing(), a.layout.cost_mm) <
-           std::pair(b.layout.parts.size() + b.failing(), b.layout.cost_mm);
   }
 
   // Of many parts, those whose facets leave the most to a smooth cut are planned first: where they leave more
@@ -553,50 +508,6 @@ class Search {
     return best;
   }
 
-  // Of the parts that are asked for, with plans of their own or joined ones.
-  [[nodiscard]] static SweptPlan plan_of(
-      const Tried& tried, const std::vector<PartPlan>& plans,
-      const std::function<bool(std::size_t)>& asked = [](std::size_t) { return true; }) {
-    SweptPlan plan;
-    plan.way = tried.way;
-    plan.planes = tried.layout.planes;
-    plan.parts = plans.size();
-    for (std::size_t i = 0; i < plans.size(); ++i) {
-      if (!asked(i)) continue;
-      const PartPlan& part = plans[i];
-      const std::string id = fmt::format("S{:03}", i + 1);
-      if (std::isfinite(part.fit.max_mm)) plan.deviation_mm = std::max(plan.deviation_mm, part.fit.max_mm);
-      plan.sag_mm = std::max(plan.sag_mm, part.fit.sag_mm);
-      SweptFit fit{part.fit.family.count(), part.calm, part.fit.blade_length_mm, part.fit.max_mm, 0, {}};
-      if (part.held) fit.clamps_mm = part.held->clamps_mm;
-      if (part.unsteady) {
-        const PartPlan& before = *part.unsteady;
-        fit.before = {before.strip->blade_length_mm, before.fit.max_mm, before.held->clamps_mm};
-      }
-      plan.fits.push_back(fit);
-      if (part.strip) {
-        plan.strips.push_back(*part.strip);
-        plan.strips.back().id = id;
-        continue;
-      }
-      plan.refusals.push_back(part.refusal.value_or(Refusal{"", "", Limit::kStrips, 0, 1}));
-      Refusal& refusal = plan.refusals.back();
-      if (refusal.strip.empty()) refusal.strip = id;
-      if (!part.fit.extent.isEmpty()) set_place(tried.layout.parts[i], part.fit, refusal);
-    }
-    return plan;
-  }
-
-  // Where a fit is farthest from the design, if that is the reason; the middle of the part otherwise.
-  static void set_place(const SweepPart& part, const PartFit& fit, Refusal& refusal) {
-    const bool farthest = refusal.limit == Limit::kDeviation || refusal.limit == Limit::kRibRadius;
-    const Eigen::Vector2d middle = fit.extent.center();
-    const Vector3d p = farthest ? part.axes.plane(fit.max_offset_mm).point(fit.max_q.x(), fit.max_q.y())
-                                : part.axes.plane(middle.x()).point(middle.y(), fit.height_mm);
-    refusal.place = say(farthest ? Saying::kAt : Saying::kAbout, {p.x(), p.y(), p.z()});
-    refusal.at = p;
-  }
-
   const surface::TriangleMesh& mesh_;
   const Settings& settings_;
   const SweepJudges& judges_;
@@ -607,28 +518,6 @@ class Search {
 };
 
 }  // namespace
-
-const char* name(SweepWay way) {
-  switch (way) {
-    case SweepWay::kEven:
-      return "even";
-    case SweepWay::kRows:
-      return "rows";
-    case SweepWay::kSplit:
-      return "split";
-    case SweepWay::kCalmer:
-      return "calmer";
-    case SweepWay::kTurned:
-      return "turned";
-    case SweepWay::kMet:
-      return "met";
-    case SweepWay::kUnsteady:
-      return "unsteady";
-    case SweepWay::kFaces:
-      return "faces";
-  }
-  return "";
-}
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
                                        const SweepJudges& judges, const WatchSweeps& watch,
