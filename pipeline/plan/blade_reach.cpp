@@ -66,7 +66,10 @@ class Surroundings {
   [[nodiscard]] bool lacks(const Vector3d& p, double half_mm, double spacing_mm, double doubt_mm) const {
     const double k = limits_.curvature_per_mm, t = limits_.tolerance_mm;
     const double chord = 2 / k * std::sin(0.5 * k * half_mm);
-    std::vector<Vector3d> points = ring(p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm, spacing_mm);
+    std::optional<std::vector<Vector3d>> samples =
+        ring(p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm, spacing_mm);
+    if (!samples) return false;
+    std::vector<Vector3d>& points = *samples;
     const double allowed = k * half_mm * half_mm + 4 * t + 2 * doubt_mm;
     const auto by_x = [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); };
     std::sort(points.begin(), points.end(), by_x);
@@ -114,14 +117,17 @@ class Surroundings {
   }
 
   // Samples of the surface, as seen from p, whose distance from it is between these; no point of the surface
-  // is farther from one than the spacing.
-  [[nodiscard]] std::vector<Vector3d> ring(const Vector3d& p, double from_mm, double to_mm,
-                                           double spacing_mm) const {
+  // is farther from one than the spacing. None where a facet would take thousands: a design says nothing of
+  // lengths that are small beside its facets.
+  [[nodiscard]] std::optional<std::vector<Vector3d>> ring(const Vector3d& p, double from_mm, double to_mm,
+                                                          double spacing_mm) const {
     std::vector<Vector3d> points;
     for (const Piece& piece : pieces_) {
       const double off = (piece.middle - p).norm();
       if (off > to_mm + piece.longest || off < from_mm - piece.longest) continue;
       const Vector3d a = at(piece.corners[0]), b = at(piece.corners[1]) - a, c = at(piece.corners[2]) - a;
+      constexpr double kMostParts = 64;  // of an edge
+      if (piece.longest > kMostParts * spacing_mm) return std::nullopt;
       const int parts = std::max(1, static_cast<int>(std::ceil(piece.longest / spacing_mm)));
       for (int i = 0; i <= parts; ++i) {
         for (int j = 0; i + j <= parts; ++j) {

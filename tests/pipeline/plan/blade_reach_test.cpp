@@ -121,5 +121,12 @@ TEST(BladeReach, TellsNothingWhereABladeMayLeaveTheDesign) {
   EXPECT_FALSE(no_blade_follows(mesh, tip, 120, kCut));
 }
 
+TEST(BladeReach, OfTolerancesFarSmallerThanFacetsIsToldWithoutAMillionSamplesEach) {
+  const auto facets = graph(dome, 60, 6);  // of 20 mm
+  const auto reach = shortest_reach(facets, Vector3d(0, 0, 0), 60, {2e-3, kCut.curvature_per_mm});
+  ASSERT_TRUE(reach);
+  EXPECT_GT(reach->length_mm, 2 * 0.3 / 64 * 20) << "less than samples of a facet tell";
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
