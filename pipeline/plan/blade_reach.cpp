@@ -203,7 +203,7 @@ std::optional<BladeReach> shortest_reach(const surface::TriangleMesh& mesh, cons
   const auto shortest = std::min_element(halves.begin(), halves.end());
   if (shortest == halves.end() || !std::isfinite(*shortest)) return std::nullopt;
   const std::size_t i = seeming[static_cast<std::size_t>(shortest - halves.begin())].second;
-  return BladeReach{2 * *shortest, places[i]};
+  return BladeReach{*shortest, places[i]};
 }
 
 }  // namespace hotblade::pipeline

@@ -1,13 +1,17 @@
-// How far any blade can follow a design at a place, whichever way it lies: what a fit that comes no nearer is
-// held against.
+// How far any blade can follow a design to both sides of a place, whichever way it lies: what a fit that
+// comes no nearer is held against.
 //
-// The cut that a blade leaves is a curve at each moment, bent to the blade's limit k at most. Where such a
-// curve passes within the tolerance t of a place P of the design and stays so to both sides for a length l,
-// the design has points a and b with
+// The cut that a blade leaves is a curve at each moment, bent to a limit k at most. Where such a curve passes
+// within the tolerance t of a place P of the design and stays so to both sides for a length l, the design has
+// points a and b with
 //   |(a + b) / 2 - P| <= k l^2 / 2 + 2 t,  2 / k sin(k l / 2) - 2 t <= |a - P|, |b - P| <= l + 2 t:
 // the curve's own three points fulfil it without t (the second difference of a curve of unit speed is k l^2
-// at most, its chord the circle's at least), and each of the three is off by t at most. A place without such
-// points is one that no blade follows for more than 2 l, in any planes and however the design is split.
+// at most, its chord the circle's at least), and each of the three is off by t at most. Where there are no
+// such points no blade goes on along the design for l to both sides of P, in any planes; one that ends at P,
+// or nearer to it than l, may follow it.
+//
+// The cut lies beside the blade by half its band. That the band is wider where the cut is steep against the
+// blade's planes, which bends the cut otherwise than the blade, is left out.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +28,7 @@ struct CutLimits {
 };
 
 struct BladeReach {
-  double length_mm = 0;  // no blade follows the design for more
+  double half_mm = 0;  // no blade goes on along the design for so far to both sides
   Eigen::Vector3d at{0, 0, 0};
 };
 

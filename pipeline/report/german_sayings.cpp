@@ -150,11 +150,11 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "check schlägt eine vor"},
     {"is the design really in {}? Else plan it in parts",
      "ist der Entwurf wirklich in {}? Sonst in Teilen planen"},
-    {"at ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for more than {:.0f} "
-     "mm, "
-     "whichever way it lies",
-     "bei ({:.1f}, {:.1f}, {:.1f}) folgt keine Klinge, die sich bis {:.1f} mm biegt, dem Entwurf weiter als "
-     "{:.0f} mm, wie sie auch liegt"},
+    {"about ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for {:.0f} mm to "
+     "both sides, whichever way it lies",
+     "bei ({:.1f}, {:.1f}, {:.1f}) folgt keine Klinge, die sich bis {:.1f} mm biegt, dem Entwurf {:.0f} mm "
+     "weit "
+     "nach beiden Seiten, wie sie auch liegt"},
     {"{} tries came no nearer; that none would is not proved",
      "{} Versuche kamen nicht näher; dass keiner es könnte, ist nicht bewiesen"},
     {"a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least",

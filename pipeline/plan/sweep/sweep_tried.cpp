@@ -14,28 +14,6 @@ namespace hotblade::pipeline {
 
 using Eigen::Vector3d;
 
-const char* name(SweepWay way) {
-  switch (way) {
-    case SweepWay::kEven:
-      return "even";
-    case SweepWay::kRows:
-      return "rows";
-    case SweepWay::kSplit:
-      return "split";
-    case SweepWay::kCalmer:
-      return "calmer";
-    case SweepWay::kTurned:
-      return "turned";
-    case SweepWay::kMet:
-      return "met";
-    case SweepWay::kUnsteady:
-      return "unsteady";
-    case SweepWay::kFaces:
-      return "faces";
-  }
-  return "";
-}
-
 Tried first_try(Layout layout, SweepWay way) {
   Tried tried;
   tried.layout = std::move(layout);

@@ -12,7 +12,7 @@
 namespace hotblade::pipeline {
 
 // A layout with the plans of its parts, and what of it failed. Attempts take and return it by value: what
-// comes of one depends on nothing else.
+// comes of one depends on it and on what the judges find.
 struct Tried {
   Layout layout;
   SweepWay way = SweepWay::kEven;

@@ -87,12 +87,12 @@ TEST(BladeReach, IsShortAtTipsAndSharpDomes) {
   const auto tip = shortest_reach(graph(cone, 200, 80), Vector3d(20, 10, -13), 60, kCut);
   ASSERT_TRUE(tip);
   EXPECT_LT(tip->at.norm(), 6);
-  EXPECT_GT(tip->length_mm, 8) << tip->at.transpose();
-  EXPECT_LT(tip->length_mm, 30);
+  EXPECT_GT(tip->half_mm, 4) << tip->at.transpose();
+  EXPECT_LT(tip->half_mm, 15);
   const auto top = shortest_reach(graph(dome, 60, 60), Vector3d(10, 0, -3), 40, kCut);
   ASSERT_TRUE(top);
   EXPECT_LT(top->at.norm(), 12);
-  EXPECT_LT(top->length_mm, 60);
+  EXPECT_LT(top->half_mm, 30);
 }
 
 TEST(BladeReach, NoArcRefutesWhatIsProved) {
@@ -104,8 +104,8 @@ TEST(BladeReach, NoArcRefutesWhatIsProved) {
     const surface::TriangleMesh mesh = graph(c.height, c.half_mm, 80);
     const auto reach = shortest_reach(mesh, Vector3d(5, 5, c.height(5, 5)), 30, kCut);
     ASSERT_TRUE(reach);
-    EXPECT_TRUE(no_blade_follows(mesh, reach->at, 0.5 * reach->length_mm, kCut));
-    const double best = best_arc_mm(mesh, reach->at, 0.5 * reach->length_mm, 20'000);
+    EXPECT_TRUE(no_blade_follows(mesh, reach->at, reach->half_mm, kCut));
+    const double best = best_arc_mm(mesh, reach->at, reach->half_mm, 20'000);
     EXPECT_GT(best, kCut.tolerance_mm);
     EXPECT_LT(best, 6 * kCut.tolerance_mm) << "the arcs that are tried come nowhere near";
   }
@@ -122,10 +122,11 @@ TEST(BladeReach, TellsNothingWhereABladeMayLeaveTheDesign) {
 }
 
 TEST(BladeReach, OfTolerancesFarSmallerThanFacetsIsToldWithoutAMillionSamplesEach) {
-  const auto facets = graph(dome, 60, 6);  // of 20 mm
+  const auto facets = graph(dome, 60, 6);  // longest edges of 20 mm and more by root of two
   const auto reach = shortest_reach(facets, Vector3d(0, 0, 0), 60, {2e-3, kCut.curvature_per_mm});
   ASSERT_TRUE(reach);
-  EXPECT_GT(reach->length_mm, 2 * 0.3 / 64 * 20) << "less than samples of a facet tell";
+  // Samples that lie a fortieth of the length apart are 64 to the longest edge at most.
+  EXPECT_GT(reach->half_mm, 40 * 20 * std::numbers::sqrt2 / 64);
 }
 
 }  // namespace

@@ -161,6 +161,27 @@ TEST(Stl, OfManyFacetsTheFirstOneThatIsWrongIsTold) {
               HasSubstr("a.stl: facet 90001 (byte 4500120): "));
 }
 
+TEST(Stl, CornersOfManyFacetsAreJoinedNearAndFar) {
+  // Squares side by side, every other column after all the rest: corners that are equal stand beside each
+  // other in a square, a few columns on, and in another of the blocks that are looked through at once.
+  constexpr int kColumns = 200, kRows = 100, kSquares = kColumns * kRows;
+  std::string facets;
+  for (const int first : {0, 1}) {
+    for (int i = first; i < kColumns; i += 2) {
+      for (int j = 0; j < kRows; ++j) {
+        const Eigen::Vector3f at(static_cast<float>(100 * i), static_cast<float>(100 * j), 0);
+        facets += stl_facet(kA + at, kB + at, kC + at) + stl_facet(kA + at, kC + at, kD + at);
+      }
+    }
+  }
+  const DesignSurface read = read_bytes_as(binary_stl(facets, 2 * kSquares), "a.stl");
+  EXPECT_EQ(read.health.file_vertices, 6U * kSquares);
+  EXPECT_THAT(read.mesh.vertices(), SizeIs((kColumns + 1U) * (kRows + 1)));
+  EXPECT_THAT(read.mesh.triangles(), SizeIs(2U * kSquares));
+  EXPECT_EQ(read.health.area_mm2, 1e4 * kSquares);
+  EXPECT_THAT(read.health.repairs, ElementsAre(HasSubstr("merged 99699 vertices")));
+}
+
 TEST(Stl, CutAnywhereItIsRefused) {
   const std::string text = "solid a\n" + kFacet + "endsolid", binary = binary_stl(kSquare, 2, "scan");
   for (std::size_t n = 0; n < text.size(); ++n)
