@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"

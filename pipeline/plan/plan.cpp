@@ -8,12 +8,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <stdexcept>
 
 #include "gpu/backend/stop.hpp"
-#include "gpu/mesh/mesh_distance.hpp"
-#include "pipeline/plan/blade_reach.hpp"
+#include "pipeline/plan/deviation_reasons.hpp"
 #include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/stopwatch.hpp"
@@ -503,44 +501,6 @@ void try_design(const surface::DesignSurface& design, const Settings& settings, 
   gpu::stop_point();
 }
 
-// The smooth face that a place lies on: a strip forms one, and ends at its creases.
-const surface::TriangleMesh& face_at(const std::vector<surface::TriangleMesh>& faces,
-                                     const Eigen::Vector3d& place) {
-  if (faces.size() == 1) return faces.front();
-  std::vector<double> distances;
-  for (const surface::TriangleMesh& face : faces)
-    distances.push_back(
-        gpu::MeshDistance(face.vertices(), face.triangles()).query(std::span(&place, 1)).front().distance);
-  const auto nearest = std::min_element(distances.begin(), distances.end());
-  return faces[static_cast<std::size_t>(nearest - distances.begin())];
-}
-
-// Why strips are farther off than the tolerance: how far a blade follows the design about there, if that can
-// be told.
-void explain_deviations(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
-  constexpr std::size_t kMost = 3;  // of the reasons that a report begins with
-  constexpr double kAround_mm = 150;
-  std::vector<Refusal*> unexplained;
-  for (Refusal& refusal : result.refusals) {
-    if (refusal.limit == Limit::kDeviation && refusal.note.empty() && refusal.at &&
-        unexplained.size() < kMost)
-      unexplained.push_back(&refusal);
-  }
-  if (unexplained.empty()) return;
-  const surface::CreaseLimits limits = crease_limits(settings.design.tolerance_mm, settings.blade);
-  const std::vector<surface::TriangleMesh> faces = surface::smooth_faces(design.mesh, limits);
-  // A cut on the inner side of the bend is sharper than the blade.
-  const double half_band_mm = 0.5 * settings.blade.band_mm(settings.motion.feed_mm_s);
-  const CutLimits cut{limits.tolerance_mm, 1 / (limits.least_radius_mm - half_band_mm)};
-  for (Refusal* refusal : unexplained) {
-    const std::optional<BladeReach> reach =
-        shortest_reach(face_at(faces, *refusal->at), *refusal->at, kAround_mm, cut);
-    refusal->note = reach ? say(Saying::kBladeReach, {reach->at.x(), reach->at.y(), reach->at.z(),
-                                                      limits.least_radius_mm, std::ceil(reach->half_mm)})
-                          : say(Saying::kNoBound, {result.decisions.size()});
-  }
-}
-
 // What the program says of itself, once all is measured.
 void conclude(const surface::DesignSurface& design, PlanResult& result) {
   Program& program = result.program;
@@ -587,7 +547,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   PlanHooks looking = hooks;
   looking.progress = [&](const std::string& stage, double share) { progress.looked_at(stage, share); };
   try_design(design, settings, looking, progress, watch, result);
-  explain_deviations(design, settings, result);
+  explain_deviations(design, settings, result.decisions.size(), result.refusals);
   result.strips_lower_bound = fewest;
   warn_of_facets(design, settings, result);
   conclude(design, result);

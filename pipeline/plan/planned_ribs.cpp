@@ -10,6 +10,7 @@
 #include "elastica/bezier/lambda_residual.hpp"
 #include "elastica/curve/placement.hpp"
 #include "elastica/fit/bezier_spline.hpp"
+#include "pipeline/verify/refusal.hpp"
 
 namespace hotblade::pipeline {
 

@@ -1,0 +1,57 @@
+#include "pipeline/plan/deviation_reasons.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "gpu/mesh/mesh_distance.hpp"
+#include "pipeline/plan/blade_reach.hpp"
+#include "pipeline/sayings/saying.hpp"
+#include "pipeline/verify/design_faces.hpp"
+#include "surface/slice/creases.hpp"
+
+namespace hotblade::pipeline {
+
+namespace {
+
+// The smooth face that a place lies on: a strip forms one, and ends at its creases.
+const surface::TriangleMesh& face_at(const std::vector<surface::TriangleMesh>& faces,
+                                     const Eigen::Vector3d& place) {
+  if (faces.size() == 1) return faces.front();
+  std::vector<double> distances;
+  for (const surface::TriangleMesh& face : faces)
+    distances.push_back(
+        gpu::MeshDistance(face.vertices(), face.triangles()).query(std::span(&place, 1)).front().distance);
+  const auto nearest = std::min_element(distances.begin(), distances.end());
+  return faces[static_cast<std::size_t>(nearest - distances.begin())];
+}
+
+}  // namespace
+
+void explain_deviations(const surface::DesignSurface& design, const Settings& settings, std::size_t tries,
+                        std::vector<Refusal>& refusals) {
+  constexpr std::size_t kMost = 3;  // of the reasons that a report begins with
+  constexpr double kAround_mm = 150;
+  std::vector<Refusal*> unexplained;
+  for (Refusal& refusal : refusals) {
+    if (refusal.limit == Limit::kDeviation && refusal.note.empty() && refusal.at &&
+        unexplained.size() < kMost)
+      unexplained.push_back(&refusal);
+  }
+  if (unexplained.empty()) return;
+  const surface::CreaseLimits limits = crease_limits(settings.design.tolerance_mm, settings.blade);
+  const std::vector<surface::TriangleMesh> faces = surface::smooth_faces(design.mesh, limits);
+  // A cut on the inner side of the bend is sharper than the blade.
+  const double half_band_mm = 0.5 * settings.blade.band_mm(settings.motion.feed_mm_s);
+  const CutLimits cut{limits.tolerance_mm, 1 / (limits.least_radius_mm - half_band_mm)};
+  for (Refusal* refusal : unexplained) {
+    const std::optional<BladeReach> reach =
+        shortest_reach(face_at(faces, *refusal->at), *refusal->at, kAround_mm, cut);
+    refusal->note = reach ? say(Saying::kBladeReach, {reach->at.x(), reach->at.y(), reach->at.z(),
+                                                      limits.least_radius_mm, std::ceil(reach->half_mm)})
+                          : say(Saying::kNoBound, {tries});
+  }
+}
+
+}  // namespace hotblade::pipeline
