@@ -20,6 +20,7 @@ const surface::TriangleMesh& face_at(const std::vector<surface::TriangleMesh>& f
                                      const Eigen::Vector3d& place) {
   if (faces.size() == 1) return faces.front();
   std::vector<double> distances;
+  distances.reserve(faces.size());
   for (const surface::TriangleMesh& face : faces)
     distances.push_back(
         gpu::MeshDistance(face.vertices(), face.triangles()).query(std::span(&place, 1)).front().distance);
