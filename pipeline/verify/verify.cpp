@@ -198,11 +198,13 @@ class CutMeasurement {
 
   VerifyReport take(const BladeTouches& touches) {
     cut_to_design();
-    if (!options_.cut_only) {
-      // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
-      // little.
-      constexpr double kLeastCellMm = 100;
-      const CutSearch search(cut_, std::max(kLeastCellMm, far() + 2 * steps_.widest_mm), options_.backend);
+    // A point of the cut lies within two steps of one of its vertices. Small cells would be many, and save
+    // little.
+    constexpr double kLeastCellMm = 100;
+    const CutSearch search(cut_, std::max(kLeastCellMm, far() + 2 * steps_.widest_mm), options_.backend);
+    if (options_.cut_only) {
+      corners_to_cut(search);
+    } else {
       design_to_cut(search);
       report_.to_cut = search.search().used();
       count_touches(search, touches);
@@ -312,6 +314,34 @@ class CutMeasurement {
     bool uncut = true;  // too far, or past the cut's edge
     bool on_edge = true;
   };
+
+  // Corners of large facets stand out of what bends smoothly between the cut's samples. Those at the cut's
+  // edge may be other strips'.
+  void corners_to_cut(const CutSearch& search) {
+    const std::vector<Eigen::Vector3d> corners = corners_of_large_facets();
+    std::vector<NearestCut> nearest;
+    find_nearest(search, corners, nearest);
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      if (!nearest[i].uncut && !nearest[i].on_edge) add(nearest[i].distance, corners[i], 0, nearest[i].strip);
+    }
+  }
+
+  // Those of facets with an edge longer than samples lie apart.
+  [[nodiscard]] std::vector<Eigen::Vector3d> corners_of_large_facets() const {
+    std::vector<char> large(mesh_.vertices.size(), 0);
+    for (const auto& t : mesh_.triangles) {
+      gpu::stop_point();
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto a = static_cast<std::size_t>(t[i]), b = static_cast<std::size_t>(t[(i + 1) % 3]);
+        if ((mesh_.vertices[a] - mesh_.vertices[b]).norm() > steps_.finest_mm) large[a] = large[b] = 1;
+      }
+    }
+    std::vector<Eigen::Vector3d> corners;
+    for (std::size_t v = 0; v < large.size(); ++v) {
+      if (large[v]) corners.push_back(mesh_.vertices[v]);
+    }
+    return corners;
+  }
 
   // Cells of the design are divided until what is known at their corners settles what lies between them. The
   // distance from a triangle's points to the triangle of their corners' nearest points is largest at a

@@ -39,7 +39,8 @@ struct VerifyOptions {
   double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
-  // Only what is cut against the design: nothing is said of what of the design is left uncut.
+  // Only what is cut against the design, of which no more than the corners of large facets are asked for:
+  // nothing is said of what of it is left uncut.
   bool cut_only = false;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
 
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -139,6 +140,33 @@ TEST(Verify, SettlesWhatADenseGridFinds) {
     // Where something is left uncut, its edge decides.
     for (std::size_t i = 0; i < c.program.strips.size() && densely.uncut_mm2 == 0; ++i)
       EXPECT_LE(densely.strip_max_mm[i], report.strip_bound_mm[i] + 0.01);
+  }
+}
+
+// A corner of large facets stands out between the samples of a cut, however far apart these lie.
+TEST(Verify, OfTheCutAloneMeetsCornersOfLargeFacets) {
+  const surface::DesignSurface coarse = grid_design("coarse", 11, 9, [](double u, double v) {
+    const double phi = 0.6 * (v - 0.5);
+    return Eigen::Vector3d(300 * u, 400 * std::sin(phi), 400 * std::cos(phi));
+  });
+  const std::span<const Eigen::Vector3d> all = coarse.mesh.vertices();
+  const auto nearest = [&](const Eigen::Vector3d& to) -> Eigen::Vector3d {
+    return *std::min_element(all.begin(), all.end(),
+                             [&](const auto& p, const auto& q) { return (p - to).norm() < (q - to).norm(); });
+  };
+  for (const double x : {100.0, 130.0, 190.0}) {
+    const Eigen::Vector3d corner = nearest({x, 30, 400});
+    const surface::DesignSurface raised = with_vertices(coarse, [&](Eigen::Vector3d& p) {
+      if (p == corner) p *= 1 + 0.9 / 400;
+    });
+    VerifyOptions far_apart;
+    far_apart.sample_mm = 7;
+    far_apart.cut_only = true;
+    const VerifyReport report = measure(cylinder_plan().program, {}, raised, far_apart);
+    EXPECT_NEAR(report.deviation.max, 0.9, 0.01) << x;
+    EXPECT_NEAR(report.strip_max_mm.at(0), 0.9, 0.01) << x;
+    EXPECT_LT((report.strip_max_at.at(0) - corner).norm(), 1) << x;
+    EXPECT_EQ(report.uncut_mm2, 0);
   }
 }
 
