@@ -25,12 +25,12 @@ struct DroopNode {
 };
 static_assert(kDroopInner * sizeof(DroopNode) <= kScratchDoubles * sizeof(double));
 
-HOTBLADE_LANES_INLINE DroopCell droop_cell(const hb_elastica_field* f, const hb_elastica_point* p,
-                                           double torsion, double upright) {
+HOTBLADE_LANES_INLINE DroopCell droop_cell(const hb_elastica_field* f, const BladeTangent& at, double torsion,
+                                           double upright) {
   constexpr double h = kDroopStep;
-  const hb_lanes kappa = hb_elastica_curvature(f, p), k2 = kappa * kappa;
-  const hb_lanes compression = HB_FMA(f->l1, p->c, f->l2 * p->s);
-  const hb_lanes kappa_slope = HB_FMA(f->l2, p->c, -(f->l1 * p->s));
+  const hb_lanes kappa = at.kappa, k2 = kappa * kappa;
+  const hb_lanes compression = HB_FMA(f->l1, at.c, f->l2 * at.s);
+  const hb_lanes kappa_slope = HB_FMA(f->l2, at.c, -(f->l1 * at.s));
   const hb_lanes psi2 = (torsion - 1) * k2 - compression, phi2 = (upright - 1) * k2;
   const hb_lanes psi_phi = kappa_slope * (h / 8);
   const hb_lanes psi_slope = kappa * ((1 - 2 * torsion) / 4), phi_slope = kappa * ((2 * upright - 1) / 4);
@@ -49,13 +49,14 @@ HOTBLADE_LANES_INLINE DroopCell droop_cell(const hb_elastica_field* f, const hb_
 // Eliminates the nodes in order and returns the number of negative eigenvalues.
 hb_lanes droop_eliminate(const BladeField& f, hb_lanes load, const DroopLanes& b, DroopNode* nodes) {
   const hb_lanes zero = HB_BROADCAST(0.0), one = HB_BROADCAST(1.0), step = HB_BROADCAST(kDroopStep);
-  hb_elastica_point p = f.start;
-  hb_elastica_step(&f.field, 0.5 * step, &p);
-  DroopCell left = droop_cell(&f.field, &p, b.torsion, b.upright);
+  TangentSeries middle;
+  begin(f, middle);
+  go_on(f, 0.5 * kDroopStep, middle);
+  DroopCell left = droop_cell(&f.field, middle.last, b.torsion, b.upright);
   hb_lanes negative = zero;
   for (size_t i = 0; i < kDroopInner; ++i) {
-    hb_elastica_step(&f.field, step, &p);
-    const DroopCell right = droop_cell(&f.field, &p, b.torsion, b.upright);
+    go_on(f, (static_cast<double>(i) + 1.5) * kDroopStep, middle);
+    const DroopCell right = droop_cell(&f.field, middle.last, b.torsion, b.upright);
     DroopNode& node = nodes[i];
     hb_lanes p00 = left.psi_same + right.psi_same, p01 = left.both1 + right.both0,
              p11 = left.phi_same + right.phi_same;

@@ -41,13 +41,13 @@ HOTBLADE_LANES_INLINE void margin_scale(hb_lanes* v, hb_lanes by) {
 }
 
 void margin_march(const BladeField& f, MarginWork& w) {
-  const hb_lanes h = HB_BROADCAST(1.0 / kMarginCells);
-  hb_elastica_point p = f.start;
+  TangentSeries at;
+  begin(f, at);
   for (size_t i = 0; i < kMarginInner; ++i) {
-    hb_elastica_step(&f.field, h, &p);
-    w.diagonal[i] = -2.0 * kMarginOff - HB_FMA(f.field.l1, p.c, f.field.l2 * p.s);
-    w.first[i] = p.c;
-    w.second[i] = p.s;
+    go_on(f, static_cast<double>(i + 1) / kMarginCells, at);
+    w.diagonal[i] = -2.0 * kMarginOff - HB_FMA(f.field.l1, at.last.c, f.field.l2 * at.last.s);
+    w.first[i] = at.last.c;
+    w.second[i] = at.last.s;
   }
 }
 

@@ -1,5 +1,5 @@
-/* An elastica in state form, run along by steps of its Taylor series (elastica/curve/taylor.hpp): every lane its
- * own curve and its own distance. */
+/* An elastica in state form, run along by steps of its Taylor series (elastica/curve/taylor.hpp): every lane
+ * its own curve and its own distance. */
 #ifndef HOTBLADE_ELASTICA_KERNELS_ELASTICA_STEP_H
 #define HOTBLADE_ELASTICA_KERNELS_ELASTICA_STEP_H
 
@@ -24,33 +24,55 @@ HB_INLINE HB_REAL hb_elastica_curvature(const hb_elastica_field* f, const hb_ela
   return HB_FMA(f->l2, p->x, HB_FMA(-f->l1, p->y, f->k));
 }
 
-/* Returns what the tangent turns by. */
-HB_INLINE HB_REAL hb_elastica_turn(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
-  HB_REAL c[HB_STEP_ORDER + 1], s[HB_STEP_ORDER + 1];
-  HB_REAL rate[HB_STEP_ORDER + 1]; /* (j + 1) times the coefficient j + 1 of theta */
+/* The Taylor series about a point of the cosine and sine of the tangent's angle and of its rate, the
+ * curvature times h, in powers of the arc length over h. */
+typedef struct {
+  HB_REAL c[HB_STEP_ORDER + 1], s[HB_STEP_ORDER + 1], rate[HB_STEP_ORDER + 1];
+} hb_elastica_series;
+
+HB_INLINE void hb_elastica_expand(const hb_elastica_field* f, HB_REAL h, HB_REAL kappa, HB_REAL cos,
+                                  HB_REAL sin, hb_elastica_series* at) {
   const HB_REAL t1 = f->l1 * (h * h), t2 = f->l2 * (h * h);
-  HB_REAL x = p->c, y = p->s, cos = p->c, sin = p->s, turn;
-  c[0] = p->c;
-  s[0] = p->s;
-  rate[0] = h * hb_elastica_curvature(f, p);
-  turn = rate[0];
+  at->c[0] = cos;
+  at->s[0] = sin;
+  at->rate[0] = h * kappa;
 #pragma GCC unroll 16
   for (int k = 0; k < HB_STEP_ORDER; ++k) {
-    const HB_REAL per = HB_BROADCAST(1.0 / (k + 1)), next = HB_BROADCAST(1.0 / (k + 2));
-    HB_REAL dc = rate[0] * s[k], ds = rate[0] * c[k];
-    rate[k + 1] = HB_FMA(t2, c[k], -(t1 * s[k])) * per;
-    turn = HB_FMA(rate[k + 1], next, turn);
+    const HB_REAL per = HB_BROADCAST(1.0 / (k + 1));
+    HB_REAL dc = at->rate[0] * at->s[k], ds = at->rate[0] * at->c[k];
+    at->rate[k + 1] = HB_FMA(t2, at->c[k], -(t1 * at->s[k])) * per;
 #pragma GCC unroll 16
     for (int j = 1; j <= k; ++j) {
-      dc = HB_FMA(rate[j], s[k - j], dc);
-      ds = HB_FMA(rate[j], c[k - j], ds);
+      dc = HB_FMA(at->rate[j], at->s[k - j], dc);
+      ds = HB_FMA(at->rate[j], at->c[k - j], ds);
     }
-    c[k + 1] = -(dc * per);
-    s[k + 1] = ds * per;
-    cos += c[k + 1];
-    sin += s[k + 1];
-    x = HB_FMA(c[k + 1], next, x);
-    y = HB_FMA(s[k + 1], next, y);
+    at->c[k + 1] = -(dc * per);
+    at->s[k + 1] = ds * per;
+  }
+}
+
+/* The sum of coefficients times powers of u, |u| <= 1. */
+HB_INLINE HB_REAL hb_elastica_sum(const HB_REAL* coefficients, HB_REAL u) {
+  HB_REAL sum = coefficients[HB_STEP_ORDER];
+#pragma GCC unroll 16
+  for (int k = HB_STEP_ORDER - 1; k >= 0; --k) sum = HB_FMA(sum, u, coefficients[k]);
+  return sum;
+}
+
+/* Returns what the tangent turns by. */
+HB_INLINE HB_REAL hb_elastica_turn(const hb_elastica_field* f, HB_REAL h, hb_elastica_point* p) {
+  hb_elastica_series at;
+  HB_REAL x = p->c, y = p->s, cos = p->c, sin = p->s, turn;
+  hb_elastica_expand(f, h, hb_elastica_curvature(f, p), p->c, p->s, &at);
+  turn = at.rate[0];
+#pragma GCC unroll 16
+  for (int k = 0; k < HB_STEP_ORDER; ++k) {
+    const HB_REAL next = HB_BROADCAST(1.0 / (k + 2));
+    turn = HB_FMA(at.rate[k + 1], next, turn);
+    cos += at.c[k + 1];
+    sin += at.s[k + 1];
+    x = HB_FMA(at.c[k + 1], next, x);
+    y = HB_FMA(at.s[k + 1], next, y);
   }
   p->x = HB_FMA(x, h, p->x);
   p->y = HB_FMA(y, h, p->y);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
+#include <utility>
 
 #include "elastica/blade/stability.hpp"
 #include "gpu/backend/stop.hpp"
@@ -47,15 +49,19 @@ bool segments_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
 
 using Points = std::vector<Eigen::Vector2d>;
 
-// Whether the polyline does. A curve that crosses itself closes a loop with one corner, which turns by more
-// than half a turn: one that turns less in all need not be searched.
-bool crosses_itself(const Points& q, double turning) {
+// Whether a blade crosses itself, by its samples. A curve that does closes a loop with one corner, which
+// turns by more than half a turn: one that turns less in all need not be searched.
+bool turns_into_itself(const elastica::PartPoints& whole, std::size_t i) {
   // A little less than half a turn: samples miss some of the turning where the curve's sense changes.
   constexpr double kHalfTurn = 0.95 * std::numbers::pi;
+  const std::size_t first = i * whole.points;
+  double turning = 0;
+  for (std::size_t n = first + 1; n < first + whole.points; ++n)
+    turning += std::abs(whole.turn[n] - whole.turn[n - 1]);
   if (turning < kHalfTurn) return false;
-  for (std::size_t i = 0; i + 1 < q.size(); ++i) {
-    for (std::size_t j = i + 2; j + 1 < q.size(); ++j) {
-      if (segments_cross(q[i], q[i + 1], q[j], q[j + 1])) return true;
+  for (std::size_t k = 0; k + 1 < whole.points; ++k) {
+    for (std::size_t j = k + 2; j + 1 < whole.points; ++j) {
+      if (segments_cross(whole.at(i, k), whole.at(i, k + 1), whole.at(i, j), whole.at(i, j + 1))) return true;
     }
   }
   return false;
@@ -88,6 +94,28 @@ Eigen::Vector3d in_plane(const Eigen::Vector2d& q) {
 
 // Rounding puts a plane on the block's face this far outside of it.
 constexpr double kOnFace_mm = 1e-9;
+
+// The samples of a blade beside its foam interval that lie in the block.
+Points free_in_stock(const elastica::PartPoints& whole, std::size_t i, const elastica::Part& interval,
+                     double length, const Block& block) {
+  const double step_mm = length / static_cast<double>(whole.points - 1);
+  Points free;
+  std::size_t k = 0;
+  while (k < whole.points) {
+    const double s = length * static_cast<double>(k) / static_cast<double>(whole.points - 1);
+    if (s >= interval.first && s <= interval.last) {
+      ++k;
+      continue;
+    }
+    const Eigen::Vector2d q = whole.at(i, k);
+    const double away_mm = block.distance_mm(in_plane(q));
+    if (away_mm <= kOnFace_mm) free.push_back(q);
+    // No sample is in the block that is nearer along the blade than the block is. Rounding is far less.
+    constexpr double kSure = 0.999;
+    k += std::max<std::size_t>(1, static_cast<std::size_t>(kSure * std::max(0.0, away_mm) / step_mm));
+  }
+  return free;
+}
 
 // A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
 struct PlacedRib {
@@ -294,30 +322,38 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
 
 FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const Block& block) {
   const elastica::Part all{0, blade.length}, part{s0, s1};
-  return examine_free_parts(elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
-                            elastica::sample_parts({&blade, 1}, {&part, 1}, kBladeSamples), 0, part,
-                            blade.length, block);
+  return examine_free_parts({&blade, 1}, elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
+                            {&part, 1}, {&block, 1})
+      .front();
 }
 
-FreeParts examine_free_parts(const elastica::PartPoints& whole, const elastica::PartPoints& foam,
-                             std::size_t i, const elastica::Part& interval, double length,
-                             const Block& block) {
-  Points all(kBladeSamples), free_in_stock;
-  double turning = 0;
-  for (std::size_t k = 0; k < kBladeSamples; ++k) {
-    const double s = length * static_cast<double>(k) / (kBladeSamples - 1);
-    const std::size_t n = i * kBladeSamples + k;
-    all[k] = whole.at(i, k);
-    if (k > 0) turning += std::abs(whole.turn[n] - whole.turn[n - 1]);
-    if ((s < interval.first || s > interval.last) && block.distance_mm(in_plane(all[k])) <= kOnFace_mm)
-      free_in_stock.push_back(all[k]);
+std::vector<FreeParts> examine_free_parts(std::span<const Elastica> blades, const elastica::PartPoints& whole,
+                                          std::span<const elastica::Part> intervals,
+                                          std::span<const Block> blocks) {
+  if (blades.size() != intervals.size() || blades.size() != blocks.size())
+    throw std::logic_error("free parts are asked for beside one interval and block of each blade");
+  std::vector<FreeParts> free;
+  // Of the few blades whose free parts are in the stock: which, where there, and what they cut.
+  std::vector<std::size_t> in_stock;
+  std::vector<Points> points_in_stock;
+  std::vector<Elastica> cutting;
+  std::vector<elastica::Part> cut;
+  for (std::size_t i = 0; i < blades.size(); ++i) {
+    free.push_back({turns_into_itself(whole, i), 0});
+    Points points = free_in_stock(whole, i, intervals[i], blades[i].length, blocks[i]);
+    if (points.empty()) continue;
+    in_stock.push_back(i);
+    points_in_stock.push_back(std::move(points));
+    cutting.push_back(blades[i]);
+    cut.push_back(intervals[i]);
   }
-  FreeParts free{crosses_itself(all, turning), 0};
-  if (free_in_stock.empty()) return free;
-  Points cutting(kBladeSamples);
-  for (std::size_t k = 0; k < kBladeSamples; ++k) cutting[k] = foam.at(i, k);
-  for (const Eigen::Vector2d& q : free_in_stock)
-    free.depth_mm = std::max(free.depth_mm, depth_behind(q, cutting));
+  const elastica::PartPoints points = elastica::sample_parts(cutting, cut, kBladeSamples);
+  Points part(kBladeSamples);
+  for (std::size_t n = 0; n < in_stock.size(); ++n) {
+    for (std::size_t k = 0; k < kBladeSamples; ++k) part[k] = points.at(n, k);
+    double& depth_mm = free[in_stock[n]].depth_mm;
+    for (const Eigen::Vector2d& q : points_in_stock[n]) depth_mm = std::max(depth_mm, depth_behind(q, part));
+  }
   return free;
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "elastica/blade/blade_batch.hpp"
@@ -44,12 +45,13 @@ struct FreeParts {
 // Returns what a blade's free parts do.
 [[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
                                            const Block& block);
-// Returns the same of blade `i` of some, by kBladeSamples points of all their length and as many of their
-// foam intervals.
+// Returns the same of some blades by kBladeSamples points of all their length, `whole`; `intervals` and
+// `blocks` are one a blade (std::logic_error).
 inline constexpr std::size_t kBladeSamples = 97;
-[[nodiscard]] FreeParts examine_free_parts(const elastica::PartPoints& whole,
-                                           const elastica::PartPoints& foam, std::size_t i,
-                                           const elastica::Part& interval, double length, const Block& block);
+[[nodiscard]] std::vector<FreeParts> examine_free_parts(std::span<const elastica::Elastica> blades,
+                                                        const elastica::PartPoints& whole,
+                                                        std::span<const elastica::Part> intervals,
+                                                        std::span<const Block> blocks);
 // Deeper is a cut into the part; less is the sampling of the blade's curve.
 inline constexpr double kFreePartDepthMm = 0.1;
 

@@ -31,24 +31,30 @@ struct PoseCheck {
   robot::BladeSag sag;
 };
 
-// Some poses of a strip and what their blades share.
+// Some poses of a strip and what is found of their blades together.
 struct PoseBlock {
   std::span<const BladePose> poses;
-  std::vector<elastica::Elastica> blades;
-  elastica::PartPoints points, in_foam;  // of the whole blades, and of the parts in foam or else the whole
-  std::vector<robot::SagPlace> sag_places;
+  elastica::PartPoints points;  // of the whole blades
+  std::vector<robot::BladeSag> sags;
+  std::vector<FreeParts> free;
 
-  PoseBlock(std::span<const BladePose> some, const StripPlan& strip) : poses(some) {
+  PoseBlock(std::span<const BladePose> some, const StripPlan& strip, const robot::Blade& blade)
+      : poses(some) {
+    std::vector<elastica::Elastica> blades;
     std::vector<elastica::Part> whole, parts;
+    std::vector<robot::SagPlace> sag_places;
+    std::vector<Block> blocks;
     for (const BladePose& pose : poses) {
       blades.push_back(pose.blade);
       whole.push_back({0, pose.blade.length});
       const double s0 = pose.foam ? (*pose.foam)[0] : 0, s1 = pose.foam ? (*pose.foam)[1] : pose.blade.length;
       parts.push_back({s0, s1});
       sag_places.push_back({down_in_plane(strip.design_to_cell, pose.frame), s0, s1});
+      blocks.push_back(strip.block.seen_from(pose.frame));
     }
     points = elastica::sample_parts(blades, whole, kBladeSamples);
-    in_foam = elastica::sample_parts(blades, parts, kBladeSamples);
+    sags = robot::blade_sags(blades, blade, sag_places);
+    free = examine_free_parts(blades, points, parts, blocks);
   }
 };
 
@@ -56,16 +62,14 @@ PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& stri
                      const robot::ClampOffsets& offsets) {
   PoseCheck c;
   const BladePose& pose = some.poses[i];
-  const robot::SagPlace& part = some.sag_places[i];
   c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
   c.loads =
       robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature, blade);
   c.clearance = clamp_clearance_mm(robot::held({pose.a, pose.b}, offsets), strip.block);
   c.cuts = pose.foam.has_value();
-  const FreeParts free = examine_free_parts(some.points, some.in_foam, i, {part.s0, part.s1},
-                                            pose.blade.length, strip.block.seen_from(pose.frame));
-  c.crosses = free.crosses_itself;
-  if (c.cuts) c.depth = free.depth_mm;
+  c.sag = some.sags[i];
+  c.crosses = some.free[i].crosses_itself;
+  if (c.cuts) c.depth = some.free[i].depth_mm;
   return c;
 }
 
@@ -73,13 +77,8 @@ std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const St
                                    const robot::Blade& blade, const robot::ClampOffsets& offsets) {
   std::vector<PoseCheck> checks(poses.size());
   in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
-    const std::span<const BladePose> all(poses);
-    const PoseBlock some(all.subspan(from, to - from), strip);
-    const std::vector<robot::BladeSag> sags = robot::blade_sags(some.blades, blade, some.sag_places);
-    for (std::size_t i = from; i < to; ++i) {
-      checks[i] = check_pose(some, i - from, strip, blade, offsets);
-      checks[i].sag = sags[i - from];
-    }
+    const PoseBlock some(std::span<const BladePose>(poses).subspan(from, to - from), strip, blade);
+    for (std::size_t i = from; i < to; ++i) checks[i] = check_pose(some, i - from, strip, blade, offsets);
   });
   return checks;
 }
