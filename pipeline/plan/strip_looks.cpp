@@ -172,7 +172,7 @@ void StripLooks::measure_fresh(const Program& like, const surface::DesignSurface
     looked.bound_mm = report.strip_bound_mm[i];
     looked.deviation_at = report.strip_max_at[i];
     if (look_ == MotionLook::kCoarse) {
-      looked.planned.strip.poses = {};
+      std::vector<BladePose>().swap(looked.planned.strip.poses);
       return;
     }
     const BranchReport branch =

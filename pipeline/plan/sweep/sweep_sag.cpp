@@ -37,6 +37,7 @@ SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const rob
     const robot::SagProfile sag = sag_profile(shape, section, Eigen::Vector3d::UnitZ());
     stable_ = stable_ && sag.stable;
     const elastica::ElasticaCurve curve(shape);
+    nodes_[k].reserve(kNodes + 1);
     for (int i = 0; i <= kNodes; ++i) {
       const double share = static_cast<double>(i) / kNodes;
       const elastica::CurvePoint p = curve.at(share * blade.length_mm);
