@@ -76,6 +76,7 @@ HOTBLADE_LANES_INLINE void expand(const BladeField& f, PlaceSeries& s) {
   }
 }
 
+// At the first place, whose series is not expanded yet: one place alone needs none.
 HOTBLADE_LANES_INLINE void begin(const BladeField& f, hb_lanes at, PlaceSeries& s) {
   s.reach = series_reach(f);
   s.per_reach = 1.0 / s.reach;
@@ -83,7 +84,6 @@ HOTBLADE_LANES_INLINE void begin(const BladeField& f, hb_lanes at, PlaceSeries& 
   s.center.turn = hb_elastica_move_turning(&f.field, at, &s.center.p);
   s.center.at = at;
   s.last = s.center;
-  expand(f, s);
 }
 
 HOTBLADE_LANES_INLINE void go_on(const BladeField& f, hb_lanes to, PlaceSeries& s) {
@@ -117,6 +117,7 @@ HOTBLADE_LANES_INLINE void go_on(const BladeField& f, hb_lanes to, PlaceSeries& 
     const hb_lanes first = hb_load(b.first + i, count), last = hb_load(b.last + i, count);
     PlaceSeries s;
     begin(f, first, s);
+    if (b.points > 1) expand(f, s);
     for (size_t k = 0; k < b.points; ++k) {
       const double share = b.points > 1 ? static_cast<double>(k) / static_cast<double>(b.points - 1) : 0;
       if (k > 0) go_on(f, first + (last - first) * share, s);
