@@ -1,5 +1,5 @@
 // Makes the panels of a seed, plans each with the program and prints what came out as a Markdown table:
-//   panel_table [SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out DIRECTORY]
+//   panel_table [SEED | dented:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out DIRECTORY]
 // Of a directory every OBJ is planned, in mm. Exit code 1 when fewer than N panels pass (all, unless said).
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,6 +17,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "samples/panels.hpp"
@@ -192,15 +193,19 @@ std::vector<fs::path> designs(const std::string& set, const fs::path& directory)
     std::sort(files.begin(), files.end());
     return files;
   }
+  constexpr std::string_view kDented = "dented:";
+  const bool dented = set.starts_with(kDented);
   std::uint64_t seed = 0;
-  const auto [end, error] = std::from_chars(set.data(), set.data() + set.size(), seed);
+  const char* first = set.data() + (dented ? kDented.size() : 0);
+  const auto [end, error] = std::from_chars(first, set.data() + set.size(), seed);
   if (error != std::errc() || end != set.data() + set.size())
-    throw std::invalid_argument(set + ": neither a seed (a whole number) nor a directory");
+    throw std::invalid_argument(set + ": neither a seed (a whole number), dented:SEED nor a directory");
   fs::create_directories(directory);
-  for (const auto& panel : hotblade::samples::panels(seed)) {
+  using namespace hotblade::samples;
+  for (const Panel& panel : dented ? dented_panels(seed) : panels(seed)) {
     files.push_back(directory / (panel.name + ".obj"));
     std::ofstream out(files.back(), std::ios::binary);
-    out << hotblade::samples::obj_text(panel);
+    out << obj_text(panel);
     if (!out.flush()) throw std::runtime_error(files.back().string() + ": cannot write");
   }
   return files;
@@ -258,7 +263,8 @@ int main(int argc, char** argv) {
   } catch (const std::logic_error& error) {
     std::fprintf(
         stderr,
-        "%s\nusage: panel_table [SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out DIRECTORY]\n",
+        "%s\nusage: panel_table [SEED | dented:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out "
+        "DIRECTORY]\n",
         error.what());
     return 2;
   } catch (const std::exception& error) {

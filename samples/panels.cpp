@@ -181,14 +181,24 @@ Eigen::Quaterniond random_turn(Draws& draws) {
   return Eigen::Quaterniond(w, x, y, z).normalized();
 }
 
-// The grid's points with their triangles; of a disc those that lie in the circle about the middle of the unit
-// square. A cell that loses one corner is a triangle, one that loses more is none.
-void mesh(const Surface& surface, const Eigen::Quaterniond& turn, bool disc, Panel& panel) {
+// Whether a point of the grid is one of the panel.
+using Inside = std::function<bool(int i, int j)>;
+
+bool in_disc(int i, int j) {
+  const int a = 2 * i - kCells, b = 2 * j - kCells;
+  return a * a + b * b <= kCells * kCells;
+}
+
+// The grid's points that are inside, with their triangles. A cell that loses one corner is a triangle, one
+// that loses more is none. Whole cells are halved from their first corner, or from the one before it where
+// `other` says so.
+void mesh(
+    const Surface& surface, const Eigen::Quaterniond& turn, const Inside& inside, Panel& panel,
+    const std::function<bool()>& other = [] { return false; }) {
   std::vector<int> number;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j) {
-      const int a = 2 * i - kCells, b = 2 * j - kCells;
-      const bool kept = !disc || a * a + b * b <= kCells * kCells;
+      const bool kept = inside(i, j);
       number.push_back(kept ? static_cast<int>(panel.points.size()) : -1);
       if (kept) panel.points.push_back(turn * surface(grid(i), grid(j)));
     }
@@ -199,6 +209,7 @@ void mesh(const Surface& surface, const Eigen::Quaterniond& turn, bool disc, Pan
   for (int i = 0; i < kCells; ++i) {
     for (int j = 0; j < kCells; ++j) {
       std::vector<int> corners{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)};
+      if (other()) std::rotate(corners.begin(), corners.begin() + 1, corners.end());
       std::erase(corners, -1);
       for (std::size_t k = 2; k < corners.size(); ++k)
         panel.triangles.push_back({corners[0], corners[k - 1], corners[k]});
@@ -232,18 +243,132 @@ Panel drawn(Draws& draws, int number) {
   panel.name = classic ? numbered('c', number, kClassics[static_cast<std::size_t>(number)].name)
                        : numbered('p', number, kKinds[kind]);
   const bool turned = number % 4 == 3;
-  mesh(surface, turned ? random_turn(draws) : Eigen::Quaterniond::Identity(), !classic && kind == 2, panel);
+  const bool disc = !classic && kind == 2;
+  const Inside inside = disc ? Inside(in_disc) : Inside([](int, int) { return true; });
+  mesh(surface, turned ? random_turn(draws) : Eigen::Quaterniond::Identity(), inside, panel);
+  return panel;
+}
+
+// A height over the plane, in mm, of a place in shares of the panel's sides from its middle.
+using Height = std::function<double(double u, double v)>;
+
+Height bump(double rise, double u0, double v0, double wide_u, double wide_v) {
+  return [=](double u, double v) {
+    const double a = (u - u0) / wide_u, b = (v - v0) / wide_v;
+    return rise * std::exp(-0.5 * (a * a + b * b));
+  };
+}
+
+double sign(Draws& draws) {
+  return draws.uniform(0, 1) < 0.5 ? -1 : 1;
+}
+
+// A cap that falls off to the border, with a dent of up to half of what it rises beside its middle.
+Height dented_dome(Draws& draws) {
+  const double rise = draws.uniform(40, 140), a = draws.uniform(0.6, 1.1), b = draws.uniform(0.6, 1.1);
+  const Height dent = bump(-rise * draws.uniform(0.2, 0.5), draws.uniform(-0.2, 0.2),
+                           draws.uniform(-0.2, 0.2), draws.uniform(0.12, 0.25), draws.uniform(0.12, 0.25));
+  return [=](double u, double v) { return -rise * (u * u / (a * a) + v * v / (b * b)) + dent(u, v); };
+}
+
+// A smooth step across the panel, askew, on a slope.
+Height askew_step(Draws& draws) {
+  const double rise = draws.uniform(30, 140), sharp = draws.uniform(4, 12), askew = draws.uniform(-0.8, 0.8),
+               tilt = draws.uniform(-60, 60);
+  return [=](double u, double v) { return rise * std::tanh(sharp * (u - askew * v)) / 2 + tilt * v; };
+}
+
+// Three waves of any direction and up to one and a half periods across the panel.
+Height waves(Draws& draws) {
+  struct Wave {
+    double rise, u, v, phase;
+  };
+  std::array<Wave, 3> all{};
+  for (Wave& w : all)
+    w = {draws.uniform(5, 40), draws.uniform(-9, 9), draws.uniform(-9, 9), draws.uniform(0, 2 * pi)};
+  return [=](double u, double v) {
+    double z = 0;
+    for (const Wave& w : all) z += w.rise * std::sin(w.u * u + w.v * v + w.phase);
+    return z;
+  };
+}
+
+Height saddle_with_bump(Draws& draws) {
+  const double warp = sign(draws) * draws.uniform(60, 240);
+  const Height on = bump(sign(draws) * draws.uniform(10, 60), draws.uniform(-0.3, 0.3),
+                         draws.uniform(-0.3, 0.3), draws.uniform(0.12, 0.3), draws.uniform(0.12, 0.3));
+  return [=](double u, double v) { return warp * u * v + on(u, v); };
+}
+
+Height bumps(Draws& draws) {
+  std::vector<Height> all(3);
+  for (Height& one : all) {
+    const double rise = sign(draws) * draws.uniform(10, 80), u = draws.uniform(-0.4, 0.4),
+                 v = draws.uniform(-0.4, 0.4);
+    one = bump(rise, u, v, draws.uniform(0.15, 0.35), draws.uniform(0.15, 0.35));
+  }
+  return [all](double u, double v) { return all[0](u, v) + all[1](u, v) + all[2](u, v); };
+}
+
+// Whole, without a corner, or with a round window.
+Inside dented_border(Draws& draws, int number) {
+  const double corner = draws.uniform(0.15, 0.5), radius = draws.uniform(0.08, 0.18),
+               u0 = draws.uniform(0.3, 0.7), v0 = draws.uniform(0.3, 0.7);
+  const int kind = number % 3;
+  return [=](int i, int j) {
+    const double u = grid(i), v = grid(j);
+    if (kind == 1) return u + v >= corner;
+    return kind != 2 || std::hypot(u - u0, v - v0) >= radius;
+  };
+}
+
+Panel dented(Draws& draws, int number) {
+  struct Kind {
+    const char* name;
+    Height (*drawn)(Draws& draws);
+  };
+  constexpr std::array<Kind, 5> kKinds{{{"dome", dented_dome},
+                                        {"step", askew_step},
+                                        {"waves", waves},
+                                        {"saddle", saddle_with_bump},
+                                        {"bumps", bumps}}};
+  const Kind& kind = kKinds[static_cast<std::size_t>(number) % kKinds.size()];
+  Panel panel;
+  panel.name = numbered('d', number, kind.name);
+  Surface surface;
+  do {
+    const double a = draws.uniform(350, 1000), b = draws.uniform(250, 700);
+    surface = [=, z = kind.drawn(draws)](double u, double v) {
+      return Vector3d(a * (u - 0.5), b * (v - 0.5), z(u - 0.5, v - 0.5));
+    };
+    panel.radius_mm = smallest_radius(surface);
+  } while (panel.radius_mm < kDentedLeastMm || panel.radius_mm > kDentedMostMm);
+  const Inside inside = dented_border(draws, number);
+  const auto turn = number % 4 == 3 ? random_turn(draws) : Eigen::Quaterniond::Identity();
+  mesh(surface, turn, inside, panel, [&] { return draws.uniform(0, 1) < 0.5; });
   return panel;
 }
 
 }  // namespace
 
-std::vector<Panel> panels(std::uint64_t seed) {
+namespace {
+
+std::vector<Panel> all_drawn(std::uint64_t seed, Panel (*draw)(Draws& draws, int number)) {
   Draws draws(seed);
   std::vector<Panel> all;
   all.reserve(kPanels);
-  for (int number = 0; number < kPanels; ++number) all.push_back(drawn(draws, number));
+  for (int number = 0; number < kPanels; ++number) all.push_back(draw(draws, number));
   return all;
+}
+
+}  // namespace
+
+std::vector<Panel> panels(std::uint64_t seed) {
+  return all_drawn(seed, drawn);
+}
+
+std::vector<Panel> dented_panels(std::uint64_t seed) {
+  return all_drawn(seed, dented);
 }
 
 std::string obj_text(const Panel& panel) {

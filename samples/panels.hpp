@@ -28,6 +28,14 @@ struct Panel {
 // same panels with every standard library.
 [[nodiscard]] std::vector<Panel> panels(std::uint64_t seed);
 
+// A dented panel is harder: it bends at its sharpest by no more than the first and no less than the second.
+inline constexpr double kDentedLeastMm = 100, kDentedMostMm = 350;
+// Smaller and more sharply bent ones of a seed, in turn domes with a dent, steps across them, waves, saddles
+// with a bump and bumps, over 350 to 1000 by 250 to 700 mm. In turn they are whole, lack a corner and have a
+// round window; every fourth is turned in space. Each cell's diagonal is drawn. Most have sections that bend
+// to and fro more often than a blade can.
+[[nodiscard]] std::vector<Panel> dented_panels(std::uint64_t seed);
+
 // The panel as an OBJ file's text, to 1e-6 mm.
 [[nodiscard]] std::string obj_text(const Panel& panel);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
+#include "pipeline/program/apart.hpp"
 #include "pipeline/program/block.hpp"
 #include "pipeline/program/frame.hpp"
 #include "pipeline/program/program_arms.hpp"
@@ -73,7 +74,7 @@ struct BladePose {
   std::optional<double> margin_mm;            // the clamps may err this far; absent: not computed
   std::optional<PoseLoads> loads;             // absent: not computed
   std::optional<int> rib;                     // index of the rib that this pose cuts
-  std::optional<ClampJoints> joints{};        // of the arms; in every pose of a program or in none
+  Apart<ClampJoints> joints;                  // of the arms; in every pose of a program or in none
 };
 
 // Returns the middle of a pose's blade, in foam of the part there, in the design frame.

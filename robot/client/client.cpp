@@ -59,7 +59,8 @@ class Streamer {
         nonce_(std::random_device{}()) {}
 
   StreamReport run() {
-    return report_of(connect() && identify() && refresh() && choose_run() && open() && go() && finish());
+    const bool reached = connect() && identify() && refresh();
+    return report_of(reached && (cut_to_the_end() || (choose_run() && open() && go() && finish())));
   }
 
   StreamReport withdraw() {
@@ -109,6 +110,7 @@ class Streamer {
   bool refresh();
   bool transact(std::uint16_t address, std::span<const std::uint16_t> registers);
   bool command(Op op);
+  bool cut_to_the_end();
   bool choose_run();
   bool open();
   bool refused_open();
@@ -290,6 +292,17 @@ bool Streamer::command(Op op) {
   }
   return settle(StreamOutcome::kLinkLost,
                 std::string(protocol::name(op)) + " is never answered: check the link");
+}
+
+// A client that dies between the controller's CLOSE and its answer leaves a job that is done, and nothing to
+// go on with: opened once more, it would send the hot blade through a block that has been cut.
+bool Streamer::cut_to_the_end() {
+  const bool ours = status_.job_id == job_.id && (options_.run == 0 || options_.run == status_.run);
+  if (!options_.resume || !ours || status_.state != State::kIdle || status_.left_in_cut) return false;
+  if (status_.executed != job_.size() || status_.executed_crc != prefix_crc(job_, job_.size())) return false;
+  run_ = status_.run;
+  token_ = status_.token;
+  return true;
 }
 
 bool Streamer::choose_run() {

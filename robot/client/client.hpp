@@ -33,7 +33,8 @@ struct StreamOptions {
   // The run of the job. 0: the controller's last run number plus one; with `resume` the controller's present
   // one.
   std::uint32_t run = 0;
-  // Take over this job where an earlier client left it, waiting for its lease to run out if need be.
+  // Take over this job where an earlier client left it, waiting for its lease to run out if need be. One that
+  // the controller has executed to its end and closed is kDone, and is not opened again.
   bool resume = false;
   // Called with the run and the token as soon as the job is open, before anything moves: to be kept until the
   // job is done.

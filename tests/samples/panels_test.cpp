@@ -7,7 +7,11 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "pipeline/settings/settings.hpp"
 #include "tests/pipeline/run_program.hpp"
@@ -166,9 +170,65 @@ TEST(Panels, RadiusOfASphereIsItsOwn) {
   EXPECT_NEAR(sphere.radius_mm, radius_mm, 1e-4 * radius_mm);
 }
 
+TEST(DentedPanels, FollowFromTheSeedAlone) {
+  const auto text_of = [](std::uint64_t seed) {
+    std::string text;
+    for (const Panel& panel : dented_panels(seed)) text += obj_text(panel);
+    return text;
+  };
+  const std::string first = text_of(1);
+  EXPECT_TRUE(first == text_of(1));
+  EXPECT_FALSE(first == text_of(2));
+  EXPECT_EQ(hash(first), 0u);
+}
+
+// Triangles that meet at each edge of the mesh's border, and how many closed lines the border has.
+int border_lines(const Panel& panel) {
+  std::map<int, int> next;
+  std::set<std::pair<int, int>> directed;
+  for (const auto& t : panel.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(directed.emplace(t[i], t[(i + 1) % 3]).second);
+  }
+  for (const auto& [a, b] : directed) {
+    if (!directed.contains({b, a})) EXPECT_TRUE(next.emplace(a, b).second) << panel.name;
+  }
+  int lines = 0;
+  while (!next.empty()) {
+    ++lines;
+    for (auto at = next.begin(); at != next.end();) {
+      const int to = at->second;
+      next.erase(at);
+      at = next.find(to);
+    }
+  }
+  return lines;
+}
+
+TEST(DentedPanels, AreOfFiveKindsWholeWithoutACornerAndWithAWindow) {
+  const std::vector<Panel> all = dented_panels(3);
+  ASSERT_EQ(all.size(), static_cast<std::size_t>(kPanels));
+  std::map<std::string, int> kinds;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Panel& panel = all[i];
+    ++kinds[panel.name.substr(4)];
+    EXPECT_GE(panel.radius_mm, kDentedLeastMm) << panel.name;
+    EXPECT_LE(panel.radius_mm, kDentedMostMm) << panel.name;
+    EXPECT_EQ(border_lines(panel), i % 3 == 2 ? 2 : 1) << panel.name;
+    if (i % 3 == 0) {
+      EXPECT_EQ(panel.points.size(), static_cast<std::size_t>(kSide * kSide)) << panel.name;
+    } else {
+      EXPECT_LT(panel.points.size(), static_cast<std::size_t>(kSide * kSide)) << panel.name;
+    }
+  }
+  EXPECT_EQ(kinds, (std::map<std::string, int>{
+                       {"bumps", 8}, {"dome", 8}, {"saddle", 8}, {"step", 8}, {"waves", 8}}));
+}
+
 TEST(Panels, CheckReadsEveryOne) {
   const TemporaryDirectory directory;
-  for (const Panel& panel : panels(1)) {
+  std::vector<Panel> all = panels(1);
+  for (Panel& dented : dented_panels(1)) all.push_back(std::move(dented));
+  for (const Panel& panel : all) {
     const std::string file = (directory / (panel.name + ".obj")).string();
     std::ofstream(file, std::ios::binary) << obj_text(panel);
     const auto checked = pipeline::testing::hotblade({"check", file, "--units", "mm"});

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/rib_clamp_error.hpp"
+#include "pipeline/plan/motion/rib_fold.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -262,35 +264,51 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
   return made;
 }
 
-PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double calmer_than) const {
+// Closer and closer fits of one pull towards few and smooth tensions, as long as these help.
+PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double calm) const {
   constexpr double kHelps = 0.8;  // of the deviation before
-  const double wanted = wanted_mm();
+  PartPlan best{start, std::nullopt, start.refusal, calm};
+  best.fit.max_mm = kInfinite;
+  PartFit now = start;
+  for (const int coefficients : {5, 7, 10, 14}) {
+    const SweepEffort effort = final_effort(coefficients, calm);
+    now = fit(part, effort, &now);
+    if (!now.holds()) {
+      if (!best.strip) best.refusal = now.refusal;
+      break;
+    }
+    PartFit fitted = now;
+    SweptStrip made = strip_of(part, effort, fitted);
+    const double before = best.fit.max_mm;
+    if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
+      best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
+    } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
+      best = {std::move(fitted), std::nullopt, made.refusal, calm};
+    }
+    if (best.strip && best.fit.max_mm <= wanted_mm()) break;
+  }
+  return best;
+}
+
+// A blade that its clamps' errors would snap bends more than it needs to: what the fit leaves of the
+// tolerance is given for tensions that are calmer, up to the first that hold.
+PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double calmer_than) const {
   PartPlan best{start, std::nullopt, start.refusal, 0};
   if (!start.holds()) return best;
-  best.fit.max_mm = kInfinite;
   for (const double calm : kCalms) {
     if (calm <= calmer_than) continue;
-    PartFit now = start;
-    for (const int coefficients : {5, 7, 10, 14}) {
-      const SweepEffort effort = final_effort(coefficients, calm);
-      now = fit(part, effort, &now);
-      if (!now.holds()) {
-        if (!best.strip) best.refusal = now.refusal;
-        break;
-      }
-      PartFit fitted = now;
-      SweptStrip made = strip_of(part, effort, fitted);
-      const double before = best.fit.max_mm;
-      if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
-        best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
-      } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
-        best = {std::move(fitted), std::nullopt, made.refusal, calm};
-      }
-      if (best.strip && best.fit.max_mm <= wanted) return best;
-    }
-    if (best.strip) return best;
+    PartPlan plan = plan_at(part, start, calm);
     // A calmer blade comes no nearer.
-    if (best.refusal && best.refusal->limit == Limit::kDeviation) break;
+    const bool too_far = plan.strip ? best.strip && !(plan.fit.max_mm <= most_mm(plan))
+                                    : plan.refusal && plan.refusal->limit == Limit::kDeviation;
+    if (plan.strip) {
+      plan.fold_mm = fold_of(plan);
+      if (!too_far && (!best.strip || plan.fold_mm > best.fold_mm)) best = std::move(plan);
+      if (best.fold_mm >= least_fold_mm(best)) break;
+    } else if (!best.strip) {
+      best = std::move(plan);
+    }
+    if (too_far) break;
   }
   if (best.refusal && best.refusal->limit == Limit::kDeviation) explain(part, best);
   return best;
@@ -311,6 +329,17 @@ double PartFitter::most_mm(const PartPlan& plan) const {
   return (1 - kBetween) * tolerance - robot::kSagUnknownShare * plan.fit.sag_mm;
 }
 
+double PartFitter::fold_of(const PartPlan& plan) const {
+  constexpr double kFar = 3;  // times what is wanted: of two that are farther neither is the better
+  return rib_fold_mm(*plan.strip, settings_.machine, kFar * least_fold_mm(plan));
+}
+
+double PartFitter::least_fold_mm(const PartPlan& plan) const {
+  // Between ribs and on its way into the block a blade snaps a little sooner than at its ribs.
+  constexpr double kReserve = 1.2;
+  return kReserve * smallest_margin_mm(settings_, plan.strip->blade_length_mm);
+}
+
 HeldBlade PartFitter::held(const PartPlan& plan) const {
   // In a fan nothing of it is compensated.
   const double left = robot::kSagUnknownShare + (plan.strip->planes.turns() ? 1 : 0);
@@ -329,6 +358,8 @@ std::optional<PartPlan> PartFitter::steadier(const SweepPart& part, const PartPl
   SweptStrip made = strip_of(part, effort, other.fit);
   if (!made.strip || !(other.fit.max_mm <= most_mm)) return std::nullopt;
   other.strip = std::move(made.strip);
+  other.fold_mm = fold_of(other);
+  if (!(other.fold_mm >= std::min(plan.fold_mm, least_fold_mm(other)))) return std::nullopt;
   other.held = held(other);
   return other;
 }
@@ -377,7 +408,11 @@ PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
   }
   SweptStrip made = strip_of(part, effort, now.fit);
   now.strip = std::move(made.strip);
-  if (!now.strip) now.refusal = made.refusal;
+  if (now.strip) {
+    now.fold_mm = fold_of(now);
+  } else {
+    now.refusal = made.refusal;
+  }
   return now;
 }
 
@@ -397,6 +432,8 @@ PartPlan PartFitter::met(const SweepPart& part, const JointPart& joint, const Sw
                          part.bands.get(), plan.steadying.blade_mm, settings_);
     if (!made.strip) continue;
     plan.strip = std::move(made.strip);
+    plan.fold_mm = fold_of(plan);
+    if (!(plan.fold_mm >= std::min(own.fold_mm, least_fold_mm(plan)))) continue;
     plan.strip->joint_fit_mm = std::max(0.0, plan.fit.max_mm - own.fit.max_mm);
     return plan;
   }

@@ -72,7 +72,8 @@ struct PartPlan {
   PartFit fit;
   std::optional<StripPlan> strip;
   std::optional<Refusal> refusal;
-  double calm = 0;  // of the strip's fit (SweepFitOptions)
+  double calm = 0;     // of the strip's fit (SweepFitOptions)
+  double fold_mm = 0;  // by which its blade snaps at the ribs (plan/motion/rib_fold.hpp)
   Steadying steadying{};
   std::optional<HeldBlade> held{};             // of a strip that was looked at for a steadier blade
   std::shared_ptr<const PartPlan> unsteady{};  // what it was before it was made steadier; none: it was not
@@ -81,8 +82,9 @@ struct PartPlan {
   std::optional<double> beyond_fit_mm{};
 };
 
-// Pulls towards few and smooth tensions that parts are planned with, one after the other.
-inline constexpr std::array<double, 2> kCalms{1, 6};
+// Pulls towards few and smooth tensions that parts are planned with, one after the other, until their blades
+// hold. With steps of six in place of two and a half forty dented panels take four strips more.
+inline constexpr std::array<double, 7> kCalms{1, 2.5, 6, 15, 36, 90, 216};
 
 // Fits the parts of a design.
 class PartFitter {
@@ -97,7 +99,8 @@ class PartFitter {
                             const PartFit* start = nullptr) const;
 
   // Closer and closer fits with more and more ribs, as long as these help; calmer ones, and none but those
-  // that are calmer than `calmer_than`, where the blade does not serve.
+  // that are calmer than `calmer_than`, where the blade does not serve or its clamps' errors would snap it at
+  // a rib.
   [[nodiscard]] PartPlan plan(const SweepPart& part, const PartFit& start, double calmer_than = 0) const;
 
   // The plan with the blade, and the tension, that the clamps' errors move less, where the error budget is
@@ -126,6 +129,7 @@ class PartFitter {
   [[nodiscard]] double longest_rib_mm() const;
 
  private:
+  [[nodiscard]] PartPlan plan_at(const SweepPart& part, const PartFit& start, double calm) const;
   [[nodiscard]] double wanted_mm() const;
   [[nodiscard]] double blade_for(double rib_mm) const;
   [[nodiscard]] Refusal unreached(double rib_mm) const;
@@ -138,6 +142,10 @@ class PartFitter {
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
   void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
   [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
+  // By which a plan's blade snaps at its ribs, and by which it may: those that snap sooner are no better than
+  // what they come of.
+  [[nodiscard]] double fold_of(const PartPlan& plan) const;
+  [[nodiscard]] double least_fold_mm(const PartPlan& plan) const;
   [[nodiscard]] HeldBlade held(const PartPlan& plan) const;
   [[nodiscard]] JointPart joint_part(const SweepPart& part, const PartPlan& own, const PartPlan& met,
                                      bool held) const;

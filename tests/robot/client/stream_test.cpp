@@ -233,6 +233,31 @@ TEST(Stream, AKilledClientIsTakenOverByTheNext) {
   }
 }
 
+TEST(Stream, AJobThatIsClosedIsNotOpenedAgainToGoOnWithIt) {
+  Simulator simulator(fast());
+  const Job job = sample_job(50);
+  StreamOptions options = patient(simulator.port());
+  const auto first = stream(job, options);
+  ASSERT_EQ(first.outcome, StreamOutcome::kDone) << first.message;
+
+  options.resume = true;
+  int opened = 0;
+  options.opened = [&](std::uint32_t, std::uint32_t) { ++opened; };
+  const auto again = stream(job, options);
+  EXPECT_EQ(again.outcome, StreamOutcome::kDone) << again.message;
+  EXPECT_EQ(again.executed, job.size());
+  EXPECT_EQ(again.run, first.run);
+  EXPECT_EQ(again.windows, 0u);
+  EXPECT_EQ(opened, 0);
+  expect_executed_as_planned(simulator, job);
+
+  options.resume = false;  // the same job in another block
+  const auto anew = stream(job, options);
+  EXPECT_EQ(anew.outcome, StreamOutcome::kDone) << anew.message;
+  EXPECT_EQ(anew.run, first.run + 1);
+  EXPECT_EQ(opened, 1);
+}
+
 TEST(Stream, AFaultNamesWaypointLimitAndValue) {
   Simulator simulator(fast());
   auto waypoints = testing::sample_waypoints(300);

@@ -1,0 +1,15 @@
+// How near a strip's blade comes to snapping, before the strip has a motion.
+#pragma once
+
+#include "pipeline/plan/ribs/strip_plan.hpp"
+#include "pipeline/settings/settings.hpp"
+
+namespace hotblade::pipeline {
+
+// Returns by how many mm of the clamps' errors the blade snaps (elastica/blade/clamp_margin.hpp), at the ribs
+// and at quarters of the gaps between them: the smallest, and no more than `farthest_mm`, which is positive.
+// Near folds take a search a fifth of the time that any take. As in the checks of a motion, blades that are
+// nearly straight do not count. Of the way into the block and out of it nothing is said.
+[[nodiscard]] double rib_fold_mm(const StripPlan& strip, const MachineSettings& machine, double farthest_mm);
+
+}  // namespace hotblade::pipeline

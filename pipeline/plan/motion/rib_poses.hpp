@@ -1,0 +1,14 @@
+// The blade of a strip at its ribs, before the strip has a motion.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/plan/ribs/strip_plan.hpp"
+#include "pipeline/settings/settings.hpp"
+
+namespace hotblade::pipeline {
+
+// Returns the blade with its clamps at the ribs and at quarters of the gaps between them, in order.
+[[nodiscard]] std::vector<BladePose> rib_poses(const StripPlan& strip, const MachineSettings& machine);
+
+}  // namespace hotblade::pipeline
