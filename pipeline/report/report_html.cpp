@@ -219,6 +219,8 @@ const char* way_text(SweepWay way) {
       return "planes turned on until the fit is nearer";
     case SweepWay::kFaces:
       return "all smooth faces together";
+    case SweepWay::kParted:
+      return "split where no strip serves, in the fewest parts";
   }
   return "";
 }

@@ -401,6 +401,8 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"rows of blocks", "Reihen von Blöcken"},
     {"strips by themselves", "Streifen jeder für sich"},
     {"split where the one before fails", "geteilt, wo der davor nicht genügt"},
+    {"split where no strip serves, in the fewest parts",
+     "geteilt, wo kein Streifen genügt, in die wenigsten Teile"},
     {"fitted together by what the one before found",
      "zusammen angepasst nach dem, was sich an dem davor fand"},
     {"with shorter blades where steadier ones fail",

@@ -59,8 +59,8 @@ class Streamer {
         nonce_(std::random_device{}()) {}
 
   StreamReport run() {
-    const bool reached = connect() && identify() && refresh();
-    return report_of(reached && (cut_to_the_end() || (choose_run() && open() && go() && finish())));
+    return report_of(connect() && identify() && refresh() &&
+                     (cut_to_the_end() || (choose_run() && open() && go() && finish())));
   }
 
   StreamReport withdraw() {
@@ -68,7 +68,6 @@ class Streamer {
   }
 
  private:
-  // However it ended.
   StreamReport report_of([[maybe_unused]] bool done) {
     report_.executed = status_.job_id == job_.id ? status_.executed : 0;
     report_.run = run_;
@@ -111,6 +110,9 @@ class Streamer {
   bool transact(std::uint16_t address, std::span<const std::uint16_t> registers);
   bool command(Op op);
   bool cut_to_the_end();
+  [[nodiscard]] bool complete() const {
+    return status_.executed == job_.size() && prefix_crc(job_, job_.size()) == status_.executed_crc;
+  }
   bool choose_run();
   bool open();
   bool refused_open();
@@ -294,15 +296,12 @@ bool Streamer::command(Op op) {
                 std::string(protocol::name(op)) + " is never answered: check the link");
 }
 
-// A client that dies between the controller's CLOSE and its answer leaves a job that is done, and nothing to
-// go on with: opened once more, it would send the hot blade through a block that has been cut.
+// Of a client that died before it heard so: opened again, the job would go through a block that is cut.
 bool Streamer::cut_to_the_end() {
   const bool ours = status_.job_id == job_.id && (options_.run == 0 || options_.run == status_.run);
   if (!options_.resume || !ours || status_.state != State::kIdle || status_.left_in_cut) return false;
-  if (status_.executed != job_.size() || status_.executed_crc != prefix_crc(job_, job_.size())) return false;
-  run_ = status_.run;
-  token_ = status_.token;
-  return true;
+  if (complete()) run_ = status_.run;
+  return complete();
 }
 
 bool Streamer::choose_run() {
@@ -555,9 +554,7 @@ bool Streamer::draw_back() {
 }
 
 bool Streamer::finish() {
-  const bool complete =
-      status_.executed == job_.size() && prefix_crc(job_, job_.size()) == status_.executed_crc;
-  if (!complete) {
+  if (!complete()) {
     return settle(StreamOutcome::kFault, "DONE with other waypoints than planned (" +
                                              std::to_string(status_.executed) + " of " +
                                              std::to_string(job_.size()) + ")");

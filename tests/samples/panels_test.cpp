@@ -179,7 +179,7 @@ TEST(DentedPanels, FollowFromTheSeedAlone) {
   const std::string first = text_of(1);
   EXPECT_TRUE(first == text_of(1));
   EXPECT_FALSE(first == text_of(2));
-  EXPECT_EQ(hash(first), 0u);
+  EXPECT_EQ(hash(first), 8621390109387851377u);
 }
 
 // Triangles that meet at each edge of the mesh's border, and how many closed lines the border has.
@@ -190,7 +190,8 @@ int border_lines(const Panel& panel) {
     for (std::size_t i = 0; i < 3; ++i) EXPECT_TRUE(directed.emplace(t[i], t[(i + 1) % 3]).second);
   }
   for (const auto& [a, b] : directed) {
-    if (!directed.contains({b, a})) EXPECT_TRUE(next.emplace(a, b).second) << panel.name;
+    if (directed.contains({b, a})) continue;
+    EXPECT_TRUE(next.emplace(a, b).second) << panel.name;
   }
   int lines = 0;
   while (!next.empty()) {

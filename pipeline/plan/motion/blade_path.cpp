@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <tuple>
 
 #include "elastica/blade/blade_batch.hpp"
 #include "elastica/blade/stability.hpp"
@@ -59,8 +61,9 @@ struct Forming {
   BladeShape worked;
   MidState mid, flat;
 
-  // Of the share: the tensions come behind the curvature by this. At 1 the way is a straight line in the
-  // state, on which a blade that its tension holds straight would bow the more the more it is bent at once.
+  // Of the share: the tensions come behind the curvature by this, or before it. At 1 the way is a straight
+  // line in the state, on which a blade that its tension holds straight would bow the more the more it is
+  // bent at once.
   double tension_power = 1;
 
   Forming(const BladeShape& shape, double side) : worked(shape), mid(mid_state(shape.blade)) {
@@ -81,46 +84,68 @@ struct Forming {
   [[nodiscard]] BladeShape at(double share) const { return shape_of(place(share)); }
 };
 
-// The least stability margin on the way between the flat arc and the working shape.
-double smallest_margin(const Forming& forming) {
-  constexpr int kShapes = 8;
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 1; i < kShapes; ++i)
-    least = std::min(least, elastica::stability_margin(forming.at(static_cast<double>(i) / kShapes).blade));
-  return least;
+// What a way between the flat arc and the working shape asks of the blade.
+struct FormingFacts {
+  double margin = 0;      // least stability margin
+  double sharpening = 0;  // largest curvature, over that of the working shape
+  double slack = 0;  // least share of its length that the clamps are nearer by, over that of the flat arc
+};
+
+double slack_share(const Elastica& blade) {
+  const elastica::CurvePoint end = elastica::point_at(blade, blade.length);
+  return 1 - std::hypot(end.x - blade.x, end.y - blade.y) / blade.length;
 }
 
-// The largest curvature on that way, over that of the working shape.
-double sharpening(const Forming& forming) {
-  constexpr int kShapes = 8;
-  double most = 0;
-  for (int i = 1; i < kShapes; ++i) {
-    const BladeShape shape = forming.at(static_cast<double>(i) / kShapes);
-    most = std::max(most, elastica::ElasticaCurve(shape.blade).max_abs_curvature());
+FormingFacts facts_of(const Forming& forming) {
+  constexpr std::size_t kShapes = 24;
+  std::array<Elastica, kShapes> blades;
+  std::array<double, kShapes> margins{};
+  double sharpest = 0, slack = 1;
+  for (std::size_t i = 0; i < kShapes; ++i) {
+    // The closer together the nearer they are to the flat arc, where little turns the blade's side.
+    const double u = (static_cast<double>(i) + 0.5) / kShapes;
+    blades[i] = forming.at(u * u).blade;
+    sharpest = std::max(sharpest, elastica::ElasticaCurve(blades[i]).max_abs_curvature());
+    slack = std::min(slack, slack_share(blades[i]));
   }
-  return most / elastica::ElasticaCurve(forming.worked.blade).max_abs_curvature();
+  elastica::stability_margins(blades, margins);
+  return {*std::min_element(margins.begin(), margins.end()),
+          sharpest / elastica::ElasticaCurve(forming.worked.blade).max_abs_curvature(),
+          slack / slack_share(forming.at(0).blade)};
 }
 
-// The flat arc bends to the side the working shape turns to; to the other one where that way is closer to a
-// snap.
-Forming form_beside(const BladeShape& shape, double min_margin, double tension_power) {
-  const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta;
-  Forming forming(shape, turn < 0 ? -1 : 1);
-  forming.tension_power = tension_power;
-  const double margin = smallest_margin(forming);
-  if (margin >= min_margin) return forming;
-  Forming other(shape, turn < 0 ? 1 : -1);
-  other.tension_power = tension_power;
-  return smallest_margin(other) > margin ? other : forming;
-}
-
-// The same, its tensions later where the blade would be bent more sharply on the way than at its end.
+// The flat arc bends to the side the working shape turns to, and the way is a straight line. Where the blade
+// would be pulled straight on that way, from where it may bow to either side, would be bent more sharply or
+// come nearer to a snap than in its working shape, the way is the best of both sides with tensions that come
+// later or sooner.
 Forming form(const BladeShape& shape, double min_margin) {
-  constexpr double kSharper = 1.2, kLater = 6;
-  const Forming straight = form_beside(shape, min_margin, 1);
-  if (!(sharpening(straight) > kSharper)) return straight;
-  const Forming later = form_beside(shape, min_margin, kLater);
-  return sharpening(later) < sharpening(straight) ? later : straight;
+  constexpr double kSharper = 1.2, kSlack = 0.5;
+  // Shapes as far from a snap as this are as good as any.
+  constexpr double kFar = 8, kShare = 0.8;
+  constexpr std::array<double, 4> kPowers{1, 6, 2, 0.5};
+  const double turn = elastica::point_at(shape.blade, shape.blade.length).theta - shape.blade.theta,
+               own = turn < 0 ? -1 : 1;
+  const double wanted =
+      std::max(min_margin, std::min(kFar, kShare * elastica::stability_margin(shape.blade)));
+  const std::tuple good(-kSlack, kSharper, -wanted);
+  const auto cost = [&](const FormingFacts& f) {
+    return std::tuple(std::max(-kSlack, -f.slack), std::max(kSharper, f.sharpening),
+                      std::max(-wanted, -f.margin));
+  };
+  std::optional<Forming> best;
+  auto least = good;
+  for (const double power : kPowers) {
+    for (const double side : {own, -own}) {
+      Forming forming(shape, side);
+      forming.tension_power = power;
+      const auto costs = cost(facts_of(forming));
+      if (best && !(costs < least)) continue;
+      best = forming;
+      least = costs;
+      if (!(good < least)) return *best;
+    }
+  }
+  return *best;
 }
 
 // Of parallel planes: where the block ends on the waste side.

@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "elastica/blade/clamp_margin.hpp"
@@ -13,7 +14,8 @@
 namespace hotblade::pipeline {
 
 double rib_fold_mm(const StripPlan& strip, const MachineSettings& machine, double farthest_mm) {
-  const std::vector<BladePose> poses = rib_poses(strip, machine);
+  std::vector<BladePose> poses = rib_poses(strip, machine);
+  for (BladePose& end : end_poses(strip, machine)) poses.push_back(std::move(end));
   std::vector<double> folds_mm(poses.size(), farthest_mm);
   tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
     gpu::stop_point();
@@ -21,7 +23,7 @@ double rib_fold_mm(const StripPlan& strip, const MachineSettings& machine, doubl
       folds_mm[i] = elastica::clamp_margin(poses[i].blade, {farthest_mm, 0}).fold_mm;
   });
   gpu::stop_point();
-  return folds_mm.empty() ? farthest_mm : *std::min_element(folds_mm.begin(), folds_mm.end());
+  return *std::min_element(folds_mm.begin(), folds_mm.end());
 }
 
 }  // namespace hotblade::pipeline

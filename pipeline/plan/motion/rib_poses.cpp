@@ -1,5 +1,6 @@
 #include "pipeline/plan/motion/rib_poses.hpp"
 
+#include "pipeline/plan/ribs/fade.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "pipeline/program/clamps.hpp"
 
@@ -31,9 +32,18 @@ std::vector<BladePose> rib_poses(const StripPlan& strip, const MachineSettings& 
     const double from = strip.ribs[i].offset_mm, gap = strip.ribs[i + 1].offset_mm - from;
     for (int k = i == 0 ? 0 : 1; k <= kParts; ++k) {
       const double offset_mm = from + gap * k / kParts;
-      poses.push_back(pose_at(strip, offset_mm, from_mid_state(spline.mid_at(offset_mm)), machine));
+      poses.push_back(pose_at(strip, offset_mm, spline.at(offset_mm), machine));
     }
   }
+  return poses;
+}
+
+std::vector<BladePose> end_poses(const StripPlan& strip, const MachineSettings& machine) {
+  const RibSpline spline(strip.ribs);
+  std::vector<BladePose> poses;
+  for (const double offset_mm :
+       {strip.ribs.front().offset_mm - kFadeMm, strip.ribs.back().offset_mm + kFadeMm})
+    poses.push_back(pose_at(strip, offset_mm, spline.at(offset_mm), machine));
   return poses;
 }
 

@@ -53,6 +53,9 @@ class Search {
  private:
   // Beyond so many parts in all, even ones are no longer tried: what fails of them is split where it fails.
   static constexpr std::size_t kMostEven = 4;
+  // Planes that are split before any strip is looked at, and the most parts that come of it.
+  static constexpr std::size_t kPartedPlanes = 6, kMostParted = 12;
+  static constexpr int kPartedTries = 3;
 
   // A design of many parts, in rows of blocks.
   void run_rows() const {
@@ -72,16 +75,24 @@ class Search {
     constexpr std::size_t kMostTries = 3;
     constexpr int kMostRounds = 8;
     std::size_t tries = 0;
-    Tried nearest, hopeless;
+    Tried nearest, first;
+    std::vector<Tried> open;  // what parted() has not split yet
     for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
       // One failing strip split costs no more strips than even parts do.
       if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1)
         nearest = settled(std::move(nearest), 1);
       if (nearest.taken) return;
+      if (parts >= fewest + 2) {
+        Tried tried = parted(open, parts - 1);
+        if (tried.taken) return;
+        if (!tried.layout.parts.empty() && better(tried, nearest)) nearest = std::move(tried);
+      }
       const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
-      if (hopeless.layout.parts.empty() && !ranked.empty())
-        hopeless = first_try(ranked.front(), SweepWay::kEven);
+      if (first.layout.parts.empty() && !ranked.empty()) {
+        first = first_try(ranked.front(), SweepWay::kEven);
+        open = first_tries(ranked, kPartedPlanes, SweepWay::kParted);
+      }
       std::vector<Tried> failed;
       for (const Layout& layout : near) {
         failed.push_back(attempt(first_try(layout, SweepWay::kEven)));
@@ -94,8 +105,47 @@ class Search {
       }
       tries += near.empty() ? 0 : 1;
     }
-    if (nearest.layout.parts.empty()) nearest = std::move(hopeless);
-    if (!nearest.layout.parts.empty()) (void)settled(std::move(nearest), kMostRounds);
+    // Of two layouts that mirror each other one may fail at a corner where the other does not.
+    for (int i = 0; i <= kPartedTries; ++i) {
+      if (i > 0) nearest = parted(open, kMostParted);
+      if (nearest.taken) return;
+      if (nearest.layout.parts.empty()) continue;
+      first = {};
+      if (settled(std::move(nearest), i > 0 ? kPartedTries : kMostRounds).taken) return;
+    }
+    if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
+  }
+
+  // The best planes split where no strip serves, before any is looked at: the layout of the fewest parts that
+  // all have a strip, attempted; an empty one where there is none of so many.
+  [[nodiscard]] Tried parted(std::vector<Tried>& open, std::size_t most) const {
+    // Tolerances that a cheap fit may be off by to be planned at all; with four, parts are split that more
+    // coefficients would have served.
+    constexpr double kPlanned = 10;
+    // Splits in a row of which no half has a strip: more of them end as often as not in slivers.
+    constexpr int kVain = 2;
+    while (!open.empty()) {
+      const auto next = std::min_element(open.begin(), open.end(), smaller);
+      if (next->layout.parts.size() > most) break;
+      Tried tried = std::move(*next);
+      open.erase(next);
+      tried.failed.clear();
+      for (const PartFit& fit : tried.layout.fits)
+        tried.failed.push_back(!(fit.cost_mm <= kPlanned * settings_.design.tolerance_mm));
+      if (tried.failing() == 0) {
+        plan_parts(tried);
+        if (all_made(tried.plans)) return attempt(std::move(tried));
+        for (std::size_t i = 0; i < tried.plans.size(); ++i) tried.failed[i] = !tried.plans[i].strip;
+      }
+      const int vain = !tried.halves.empty() && tried.fruitless() ? tried.vain + 1 : 0;
+      if (vain >= kVain) continue;
+      if (std::optional<Tried> more = split(tried, kMostParted)) {
+        more->way = SweepWay::kParted;
+        more->vain = vain;
+        open.push_back(std::move(*more));
+      }
+    }
+    return {};
   }
 
   // Hands a layout over that no attempt is worth.
@@ -144,11 +194,6 @@ class Search {
       });
       gpu::stop_point();
     }
-  }
-
-  static bool all_made(const std::vector<PartPlan>& plans) {
-    return std::all_of(plans.begin(), plans.end(),
-                       [](const PartPlan& plan) { return plan.strip.has_value(); });
   }
 
   // Parts that are not settled meet the others as they are by themselves.
@@ -535,6 +580,8 @@ const char* name(SweepWay way) {
       return "unsteady";
     case SweepWay::kFaces:
       return "faces";
+    case SweepWay::kParted:
+      return "parted";
   }
   return "";
 }

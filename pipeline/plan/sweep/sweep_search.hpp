@@ -27,6 +27,7 @@ enum class SweepWay {
   kMet,       // the strips of the try before, fitted together by what was found of them
   kUnsteady,  // what failed of the try before, with the blades that its strips had before they were steadied
   kFaces,     // smooth faces that meet in creases, the plans of all together
+  kParted,    // the best planes split where no strip serves, in the fewest parts
 };
 [[nodiscard]] const char* name(SweepWay way);
 

@@ -21,6 +21,22 @@ Tried first_try(Layout layout, SweepWay way) {
   return tried;
 }
 
+std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t most, SweepWay way) {
+  std::vector<Tried> tries;
+  for (std::size_t i = 0; i < std::min(most, layouts.size()); ++i)
+    tries.push_back(first_try(layouts[i], way));
+  return tries;
+}
+
+bool all_made(const std::vector<PartPlan>& plans) {
+  return std::all_of(plans.begin(), plans.end(), [](const PartPlan& plan) { return plan.strip.has_value(); });
+}
+
+bool smaller(const Tried& a, const Tried& b) {
+  return std::pair(a.layout.parts.size(), a.layout.cost_mm) <
+         std::pair(b.layout.parts.size(), b.layout.cost_mm);
+}
+
 bool better(const Tried& a, const Tried& b) {
   if (b.layout.parts.empty()) return true;
   return std::pair(a.layout.parts.size() + a.failing(), a.layout.cost_mm) <

@@ -21,6 +21,7 @@ struct Tried {
   std::vector<bool> settled;     // those that were, and have the same plan since
   std::vector<bool> failed, too_far;
   std::vector<bool> halves;  // parts that came of the last split
+  int vain = 0;              // splits in a row of which no half had a strip
   bool many = false;         // parts: each is looked at by itself first
   std::vector<bool> served;  // those that were, and did not fail
   bool lone = false;         // the last look was at parts by themselves
@@ -46,6 +47,16 @@ struct Tried {
 
 // Returns a layout that nothing is planned of yet.
 [[nodiscard]] Tried first_try(Layout layout, SweepWay way);
+
+// Returns the same of the first of these layouts, `most` at most.
+[[nodiscard]] std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t most,
+                                             SweepWay way);
+
+// Tells whether every part has a strip.
+[[nodiscard]] bool all_made(const std::vector<PartPlan>& plans);
+
+// Tells whether `a` has fewer parts, or as many and costs less.
+[[nodiscard]] bool smaller(const Tried& a, const Tried& b);
 
 // Tells whether `a` is the one to go on with: fewer strips when what failed is split, then a smaller cost.
 [[nodiscard]] bool better(const Tried& a, const Tried& b);

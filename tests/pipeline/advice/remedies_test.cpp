@@ -75,9 +75,10 @@ TEST(Remedies, AreNotInventedWhereNoNumberHelps) {
 
 // What is said has to hold: the job is planned again with it.
 TEST(Remedies, ToleranceOfARefusedJobIsOneThatItPassesWith) {
+  // So coarse that a smooth cut across its facets is measured to be off by more than its fit is.
   Settings settings = along_x();
-  settings.design.tolerance_mm = 0.001;
-  const surface::DesignSurface design = cylinder_design();
+  settings.design.tolerance_mm = 0.1;
+  const surface::DesignSurface design = cylinder_design(12);
   const PlanResult refused = plan(design, settings, {});
   const std::vector<Remedy> list = remedies(refused);
   ASSERT_EQ(list.size(), 1u);
