@@ -111,7 +111,8 @@ class Search {
       if (nearest.taken) return;
       if (nearest.layout.parts.empty()) continue;
       first = {};
-      if (settled(std::move(nearest), i > 0 ? kPartedTries : kMostRounds).taken) return;
+      nearest = settled(std::move(nearest), i > 0 ? kPartedTries : kMostRounds);
+      if (nearest.taken) return;
     }
     if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
   }
