@@ -55,7 +55,7 @@ class Search {
   static constexpr std::size_t kMostEven = 4;
   // Planes that are split before any strip is looked at, and the most parts that come of it.
   static constexpr std::size_t kPartedPlanes = 6, kMostParted = 12;
-  static constexpr int kPartedTries = 3;
+  static constexpr int kPartedTries = 3, kPartedRounds = 3;
 
   // A design of many parts, in rows of blocks.
   void run_rows() const {
@@ -111,7 +111,7 @@ class Search {
       if (nearest.taken) return;
       if (nearest.layout.parts.empty()) continue;
       first = {};
-      nearest = settled(std::move(nearest), i > 0 ? kPartedTries : kMostRounds);
+      nearest = settled(std::move(nearest), i > 0 ? kPartedRounds : kMostRounds);
       if (nearest.taken) return;
     }
     if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
