@@ -67,11 +67,11 @@ py::array clamps(const py::object& self, const pipeline::Pose BladePose::*member
 
 // The joints of the arm that holds a clamp; None without arms.
 py::object arm_joints(const py::object& self, const pipeline::ArmJoints pipeline::ClampJoints::*member) {
-  const auto& poses = self.cast<const Strip&>().get().poses;
-  if (poses.empty() || !poses[0].joints) return py::none();
+  const auto& joints = self.cast<const Strip&>().get().joints;
+  if (joints.empty()) return py::none();
   constexpr auto kJoints = static_cast<py::ssize_t>(pipeline::kArmJoints);
-  return view<double>({static_cast<py::ssize_t>(poses.size()), kJoints}, {sizeof(BladePose), sizeof(double)},
-                      (*poses[0].joints.*member).data(), self);
+  return view<double>({static_cast<py::ssize_t>(joints.size()), kJoints},
+                      {sizeof(pipeline::ClampJoints), sizeof(double)}, (joints[0].*member).data(), self);
 }
 
 py::array planar(const std::vector<Eigen::Vector2d>& points, const py::object& self) {

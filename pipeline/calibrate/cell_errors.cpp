@@ -242,6 +242,7 @@ Program thinned_to(const Program& program, std::size_t strip, double sample_mm) 
     poses.push_back(one.strips[0].poses[static_cast<std::size_t>(pose)]);
   }
   one.strips[0].poses = std::move(poses);
+  one.strips[0].joints.clear();
   return one;
 }
 

@@ -59,9 +59,10 @@ class Holder {
   [[nodiscard]] bool flip() const { return flip_; }
 
   // Of a pose of the strip's, in the cell's frame.
-  [[nodiscard]] RobotTarget target(const robot::Waypoint& at, const BladePose& pose) const {
+  [[nodiscard]] RobotTarget target(const robot::Waypoint& at, const Strip& strip, std::size_t pose) const {
     if (arm_ == nullptr) return {clamp_b_ ? at.b : at.a, {}, {}};
-    return target(clamp_b_ ? at.b : at.a, clamp_b_ ? pose.joints->b : pose.joints->a);
+    const ClampJoints& joints = strip.joints[pose];
+    return target(clamp_b_ ? at.b : at.a, clamp_b_ ? joints.b : joints.a);
   }
 
   // Of a pose of the clamp before the strip begins, from joints near to it.
@@ -130,11 +131,11 @@ bool rests_at(const std::vector<double>& speed, std::size_t waypoint) {
 }
 
 void append_approach(RobotJob& job, const Strip& strip, const Holder& holder, bool clamp_b) {
-  const BladePose& first = strip.poses.front();
-  ArmJoints joints = first.joints ? (clamp_b ? first.joints->b : first.joints->a) : ArmJoints{};
+  ArmJoints joints{};
+  if (!strip.joints.empty()) joints = clamp_b ? strip.joints.front().b : strip.joints.front().a;
   std::vector<RobotTarget> back;  // from waypoint 0 to the straight blade
   const robot::Waypoint start = waypoints(strip).front();
-  back.push_back(holder.target(start, first));
+  back.push_back(holder.target(start, strip, 0));
   const std::vector<BladePose> poses = straight_start(strip);
   for (std::size_t k = poses.size() - 1; k-- > 0;)
     back.push_back(
@@ -183,7 +184,7 @@ void append_strip(RobotJob& job, const Strip& strip, const Holder& holder) {
     }
     RobotStep move;
     move.seconds = seconds;
-    move.to = holder.target(path[i], strip.poses[i]);
+    move.to = holder.target(path[i], strip, i);
     move.id = kStartMoves + static_cast<int>(i);
     move.stops = i + 1 == path.size() || rests_at(speed, i);
     job.steps.push_back(move);
@@ -240,7 +241,7 @@ double off_straight_mm(const Program& program, const robot::Cell& cell) {
       const Isometry3d to_cell = isometry(strip.design_to_cell);
       for (std::size_t k = 1; k < strip.poses.size(); ++k) {
         const auto angles = [&](std::size_t i) {
-          const ClampJoints& joints = *strip.poses[i].joints;
+          const ClampJoints& joints = strip.joints[i];
           return robot::JointAngles(Eigen::Map<const robot::JointAngles>((b ? joints.b : joints.a).data()));
         };
         const Eigen::Vector3d is =

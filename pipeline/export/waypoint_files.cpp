@@ -81,7 +81,7 @@ std::vector<ExportedFile> joints_csv(const Program& program) {
       const BladePose& pose = strip.poses[i];
       fmt::format_to(std::back_inserter(text), "{},{:.6f},{},{}", i, kMicrosecond * path[i].t_us,
                      name(pose.phase), pose.heat ? 1 : 0);
-      for (const ArmJoints* joints : {&pose.joints->a, &pose.joints->b}) {
+      for (const ArmJoints* joints : {&strip.joints[i].a, &strip.joints[i].b}) {
         for (const double q : *joints) fmt::format_to(std::back_inserter(text), ",{:.9f}", q * kDegrees);
       }
       text += "\n";

@@ -98,15 +98,15 @@ void add_arms(const Strip& strip, Card& card) {
 }
 
 // The joint that is nearest to its limit at a pose.
-void add_joint(const Program& program, const Strip& strip, const BladePose& pose, Card& card) {
-  if (!program.cell || !strip.arms || !pose.joints) return;
+void add_joint(const Program& program, const Strip& strip, std::size_t pose, Card& card) {
+  if (!program.cell || !strip.arms || strip.joints.empty()) return;
   double least = 1e9;
   std::string which;
   for (const bool b : {false, true}) {
     const HeldClamp& held = b ? strip.arms->b : strip.arms->a;
     const ProgramArm& arm = program.cell->arms[program.cell->arms[0].id == held.arm ? 0 : 1];
     for (std::size_t i = 0; i < kArmJoints; ++i) {
-      const double q = b ? pose.joints->b[i] : pose.joints->a[i];
+      const double q = b ? strip.joints[pose].b[i] : strip.joints[pose].a[i];
       const double margin = std::min(q - arm.joints[i].min_rad, arm.joints[i].max_rad - q);
       if (margin >= least) continue;
       least = margin;
@@ -171,7 +171,7 @@ Card pose_card(const ViewModel& model, const Selection& selection) {
         fmt::format("moments {:.0f}, {:.0f} N mm", pose.loads->moment_a_n_mm, pose.loads->moment_b_n_mm));
     card.lines.push_back(fmt::format("droop {:.2f} mm", pose.loads->droop_mm));
   }
-  add_joint(model.program, strip, pose, card);
+  add_joint(model.program, strip, static_cast<std::size_t>(selection.index), card);
   return card;
 }
 

@@ -40,12 +40,12 @@ std::optional<double> margin_of(const CellShown& shown, const robot::CellArm& ar
 
 // Hands every body to `take`, with where it is: name, kind, shapes, place.
 template <class Take>
-void each_body(const CellShown& shown, const Strip& strip, const BladePose& pose, const Take& take) {
-  if (!pose.joints || !strip.arms) throw std::logic_error("a pose without joints has no arms");
+void each_body(const CellShown& shown, const Strip& strip, std::size_t pose, const Take& take) {
+  if (strip.joints.empty() || !strip.arms) throw std::logic_error("a pose without joints has no arms");
   const Isometry3d to_design = isometry(strip.design_to_cell).inverse();
   for (std::size_t i = 0; i < shown.cell->arms.size(); ++i) {
     const robot::CellArm& arm = shown.cell->arms[i];
-    const ArmJoints& joints = strip.arms->a.arm == arm.id ? pose.joints->a : pose.joints->b;
+    const ArmJoints& joints = strip.arms->a.arm == arm.id ? strip.joints[pose].a : strip.joints[pose].b;
     const robot::JointAngles q = Eigen::Map<const robot::JointAngles>(joints.data());
     const Isometry3d base = to_design * isometry(arm.base);
     const std::vector<Isometry3d> motions = robot::body_motions(arm.model, q);
@@ -66,7 +66,7 @@ void each_body(const CellShown& shown, const Strip& strip, const BladePose& pose
 
 }  // namespace
 
-std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip, const BladePose& pose) {
+std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip, std::size_t pose) {
   std::vector<CellPart> parts;
   each_body(shown, strip, pose,
             [&](std::string name, CellPartKind kind, const auto& shapes, const CellPlace& place) {
@@ -77,7 +77,7 @@ std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip, con
   return parts;
 }
 
-std::vector<CellPlace> cell_places(const CellShown& shown, const Strip& strip, const BladePose& pose) {
+std::vector<CellPlace> cell_places(const CellShown& shown, const Strip& strip, std::size_t pose) {
   std::vector<CellPlace> places;
   each_body(shown, strip, pose, [&](const std::string&, CellPartKind, const auto&, const CellPlace& place) {
     places.push_back(place);

@@ -46,11 +46,10 @@ struct CellPlace {
 inline constexpr double kGreenMargin_rad = 30 * robot::kDegree_rad;
 
 // Returns all parts where a pose of a strip with joints has them. Throws std::logic_error without joints.
-[[nodiscard]] std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip,
-                                               const BladePose& pose);
+[[nodiscard]] std::vector<CellPart> cell_parts(const CellShown& shown, const Strip& strip, std::size_t pose);
 
 // Returns the places alone, in the same order; of what stands around too.
 [[nodiscard]] std::vector<CellPlace> cell_places(const CellShown& shown, const Strip& strip,
-                                                 const BladePose& pose);
+                                                 std::size_t pose);
 
 }  // namespace hotblade::pipeline::preview

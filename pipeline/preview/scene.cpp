@@ -56,7 +56,7 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s, const CellShown
   scene.clamps_a.push_back(pose.a);
   scene.clamps_b.push_back(pose.b);
   scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, name(pose.phase));
-  if (cell != nullptr) show_cell(scene, *cell, strip, pose);
+  if (cell != nullptr) show_cell(scene, *cell, strip, static_cast<std::size_t>(after - strip.poses.begin()) - 1);
 }
 
 void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
@@ -152,7 +152,7 @@ void measure(CutSurface& cut, const surface::DesignSurface& design, const Progra
 
 }  // namespace
 
-void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, const BladePose& pose) {
+void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, std::size_t pose) {
   scene.cell = cell_parts(cell, strip, pose);
   scene.view_axes = strip.design_to_cell.q.toRotationMatrix().transpose();
 }
@@ -173,8 +173,10 @@ Program shown_part(const Program& program, const SceneOptions& options) {
   part.verification = program.verification;
   for (const int index : chosen_strips(program, options)) {
     Strip& strip = part.strips.emplace_back(program.strips[static_cast<std::size_t>(index)]);
-    if (options.at_s)
+    if (options.at_s) {
       std::erase_if(strip.poses, [&](const BladePose& pose) { return pose.t > *options.at_s; });
+      if (!strip.joints.empty()) strip.joints.resize(strip.poses.size());  // the last ones are gone
+    }
   }
   return part;
 }

@@ -93,7 +93,7 @@ struct SceneOptions {
 [[nodiscard]] Program shown_part(const Program& program, const SceneOptions& options);
 
 // Puts a cell into a scene as a pose has it, up as in the cell.
-void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, const BladePose& pose);
+void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, std::size_t pose);
 
 // The scene of a design alone.
 [[nodiscard]] Scene scene_of(const surface::DesignSurface& design);

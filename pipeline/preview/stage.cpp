@@ -124,8 +124,8 @@ void Stage::Parts::set_blade(const ViewState& state) {
   set_actor_clamps(*clamp_a, {pose.a}, 1.3 * model.scene.clamp_size_mm);
   set_actor_clamps(*clamp_b, {pose.b}, 1.3 * model.scene.clamp_size_mm);
   if (model.cell != nullptr)
-    set_cell_places(
-        actors, cell_places(*model.cell, model.program.strips[static_cast<std::size_t>(now.strip)], pose));
+    set_cell_places(actors, cell_places(*model.cell, model.program.strips[static_cast<std::size_t>(now.strip)],
+                                        static_cast<std::size_t>(now.pose)));
 }
 
 // The triangles lie in the order of their times, so those done are the first ones.

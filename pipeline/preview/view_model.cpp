@@ -69,7 +69,7 @@ ViewModel view_model(const Program& program, const surface::DesignSurface* desig
   if (options.cell != nullptr) {
     model.cell = options.cell;
     const Strip& first = model.program.strips.front();
-    show_cell(model.scene, *options.cell, first, first.poses.front());
+    show_cell(model.scene, *options.cell, first, 0);
   }
   for (const Color color :
        {Color::kDeviation, Color::kStrip, Color::kCurvature, Color::kMargin, Color::kFeed}) {

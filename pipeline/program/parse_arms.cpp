@@ -220,15 +220,14 @@ void expect_joints(const Program& program, const std::string& file_name) {
       const std::vector<double>* times = strip.arms ? &strip.arms->clamp_times_s : nullptr;
       if (times != nullptr && !times->empty() && !comes_after(*times, i, strip.poses.size()))
         fail_joints(file_name, s, ".arms.clamp_times_s: are not as many as poses, and rising");
-      const auto& joints = strip.poses[i].joints;
-      if (joints.has_value() != program.cell.has_value()) {
+      if (strip.joints.empty() == program.cell.has_value()) {
         const char* what = program.cell ? ": \"joints\" is missing, the program has a cell"
                                         : ".joints: the program has no cell";
         fail_joints(file_name, s, fmt::format(".poses[{}]{}", i, what));
       }
-      if (!joints) continue;
-      expect_within(joints->a, *a, file_name, s, i, "a");
-      expect_within(joints->b, *b, file_name, s, i, "b");
+      if (strip.joints.empty()) continue;
+      expect_within(strip.joints[i].a, *a, file_name, s, i, "a");
+      expect_within(strip.joints[i].b, *b, file_name, s, i, "b");
     }
   }
 }

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
-#include "pipeline/program/apart.hpp"
 #include "pipeline/program/block.hpp"
 #include "pipeline/program/frame.hpp"
 #include "pipeline/program/program_arms.hpp"
@@ -74,7 +73,6 @@ struct BladePose {
   std::optional<double> margin_mm;            // the clamps may err this far; absent: not computed
   std::optional<PoseLoads> loads;             // absent: not computed
   std::optional<int> rib;                     // index of the rib that this pose cuts
-  Apart<ClampJoints> joints;                  // of the arms; in every pose of a program or in none
 };
 
 // Returns the middle of a pose's blade, in foam of the part there, in the design frame.
@@ -88,7 +86,8 @@ struct Strip {
   Block block;  // `stock` in program files
   std::vector<Rib> ribs;
   std::vector<BladePose> poses;
-  std::optional<StripArms> arms{};  // absent: no cell was given
+  std::optional<StripArms> arms{};    // absent: no cell was given
+  std::vector<ClampJoints> joints{};  // of the arms at each pose; none where no cell was given
 };
 
 // How far the cut is from the design, mm; `at` is the place of the largest.

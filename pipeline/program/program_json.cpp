@@ -208,7 +208,7 @@ void write_loads(Text& out, const PoseLoads& l) {
   out.field(",\"droop_mm\":", l.droop_mm).field(",\"in_plane_sag_mm\":", l.in_plane_sag_mm).raw("}");
 }
 
-void write_pose(Text& out, const BladePose& pose) {
+void write_pose(Text& out, const BladePose& pose, const ClampJoints* joints) {
   out.field("{\"t\":", pose.t).string_field(",\"phase\":", name(pose.phase));
   out.raw(pose.heat ? ",\"heat\":true" : ",\"heat\":false").raw(",\"frame\":").frame(pose.frame);
   out.raw(",\"blade\":").elastica(pose.blade).raw(",\"foam\":");
@@ -221,10 +221,10 @@ void write_pose(Text& out, const BladePose& pose) {
   out.raw(",\"margin_mm\":").optional(pose.margin_mm);
   if (pose.loads) write_loads(out.raw(",\"loads\":"), *pose.loads);
   out.raw(",\"rib\":").optional(pose.rib);
-  if (pose.joints) {
+  if (joints != nullptr) {
     const auto number = [&](double angle) { out.number(angle); };
-    out.raw(",\"joints\":{\"a\":").list(pose.joints->a, number);
-    out.raw(",\"b\":").list(pose.joints->b, number).raw("}");
+    out.raw(",\"joints\":{\"a\":").list(joints->a, number);
+    out.raw(",\"b\":").list(joints->b, number).raw("}");
   }
   out.raw("}");
 }
@@ -235,7 +235,12 @@ void write_strip(Text& out, const Strip& strip) {
   out.frame(strip.block.frame).raw(",\"size_mm\":").vector(strip.block.size_mm).raw("},\n");
   if (strip.arms) write_arms(out, *strip.arms);
   out.raw("\"ribs\":").lines(strip.ribs, write_rib).raw(",\n");
-  out.raw("\"poses\":").lines(strip.poses, write_pose).raw("}");
+  const ClampJoints* joints = strip.joints.empty() ? nullptr : strip.joints.data();
+  const auto pose_with_joints = [&](Text& text, const BladePose& pose) {
+    write_pose(text, pose, joints);
+    if (joints != nullptr) ++joints;
+  };
+  out.raw("\"poses\":").lines(strip.poses, pose_with_joints).raw("}");
 }
 
 void write_verification(Text& out, const Verification& verification) {

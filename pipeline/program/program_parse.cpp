@@ -265,9 +265,12 @@ void expect_pose_keys(const JsonNode& node, bool loads, bool joints) {
   node.expect_keys(keys);
 }
 
-BladePose blade_pose_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm) {
-  const bool has_loads = node.json().is_object() && node.json().contains("loads");
-  const bool has_joints = node.json().is_object() && node.json().contains("joints");
+bool has_field(const JsonNode& node, const char* key) {
+  return node.json().is_object() && node.json().contains(key);
+}
+
+BladePose blade_pose_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm, bool has_joints) {
+  const bool has_loads = has_field(node, "loads");
   expect_pose_keys(node, has_loads, has_joints);
   BladePose out;
   out.t = number(node, "t", kTime);
@@ -290,10 +293,6 @@ BladePose blade_pose_of(const JsonNode& node, const Strip& strip, double clamp_r
   if (has_loads) {
     const JsonNode loads = node.field("loads");
     out.loads = loads_of(loads);
-  }
-  if (has_joints) {
-    const JsonNode joints = node.field("joints");
-    out.joints = joints_of(joints);
   }
   const JsonNode rib = node.field("rib");
   if (rib.is_null()) return out;
@@ -318,19 +317,25 @@ double blade_length_of(const JsonNode& node, const robot::BladeSet& blade) {
 }
 
 // A strip starts and ends formed in air, so it has at least two poses.
-std::vector<BladePose> poses_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm) {
-  std::vector<BladePose> poses;
+ScannedPoses poses_of(const JsonNode& node, const Strip& strip, double clamp_reach_mm) {
+  ScannedPoses out;
+  std::vector<BladePose>& poses = out.poses;
   const std::size_t size = node.items(2);
   poses.reserve(size);
+  const bool has_joints = has_field(node.item(0), "joints");
   for (std::size_t i = 0; i < size; ++i) {
     const JsonNode item = node.item(i);
-    poses.push_back(blade_pose_of(item, strip, clamp_reach_mm));
+    poses.push_back(blade_pose_of(item, strip, clamp_reach_mm, has_joints));
+    if (has_joints) {
+      const JsonNode joints = item.field("joints");
+      out.joints.push_back(joints_of(joints));
+    }
     if (i > 0 && microseconds(poses[i].t) <= microseconds(poses[i - 1].t)) {
       item.field("t").fail(fmt::format("is not a microsecond after the pose before ({} s, above {})",
                                        poses[i].t, poses[i - 1].t));
     }
   }
-  return poses;
+  return out;
 }
 
 // All of a strip but its poses.
@@ -366,7 +371,9 @@ Strip strip_head_of(const JsonNode& node, const robot::BladeSet& blade, std::set
 
 Strip strip_of(const JsonNode& node, const BladesAtHand& blades, std::set<std::string>& ids) {
   Strip strip = strip_head_of(node, blades.set, ids);
-  strip.poses = poses_of(node.field("poses"), strip, blades.clamp_reach_mm);
+  ScannedPoses read = poses_of(node.field("poses"), strip, blades.clamp_reach_mm);
+  strip.poses = std::move(read.poses);
+  strip.joints = std::move(read.joints);
   return strip;
 }
 
@@ -506,9 +513,10 @@ std::optional<Strip> scanned_strip(std::string_view& left, const BladesAtHand& b
   if (!head) return std::nullopt;
   const nlohmann::ordered_json json = parse_json(std::string(*head) + "]}", file_name);
   Strip strip = strip_head_of(JsonNode(json, file_name), blades.set, ids);
-  auto poses = scan_poses(left, strip.blade_length_mm, blades.clamp_reach_mm, strip.ribs.size());
-  if (!poses || !take(left, "}")) return std::nullopt;
-  strip.poses = std::move(*poses);
+  auto scanned = scan_poses(left, strip.blade_length_mm, blades.clamp_reach_mm, strip.ribs.size());
+  if (!scanned || !take(left, "}")) return std::nullopt;
+  strip.poses = std::move(scanned->poses);
+  strip.joints = std::move(scanned->joints);
   return strip;
 }
 

@@ -143,8 +143,9 @@ ArmJoints scan_joints(Scanner& in, std::string_view key) {
   return joints;
 }
 
-BladePose scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::size_t ribs) {
-  BladePose pose;
+void scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::size_t ribs,
+               ScannedPoses& into) {
+  BladePose& pose = into.poses.emplace_back();
   pose.t = in.field("{\"t\":", kTime);
   pose.phase = scan_phase(in);
   in.skip("\",\"heat\":");
@@ -168,31 +169,31 @@ BladePose scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, 
   in.skip(",\"rib\":");
   if (!in.next_is("null")) pose.rib = static_cast<int>(in.index(ribs));
   if (in.next_is(",\"joints\":")) {
-    ClampJoints joints;
+    ClampJoints& joints = into.joints.emplace_back();
     joints.a = scan_joints(in, "{\"a\":");
     joints.b = scan_joints(in, ",\"b\":");
     in.skip("}");
-    pose.joints = joints;
   }
   in.skip("}");
-  return pose;
 }
 
 }  // namespace
 
-std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
-                                                 double clamp_reach_mm, std::size_t ribs) {
+std::optional<ScannedPoses> scan_poses(std::string_view& text, double blade_length_mm, double clamp_reach_mm,
+                                       std::size_t ribs) {
   Scanner in(text);
-  std::vector<BladePose> poses;
+  ScannedPoses scanned;
+  const std::vector<BladePose>& poses = scanned.poses;
   in.skip("\n");
   do {
-    poses.push_back(scan_pose(in, blade_length_mm, clamp_reach_mm, ribs));
+    scan_pose(in, blade_length_mm, clamp_reach_mm, ribs, scanned);
     in.expect(poses.size() < 2 || microseconds(poses.back().t) > microseconds(poses[poses.size() - 2].t));
   } while (in.next_is(",\n"));
   in.skip("]");
   if (!in.good() || poses.size() < 2) return std::nullopt;
+  if (!scanned.joints.empty() && scanned.joints.size() != poses.size()) return std::nullopt;
   text = in.left();
-  return poses;
+  return scanned;
 }
 
 }  // namespace hotblade::pipeline

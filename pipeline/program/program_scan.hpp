@@ -11,11 +11,17 @@
 
 namespace hotblade::pipeline {
 
+// A strip's poses, and the joints of its arms at each of them or none.
+struct ScannedPoses {
+  std::vector<BladePose> poses;
+  std::vector<ClampJoints> joints;
+};
+
 // Returns the poses of a strip with this blade and so many ribs, whose clamps are told to be farther apart
 // than they hold the blade by `clamp_reach_mm` at most, if `text` begins with the items of their array laid
 // out as to_json() does it and each holds all that parse_program() asks of it, and moves `text` on behind the
 // closing bracket. Returns nothing otherwise: reading the tree tells what is wrong, or takes another layout.
-[[nodiscard]] std::optional<std::vector<BladePose>> scan_poses(std::string_view& text, double blade_length_mm,
-                                                               double clamp_reach_mm, std::size_t ribs);
+[[nodiscard]] std::optional<ScannedPoses> scan_poses(std::string_view& text, double blade_length_mm,
+                                                     double clamp_reach_mm, std::size_t ribs);
 
 }  // namespace hotblade::pipeline

@@ -27,7 +27,7 @@ void require_passed(const std::filesystem::path& file, const Program& program, b
 robot::JobArms arms_of(const ProgramCell& cell, const Strip& strip) {
   robot::JobArms arms;
   arms.declared.cell_id = cell_id(cell.sha256);
-  arms.declared.joints_rad = {strip.poses.front().joints->a, strip.poses.front().joints->b};
+  arms.declared.joints_rad = {strip.joints.front().a, strip.joints.front().b};
   for (std::size_t i = 0; i < arms.names.size(); ++i) arms.names[i] = cell.arms[i].id;
   return arms;
 }

@@ -244,7 +244,10 @@ double AsCutReport::budget_sum_mm() const {
 
 Program as_executed(const Program& program, const std::vector<ExecutedStrip>& executed) {
   Program cut = program;
-  for (std::size_t i = 0; i < executed.size(); ++i) cut.strips[i].poses = forming_poses(executed[i]);
+  for (std::size_t i = 0; i < executed.size(); ++i) {
+    cut.strips[i].poses = forming_poses(executed[i]);
+    cut.strips[i].joints.clear();
+  }
   return cut;
 }
 

@@ -156,9 +156,9 @@ ArmedStrip armed_strip(const char* name) {
   pipeline::HeldJoints held;
   const std::size_t a = armed.cell.arms[0].id == strip.arms->a.arm ? 0 : 1;
   held.arm = {a, 1 - a};
-  for (const pipeline::BladePose& pose : strip.poses) {
-    held.joints[0].emplace_back(Eigen::Map<const JointAngles>(pose.joints->a.data()));
-    held.joints[1].emplace_back(Eigen::Map<const JointAngles>(pose.joints->b.data()));
+  for (const pipeline::ClampJoints& joints : strip.joints) {
+    held.joints[0].emplace_back(Eigen::Map<const JointAngles>(joints.a.data()));
+    held.joints[1].emplace_back(Eigen::Map<const JointAngles>(joints.b.data()));
   }
   armed.path = pipeline::cell_path(strip, served.program.blade, held);
   armed.standing = pipeline::surroundings(strip, armed.cell);

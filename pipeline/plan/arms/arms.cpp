@@ -183,9 +183,10 @@ void take(const Tried& tried, const robot::Cell& cell, Strip& strip) {
   arms.wrist_rad = nearer(tried.a.margins.wrist_rad, tried.b.margins.wrist_rad, 5);
   arms.reach = farthest(cell, tried, strip);
   strip.arms = arms;
+  strip.joints.clear();
   for (std::size_t i = 0; i < strip.poses.size(); ++i)
-    strip.poses[i].joints = ClampJoints{plain(tried.a.joints[i]), plain(tried.b.joints[i])};
-  round_joints(strip.poses);
+    strip.joints.push_back({plain(tried.a.joints[i]), plain(tried.b.joints[i])});
+  round_joints(strip.joints);
 }
 
 void warn_of(const Strip& strip, std::vector<std::string>& warnings) {

@@ -86,7 +86,7 @@ class StripCheck {
 
  private:
   [[nodiscard]] const ArmJoints& joints(std::size_t pose, bool b) const {
-    const ClampJoints& both = *strip_.poses[pose].joints;
+    const ClampJoints& both = strip_.joints[pose];
     return b ? both.b : both.a;
   }
   [[nodiscard]] std::string at(std::size_t pose, const robot::CellArm& arm) const {
@@ -199,8 +199,8 @@ constexpr std::size_t kSampleStep = 5;
 
 std::vector<robot::JointAngles> angles_of(const Strip& strip, bool b) {
   std::vector<robot::JointAngles> all;
-  for (const BladePose& pose : strip.poses)
-    all.emplace_back(Eigen::Map<const robot::JointAngles>((b ? pose.joints->b : pose.joints->a).data()));
+  for (const ClampJoints& joints : strip.joints)
+    all.emplace_back(Eigen::Map<const robot::JointAngles>((b ? joints.b : joints.a).data()));
   return all;
 }
 

@@ -72,6 +72,7 @@ std::optional<Refusal> start_refusal(const Strip& strip, const robot::BladeSecti
                                      const std::array<HeldClamp, 2>& how) {
   Strip start = strip;
   start.poses = straight_start(strip);
+  start.joints.clear();
   HeldJoints joints;
   joints.arm = held.arm;
   for (const std::size_t clamp : {0, 1}) {

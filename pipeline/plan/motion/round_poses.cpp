@@ -82,11 +82,10 @@ void round_judgement(std::span<BladePose> poses) {
   }
 }
 
-void round_joints(std::span<BladePose> poses) {
-  for (BladePose& pose : poses) {
-    if (!pose.joints) continue;
-    put_on_grid(pose.joints->a, kJoint);
-    put_on_grid(pose.joints->b, kJoint);
+void round_joints(std::span<ClampJoints> joints) {
+  for (ClampJoints& pose : joints) {
+    put_on_grid(pose.a, kJoint);
+    put_on_grid(pose.b, kJoint);
   }
 }
 

@@ -20,6 +20,6 @@ void round_geometry(std::span<BladePose> poses);
 void round_judgement(std::span<BladePose> poses);
 
 // Rounds both arms' joints to 1e-11 rad, which is 3e-8 mm at a reach of 3 m.
-void round_joints(std::span<BladePose> poses);
+void round_joints(std::span<ClampJoints> joints);
 
 }  // namespace hotblade::pipeline

@@ -83,8 +83,8 @@ TEST(JointsCsv, HoldsEveryJointInDegrees) {
     EXPECT_NEAR(std::stod(found[1]), pose.t, 1e-6);
     for (std::size_t k = 0; k < kArmJoints; ++k) {
       constexpr double kDegrees = 180 / std::numbers::pi;
-      EXPECT_NEAR(std::stod(found[4 + k]), pose.joints->a[k] * kDegrees, 1e-6);
-      EXPECT_NEAR(std::stod(found[10 + k]), pose.joints->b[k] * kDegrees, 1e-6);
+      EXPECT_NEAR(std::stod(found[4 + k]), program.strips[1].joints[i].a[k] * kDegrees, 1e-6);
+      EXPECT_NEAR(std::stod(found[10 + k]), program.strips[1].joints[i].b[k] * kDegrees, 1e-6);
     }
   }
   EXPECT_EQ(i, program.strips[1].poses.size());

@@ -39,8 +39,9 @@ class CellView : public ::testing::Test {
 TEST_F(CellView, ToolsHoldTheBladeAtEveryPose) {
   ASSERT_TRUE(program_.cell);
   const Strip& strip = program_.strips[0];
-  for (const BladePose& pose : strip.poses) {
-    for (const CellPart& part : cell_parts(shown_, strip, pose)) {
+  for (std::size_t k = 0; k < strip.poses.size(); ++k) {
+    const BladePose& pose = strip.poses[k];
+    for (const CellPart& part : cell_parts(shown_, strip, k)) {
       if (part.kind != CellPartKind::kTool) continue;
       const bool first = part.name == "arm_" + cell_.arms[0].id + "_tool";
       const robot::CellArm& arm = cell_.arms[first ? 0 : 1];
@@ -52,7 +53,7 @@ TEST_F(CellView, ToolsHoldTheBladeAtEveryPose) {
 
 TEST_F(CellView, PlacesAreThoseOfTheParts) {
   const Strip& strip = program_.strips[0];
-  const BladePose& pose = strip.poses[strip.poses.size() / 2];
+  const std::size_t pose = strip.poses.size() / 2;
   const std::vector<CellPart> parts = cell_parts(shown_, strip, pose);
   const auto places = cell_places(shown_, strip, pose);
   ASSERT_EQ(parts.size(), places.size());
@@ -67,7 +68,7 @@ TEST_F(CellView, PlacesAreThoseOfTheParts) {
 
 TEST_F(CellView, ColoursLinksByTheMarginsOfTheirJoints) {
   const Strip& strip = program_.strips[0];
-  const BladePose& pose = strip.poses[7];
+  const std::size_t pose = 7;
   for (const CellPart& part : cell_parts(shown_, strip, pose)) EXPECT_FALSE(part.margin_rad) << part.name;
   shown_.by_margin = true;
   std::size_t links = 0;
@@ -79,7 +80,7 @@ TEST_F(CellView, ColoursLinksByTheMarginsOfTheirJoints) {
     ASSERT_LT(joint, kArmJoints) << part.name;
     const std::string id = part.name.substr(4, 2);
     const ProgramArm& arm = program_.cell->arms[program_.cell->arms[0].id == id ? 0 : 1];
-    const double q = (strip.arms->a.arm == id ? pose.joints->a : pose.joints->b)[joint];
+    const double q = (strip.arms->a.arm == id ? strip.joints[7].a : strip.joints[7].b)[joint];
     EXPECT_NEAR(*part.margin_rad, std::min(q - arm.joints[joint].min_rad, arm.joints[joint].max_rad - q),
                 1e-12)
         << part.name;

@@ -41,7 +41,7 @@ inline Program with_joints() {
         joints.a[k] = 0.1 * static_cast<double>(k) + 0.01 * static_cast<double>(i);
         joints.b[k] = -joints.a[k] / 3;
       }
-      strip.poses[i].joints = joints;
+      strip.joints.push_back(joints);
     }
   }
   return program;

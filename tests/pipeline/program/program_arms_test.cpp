@@ -20,7 +20,7 @@ TEST(ProgramArms, RoundTripByteForByte) {
   const Program read = parse_program(text, "job.json");
   EXPECT_EQ(to_json(read), text);
   EXPECT_EQ(read.strips[1].arms->a.turns[5], 2);
-  EXPECT_EQ(read.strips[1].poses[3].joints->b[2], with_joints().strips[1].poses[3].joints->b[2]);
+  EXPECT_EQ(read.strips[1].joints[3].b[2], with_joints().strips[1].joints[3].b[2]);
   // Laid out in another way it is read as a tree.
   EXPECT_EQ(to_json(parse_program(Json::parse(text).dump(1), "job.json")), text);
 }

@@ -74,11 +74,13 @@ TEST(WithArms, JointsHoldTheClamps) {
     ASSERT_THAT(armed.report.refusals, IsEmpty()) << name << ": " << describe(armed.report.refusals.front());
     ASSERT_TRUE(armed.program.cell);
     for (const Strip& strip : armed.program.strips) {
-      for (const BladePose& pose : strip.poses) {
+      ASSERT_EQ(strip.joints.size(), strip.poses.size());
+      for (std::size_t k = 0; k < strip.poses.size(); ++k) {
+        const BladePose& pose = strip.poses[k];
         for (const bool b : {false, true}) {
           const HeldClamp& held = b ? strip.arms->b : strip.arms->a;
           const robot::CellArm& arm = arm_of(cell, held.arm);
-          const ArmJoints& joints = b ? pose.joints->b : pose.joints->a;
+          const ArmJoints& joints = b ? strip.joints[k].b : strip.joints[k].a;
           const robot::JointAngles q = Eigen::Map<const robot::JointAngles>(joints.data());
           const Isometry3d jaw =
               isometry(arm.base) * robot::forward(arm.model.arm, q) * robot::jaw_in_flange(arm.tool);
@@ -214,11 +216,11 @@ TEST(WithArms, SaysTheMarginsThatAreThere) {
   ASSERT_THAT(armed.report.refusals, IsEmpty());
   const Strip& strip = armed.program.strips[0];
   double least = 10;
-  for (const BladePose& pose : strip.poses) {
+  for (const ClampJoints& joints : strip.joints) {
     for (const bool b : {false, true}) {
       const robot::Arm& arm = arm_of(cell, (b ? strip.arms->b : strip.arms->a).arm).model.arm;
       for (std::size_t i = 0; i < kArmJoints; ++i) {
-        const double q = b ? pose.joints->b[i] : pose.joints->a[i];
+        const double q = b ? joints.b[i] : joints.a[i];
         least = std::min({least, q - arm.joints()[i].min_rad, arm.joints()[i].max_rad - q});
       }
     }
@@ -234,7 +236,7 @@ std::string refusal_in(const robot::Cell& cell, const Program& program, Limit li
   const ArmedProgram armed = with_arms(program, cell);
   if (armed.report.refusals.size() != 1) return "refusals: " + std::to_string(armed.report.refusals.size());
   EXPECT_FALSE(armed.program.cell) << "a refused program has no joints";
-  EXPECT_FALSE(armed.program.strips[0].poses[0].joints);
+  EXPECT_TRUE(armed.program.strips[0].joints.empty());
   const Refusal& refusal = armed.report.refusals[0];
   EXPECT_EQ(static_cast<int>(refusal.limit), static_cast<int>(limit)) << describe(refusal);
   return describe(refusal);
@@ -304,8 +306,8 @@ TEST(WithArms, RefusesALimitJustBelowNeed) {
     }
     double reached = 0;
     const bool b = free.program.strips[0].arms->b.arm == arm.id;
-    for (const BladePose& pose : free.program.strips[0].poses)
-      reached = std::max(reached, std::abs((b ? pose.joints->b : pose.joints->a)[4]));
+    for (const ClampJoints& joints : free.program.strips[0].joints)
+      reached = std::max(reached, std::abs((b ? joints.b : joints.a)[4]));
     // Both signs, so that the other way of the wrist does not serve either.
     most[4] = reached + kept - 0.01 * robot::kDegree_rad;
     least[4] = -most[4];
@@ -448,15 +450,15 @@ TEST(CheckJoints, FindsPlantedFaults) {
     for (const std::string& line : check.breaches) all += line + "\n";
     return all;
   };
-  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->b[2] += 1e-8; }),
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].b[2] += 1e-8; }),
               HasSubstr(" s: arm R2: jaw"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].design_to_cell.p.z() += 0.001; }),
               HasSubstr("off clamp a"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].arms->a.flip = !p.strips[0].arms->a.flip; }),
               HasSubstr("off clamp a"));
-  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->a[4] = 2.09; }),
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].a[4] = 2.09; }),
               HasSubstr("of its limit, 3 are kept"));
-  EXPECT_THAT(breach([](Program& p) { p.strips[0].poses[7].joints->a[4] = 0.01; }),
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].a[4] = 0.01; }),
               HasSubstr("from straight, 5 at least"));
   const std::string fast = breach([](Program& p) {
     for (BladePose& pose : p.strips[0].poses) pose.t /= 1000;
