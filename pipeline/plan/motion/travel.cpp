@@ -95,11 +95,11 @@ std::vector<Quadratic> around(const Vector2d& from, const Vector2d& to, const Ve
   return curves;
 }
 
-// Points of a blade this far apart are measured.
-constexpr double kApart_mm = 2;
+// Points of a blade this far apart are measured, closer ones where those before leave it open.
+constexpr std::array<double, 3> kApart_mm{32, 8, 2};
 
-std::size_t points_of(const elastica::Elastica& blade) {
-  return static_cast<std::size_t>(std::ceil(blade.length / kApart_mm)) + 1;
+std::size_t points_of(const elastica::Elastica& blade, double apart_mm) {
+  return static_cast<std::size_t>(std::ceil(blade.length / apart_mm)) + 1;
 }
 
 // Of blade `i` by its points. A point of the blade is at most half a step from one of these, along the blade;
@@ -123,20 +123,26 @@ bool is_clear(const elastica::PartPoints& points, std::size_t i, double length, 
 bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, double clearance_mm) {
   std::vector<double> shares;
   for (int i = 0; i <= travel.samples; ++i) shares.push_back(static_cast<double>(i) / travel.samples);
-  const std::vector<BladeShape> shapes = shapes_at(travel, shares);
-  std::vector<elastica::Elastica> blades;
-  std::vector<elastica::Part> whole;
-  for (const BladeShape& shape : shapes) {
-    blades.push_back(shape.blade);
-    whole.push_back({0, shape.blade.length});
+  std::vector<BladeShape> open = shapes_at(travel, shares);
+  for (const double apart_mm : kApart_mm) {
+    std::vector<elastica::Elastica> blades;
+    std::vector<elastica::Part> whole;
+    for (const BladeShape& shape : open) {
+      blades.push_back(shape.blade);
+      whole.push_back({0, shape.blade.length});
+    }
+    const elastica::PartPoints points =
+        elastica::sample_parts(blades, whole, points_of(blades.front(), apart_mm));
+    std::vector<BladeShape> near;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (!is_clear(points, i, blades[i].length, strip.swept_plane(open[i].offset_mm), strip.block, width_mm,
+                    clearance_mm))
+        near.push_back(open[i]);
+    }
+    open = std::move(near);
+    if (open.empty()) return true;
   }
-  const elastica::PartPoints points = elastica::sample_parts(blades, whole, points_of(blades.front()));
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    if (!is_clear(points, i, blades[i].length, strip.swept_plane(shapes[i].offset_mm), strip.block, width_mm,
-                  clearance_mm))
-      return false;
-  }
-  return true;
+  return false;
 }
 
 }  // namespace
@@ -144,7 +150,7 @@ bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, do
 bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block, double width_mm,
               double clearance_mm) {
   const elastica::Part whole{0, blade.length};
-  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade)), 0, blade.length, frame,
+  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade, kApart_mm.back())), 0, blade.length, frame,
                   block, width_mm, clearance_mm);
 }
 
