@@ -13,17 +13,99 @@
 
 namespace hotblade::pipeline {
 
+namespace {
+
+// Poses along the sweep, searched one after the other: what is found at one vouches for those around it, as
+// far as the clamps have not moved beyond it.
+class FoldAlong {
+ public:
+  FoldAlong(std::vector<BladePose> poses, const MachineSettings& machine, double farthest_mm)
+      : poses_(std::move(poses)), least_mm_(farthest_mm), open_(poses_.size()), clear_mm_(poses_.size(), 0) {
+    for (std::size_t i = 0; i < poses_.size(); ++i) {
+      held_.push_back(elastica::clamps_of(poses_[i].blade));
+      open_[i] = !nearly_straight(poses_[i], machine);
+    }
+  }
+
+  // The smallest of all, no more than was given.
+  double run() {
+    for (std::vector<Look> looks = wanted(); !looks.empty(); looks = wanted()) {
+      std::vector<elastica::ClampMargin> found(looks.size());
+      tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t k) {
+        gpu::stop_point();
+        found[k] = elastica::clamp_margin(poses_[looks[k].pose].blade, {looks[k].far_mm, 0});
+      });
+      gpu::stop_point();
+      for (const elastica::ClampMargin& margin : found) least_mm_ = std::min(least_mm_, margin.fold_mm);
+      for (std::size_t k = 0; k < looks.size(); ++k) close_around(looks[k].pose, found[k]);
+    }
+    return least_mm_;
+  }
+
+ private:
+  struct Look {
+    std::size_t pose = 0;
+    double far_mm = 0;
+  };
+
+  // Of each run of poses that nothing vouches for, the middle one.
+  [[nodiscard]] std::vector<Look> wanted() const {
+    std::vector<Look> looks;
+    for (std::size_t from = 0; from < open_.size();) {
+      std::size_t to = from;
+      while (to < open_.size() && open_[to]) ++to;
+      if (to > from) looks.push_back({(from + to) / 2, far_mm(from, to)});
+      from = std::max(to, from + 1);
+    }
+    return looks;
+  }
+
+  // A look far away vouches for many poses, and takes five times as long: it is taken where none of those
+  // beside found a fold nearby.
+  [[nodiscard]] double far_mm(std::size_t from, std::size_t to) const {
+    constexpr double kFarShare = 0.1;  // of the blade's length, as for the poses of a motion
+    constexpr double kNearby = 0.2;         // of that
+    const double far = std::max(least_mm_, kFarShare * poses_[from].blade.length);
+    const bool near_before = from > 0 && clear_mm_[from - 1] > 0 && clear_mm_[from - 1] < kNearby * far;
+    const bool near_after = to < open_.size() && clear_mm_[to] > 0 && clear_mm_[to] < kNearby * far;
+    return near_before || near_after ? least_mm_ : far;
+  }
+
+  // Poses from which the nearest fold is no nearer than the smallest found, one beside the other: farther on
+  // the shape may have gone around one.
+  void close_around(std::size_t pose, const elastica::ClampMargin& margin) {
+    const double clear = std::min(margin.fold_mm, margin.straight_mm);
+    open_[pose] = false;
+    clear_mm_[pose] = clear;
+    const auto close = [&](std::size_t i) {
+      const double left =
+          clear - elastica::clamp_distance(held_[i], held_[pose], 0.5 * poses_[pose].blade.length);
+      if (left >= least_mm_) {
+        open_[i] = false;
+        clear_mm_[i] = std::max(clear_mm_[i], left);
+      }
+      return left > 0;
+    };
+    for (std::size_t i = pose; i-- > 0 && close(i);) {
+    }
+    for (std::size_t i = pose + 1; i < poses_.size() && close(i); ++i) {
+    }
+  }
+
+  std::vector<BladePose> poses_;
+  std::vector<elastica::ClampPair> held_;
+  double least_mm_;
+  std::vector<char> open_;         // nothing vouches for it yet
+  std::vector<double> clear_mm_;  // no fold is as near, as far as is known
+};
+
+}  // namespace
+
 double rib_fold_mm(const StripPlan& strip, const MachineSettings& machine, double farthest_mm) {
-  std::vector<BladePose> poses = rib_poses(strip, machine);
-  for (BladePose& end : end_poses(strip, machine)) poses.push_back(std::move(end));
-  std::vector<double> folds_mm(poses.size(), farthest_mm);
-  tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
-    gpu::stop_point();
-    if (!nearly_straight(poses[i], machine))
-      folds_mm[i] = elastica::clamp_margin(poses[i].blade, {farthest_mm, 0}).fold_mm;
-  });
-  gpu::stop_point();
-  return *std::min_element(folds_mm.begin(), folds_mm.end());
+  std::vector<BladePose> ends = end_poses(strip, machine), poses = rib_poses(strip, machine);
+  poses.insert(poses.begin(), std::move(ends.front()));
+  poses.push_back(std::move(ends.back()));
+  return FoldAlong(std::move(poses), machine, farthest_mm).run();
 }
 
 }  // namespace hotblade::pipeline
