@@ -29,7 +29,8 @@ class FoldAlong {
 
   // The smallest of all, no more than was given.
   double run() {
-    for (std::vector<Look> looks = wanted(); !looks.empty(); looks = wanted()) {
+    // At 0 some shape holds by itself no longer.
+    for (std::vector<Look> looks = wanted(); !looks.empty() && least_mm_ > 0; looks = wanted()) {
       std::vector<elastica::ClampMargin> found(looks.size());
       tbb::parallel_for(std::size_t{0}, looks.size(), [&](std::size_t k) {
         gpu::stop_point();

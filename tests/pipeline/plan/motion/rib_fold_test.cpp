@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "elastica/blade/clamp_margin.hpp"
+#include "elastica/blade/stability.hpp"
 #include "pipeline/plan/motion/motion.hpp"
 #include "pipeline/plan/motion/rib_poses.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
@@ -61,6 +62,22 @@ TEST(RibFold, IsTheSmallestOfAWideSearchAtTheRibsAndBetween) {
   const double half_mm = least_mm / 2, twice_mm = 2 * least_mm;
   EXPECT_EQ(rib_fold_mm(strip, settings.machine, half_mm), half_mm);
   EXPECT_NEAR(rib_fold_mm(strip, settings.machine, twice_mm), least_mm, 1e-3);
+}
+
+TEST(RibFold, IsNoneWhereAShapeDoesNotHold) {
+  const Settings settings = along_x();
+  StripPlan strip = first_strip(wave(22), settings);
+  elastica::Elastica& rib = strip.ribs[2].elastica;
+  const auto margin = [&] {
+    return elastica::stability_margin(extended(rib, strip.blade_length_mm, strip.share_a));
+  };
+  ASSERT_GT(margin(), 0);
+  for (int i = 0; i < 20 && margin() > 0; ++i) {
+    rib.lambda1 *= 1.2;
+    rib.lambda2 *= 1.2;
+  }
+  ASSERT_LE(margin(), 0);
+  for (const double far_mm : {0.5, 2.0, 20.0}) EXPECT_EQ(rib_fold_mm(strip, settings.machine, far_mm), 0);
 }
 
 TEST(RibFold, IsNearlyThatOfTheMotion) {
