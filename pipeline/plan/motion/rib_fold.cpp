@@ -20,7 +20,7 @@ namespace {
 class FoldAlong {
  public:
   FoldAlong(std::vector<BladePose> poses, const MachineSettings& machine, double farthest_mm)
-      : poses_(std::move(poses)), least_mm_(farthest_mm), open_(poses_.size()), clear_mm_(poses_.size(), 0) {
+      : poses_(std::move(poses)), least_mm_(farthest_mm), open_(poses_.size()), near_(poses_.size(), 0) {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       held_.push_back(elastica::clamps_of(poses_[i].blade));
       open_[i] = !nearly_straight(poses_[i], machine);
@@ -64,26 +64,28 @@ class FoldAlong {
   // A look far away vouches for many poses, and takes five times as long: it is taken where none of those
   // beside found a fold nearby.
   [[nodiscard]] double far_mm(std::size_t from, std::size_t to) const {
+    const bool near = (from > 0 && near_[from - 1]) || (to < near_.size() && near_[to]);
+    return near ? least_mm_ : std::max(least_mm_, farthest_mm(from));
+  }
+  [[nodiscard]] double farthest_mm(std::size_t pose) const {
     constexpr double kFarShare = 0.1;  // of the blade's length, as for the poses of a motion
-    constexpr double kNearby = 0.2;         // of that
-    const double far = std::max(least_mm_, kFarShare * poses_[from].blade.length);
-    const bool near_before = from > 0 && clear_mm_[from - 1] > 0 && clear_mm_[from - 1] < kNearby * far;
-    const bool near_after = to < open_.size() && clear_mm_[to] > 0 && clear_mm_[to] < kNearby * far;
-    return near_before || near_after ? least_mm_ : far;
+    return kFarShare * poses_[pose].blade.length;
   }
 
   // Poses from which the nearest fold is no nearer than the smallest found, one beside the other: farther on
   // the shape may have gone around one.
   void close_around(std::size_t pose, const elastica::ClampMargin& margin) {
+    constexpr double kNearby = 0.2;  // of the farthest look
     const double clear = std::min(margin.fold_mm, margin.straight_mm);
+    const bool near = clear < kNearby * farthest_mm(pose);
     open_[pose] = false;
-    clear_mm_[pose] = clear;
+    near_[pose] = near;
     const auto close = [&](std::size_t i) {
       const double left =
           clear - elastica::clamp_distance(held_[i], held_[pose], 0.5 * poses_[pose].blade.length);
       if (left >= least_mm_) {
         open_[i] = false;
-        clear_mm_[i] = std::max(clear_mm_[i], left);
+        near_[i] = near;
       }
       return left > 0;
     };
@@ -96,8 +98,8 @@ class FoldAlong {
   std::vector<BladePose> poses_;
   std::vector<elastica::ClampPair> held_;
   double least_mm_;
-  std::vector<char> open_;         // nothing vouches for it yet
-  std::vector<double> clear_mm_;  // no fold is as near, as far as is known
+  std::vector<char> open_;  // nothing vouches for it yet
+  std::vector<char> near_;  // what vouches for it found a fold nearby
 };
 
 }  // namespace

@@ -80,7 +80,7 @@ TEST_F(CellView, ColoursLinksByTheMarginsOfTheirJoints) {
     ASSERT_LT(joint, kArmJoints) << part.name;
     const std::string id = part.name.substr(4, 2);
     const ProgramArm& arm = program_.cell->arms[program_.cell->arms[0].id == id ? 0 : 1];
-    const double q = (strip.arms->a.arm == id ? strip.joints[7].a : strip.joints[7].b)[joint];
+    const double q = (strip.arms->a.arm == id ? strip.joints[pose].a : strip.joints[pose].b)[joint];
     EXPECT_NEAR(*part.margin_rad, std::min(q - arm.joints[joint].min_rad, arm.joints[joint].max_rad - q),
                 1e-12)
         << part.name;
@@ -94,7 +94,7 @@ TEST_F(CellView, ColoursLinksByTheMarginsOfTheirJoints) {
   EXPECT_GT(good[1], good[0]);
   SceneOptions options;
   options.strip = "S001";
-  options.at_s = pose.t;
+  options.at_s = strip.poses[pose].t;
   options.cell = &shown_;
   EXPECT_THAT(scene_of(program_, nullptr, options).caption.back(), HasSubstr("green 30 deg off"));
 }
