@@ -216,15 +216,15 @@ void expect_joints(const Program& program, const std::string& file_name) {
       if (a == nullptr || b == nullptr || a == b)
         fail_joints(file_name, s, ".arms: are not both arms of the cell");
     }
+    if (strip.joints.empty() == program.cell.has_value()) {
+      fail_joints(file_name, s,
+                  program.cell ? ".poses[0]: \"joints\" is missing, the program has a cell"
+                               : ".poses[0].joints: the program has no cell");
+    }
     for (std::size_t i = 0; i < strip.poses.size(); ++i) {
       const std::vector<double>* times = strip.arms ? &strip.arms->clamp_times_s : nullptr;
       if (times != nullptr && !times->empty() && !comes_after(*times, i, strip.poses.size()))
         fail_joints(file_name, s, ".arms.clamp_times_s: are not as many as poses, and rising");
-      if (strip.joints.empty() == program.cell.has_value()) {
-        const char* what = program.cell ? ": \"joints\" is missing, the program has a cell"
-                                        : ".joints: the program has no cell";
-        fail_joints(file_name, s, fmt::format(".poses[{}]{}", i, what));
-      }
       if (strip.joints.empty()) continue;
       expect_within(strip.joints[i].a, *a, file_name, s, i, "a");
       expect_within(strip.joints[i].b, *b, file_name, s, i, "b");

@@ -322,7 +322,8 @@ ScannedPoses poses_of(const JsonNode& node, const Strip& strip, double clamp_rea
   std::vector<BladePose>& poses = out.poses;
   const std::size_t size = node.items(2);
   poses.reserve(size);
-  const bool has_joints = has_field(node.item(0), "joints");
+  // With arms each pose has them; whether there is a cell to them is asked of the whole program.
+  const bool has_joints = strip.arms || has_field(node.item(0), "joints");
   for (std::size_t i = 0; i < size; ++i) {
     const JsonNode item = node.item(i);
     poses.push_back(blade_pose_of(item, strip, clamp_reach_mm, has_joints));

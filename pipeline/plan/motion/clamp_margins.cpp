@@ -16,11 +16,6 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// Folds are looked for this far, in shares of the blade's length: one farther away than kFarFromFoldMm is not
-// told, but bounds the poses around for as long as the clamps need to come to it. Twice as far finds few
-// more.
-constexpr double kSearchedShare = 0.1;
-
 // A fold leads to that of a pose nearby, half of the way to it at most: farther on another one may be nearer.
 constexpr double kWarmShare = 0.5;
 
@@ -94,7 +89,7 @@ class MarginSearch {
 
   [[nodiscard]] Found look(std::size_t i, const std::vector<elastica::Fold>& near) const {
     const elastica::Elastica& blade = poses_[i].blade;
-    const double far = std::max(kFarFromFoldMm, kSearchedShare * blade.length);
+    const double far = std::max(kFarFromFoldMm, kFoldSearchShare * blade.length);
     elastica::ClampMargin margin = elastica::clamp_margin(blade, near, {far, 0});
     // Beyond the straight blade no fold is looked for, as that is the nearer loss.
     if (margin.folds.empty() && margin.fold_mm > 0 && straight_[i] < far)

@@ -16,6 +16,10 @@ namespace hotblade::pipeline {
 // Folds farther away are not told apart: fifty times what clamps err, a quarter of it for the coarsest.
 inline constexpr double kFarFromFoldMm = 20;
 inline constexpr double kMarginShare = 0.7;
+// Folds are looked for this far, in shares of the blade's length: one farther away than kFarFromFoldMm is not
+// told, but bounds the poses around for as long as the clamps need to come to it. Twice as far finds few
+// more.
+inline constexpr double kFoldSearchShare = 0.1;
 
 // How far the clamps may err at a pose; the smaller is its margin_mm. kFarFromFoldMm stands for that much or
 // more.

@@ -8,6 +8,7 @@
 
 #include "elastica/blade/clamp_margin.hpp"
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/rib_poses.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
@@ -68,8 +69,7 @@ class FoldAlong {
     return near ? least_mm_ : std::max(least_mm_, farthest_mm(from));
   }
   [[nodiscard]] double farthest_mm(std::size_t pose) const {
-    constexpr double kFarShare = 0.1;  // of the blade's length, as for the poses of a motion
-    return kFarShare * poses_[pose].blade.length;
+    return kFoldSearchShare * poses_[pose].blade.length;
   }
 
   // Poses from which the nearest fold is no nearer than the smallest found, one beside the other: farther on

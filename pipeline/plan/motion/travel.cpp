@@ -150,8 +150,9 @@ bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, do
 bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block, double width_mm,
               double clearance_mm) {
   const elastica::Part whole{0, blade.length};
-  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade, kApart_mm.back())), 0, blade.length, frame,
-                  block, width_mm, clearance_mm);
+  const std::size_t points = points_of(blade, kApart_mm.back());
+  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points), 0, blade.length, frame, block,
+                  width_mm, clearance_mm);
 }
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,

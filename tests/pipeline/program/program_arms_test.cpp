@@ -54,6 +54,8 @@ std::string refusal(const std::function<void(Json&)>& break_it) {
 TEST(ProgramArms, AreRefusedWithThePlace) {
   EXPECT_THAT(refusal([](Json& j) { j["strips"][1]["poses"][7].erase("joints"); }),
               HasSubstr("strips[1].poses[7]: \"joints\" is missing"));
+  EXPECT_THAT(refusal([](Json& j) { j["strips"][1]["poses"][0].erase("joints"); }),
+              HasSubstr("strips[1].poses[0]: \"joints\" is missing"));
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0].erase("arms"); }),
               HasSubstr("strips[0]: \"arms\" is missing"));
   EXPECT_THAT(refusal([](Json& j) { j.erase("cell"); }),
