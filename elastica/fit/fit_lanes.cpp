@@ -32,10 +32,6 @@ struct Workspace {
   Lanes tension_pull{}, prior_pull{}, prior[3]{};
 };
 
-HOTBLADE_INLINE Lanes pick(const Mask& m, const Lanes& yes, const Lanes& no) {
-  return m ? yes : no;
-}
-
 // The similarity p -> c p + shift that lays the shapes on their data: c = <G, B> / <G, G>, centred.
 struct Similarity {
   Lanes mean_x, mean_y, c_x, c_y, norm2;
@@ -281,22 +277,19 @@ HOTBLADE_INLINE Placed laid(const FitGrid& grid, const ShapeNodes& g, const Simi
 }
 
 #if defined(__x86_64__)
-[[gnu::target("avx512f,avx512dq,prefer-vector-width=512")]] void solve_512(const FitGrid& grid,
-                                                                           std::span<const FitData> data,
-                                                                           std::span<FitTask> tasks) {
+HOTBLADE_AVX512 void solve_512(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks) {
   solve_body(grid, data, tasks);
 }
 
-[[gnu::target("avx2")]] void solve_256(const FitGrid& grid, std::span<const FitData> data,
-                                       std::span<FitTask> tasks) {
+HOTBLADE_AVX2 void solve_256(const FitGrid& grid, std::span<const FitData> data, std::span<FitTask> tasks) {
   solve_body(grid, data, tasks);
 }
 
-[[gnu::target("avx512f,avx512dq,prefer-vector-width=512")]] void trace_512(const Lanes* z, ShapeNodes& out) {
+HOTBLADE_AVX512 void trace_512(const Lanes* z, ShapeNodes& out) {
   trace(z, out);
 }
 
-[[gnu::target("avx2")]] void trace_256(const Lanes* z, ShapeNodes& out) {
+HOTBLADE_AVX2 void trace_256(const Lanes* z, ShapeNodes& out) {
   trace(z, out);
 }
 #endif

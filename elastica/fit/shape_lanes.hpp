@@ -6,21 +6,10 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
+
+#include "elastica/kernels/lanes.hpp"
 
 namespace hotblade::elastica::lanes {
-
-inline constexpr int kLanes = 8;
-using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-using Mask = long __attribute__((vector_size(kLanes * sizeof(long))));
-
-// Lanes in a container: the vector type alone loses its alignment as a template argument.
-struct alignas(sizeof(Lanes)) Cell {
-  Lanes v;
-};
-using Column = std::vector<Cell>;
-
-#define HOTBLADE_INLINE [[gnu::always_inline]] inline
 
 // The order of the Taylor step between two nodes. When omega times the step is at most kMostOmegaStep, the
 // truncated tail is below (omega h / 2.8)^11 of a step (taylor.hpp): 1e-6 at the limit, where a search may

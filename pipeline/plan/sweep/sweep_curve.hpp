@@ -7,7 +7,11 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <optional>
+#include <span>
 #include <vector>
+
+#include "elastica/kernels/simd.hpp"
 
 namespace hotblade::pipeline {
 
@@ -28,11 +32,17 @@ struct SweepPoint {
 
 class SweepCurve {
  public:
-  // Reaches `reach_mm` > 0 to both sides of the middle in steps of 20 to 60 mm.
+  // Reaches `reach_mm` > 0 to both sides of the middle in steps of 20 to 60 mm; or the part of it around a
+  // place, from the middle on: as far as Newton's way from there to a nearest point may lead.
+  struct Ask {
+    Bend bend;
+    double reach_mm = 0;
+    std::optional<double> place_mm{};
+  };
+  // Returns the curves of many states, walked side by side.
+  [[nodiscard]] static std::vector<SweepCurve> all(std::span<const Ask> asked,
+                                                   elastica::Simd simd = elastica::best_simd());
   SweepCurve(const Bend& bend, double reach_mm);
-  // The part of it around a place, from the middle on: as far as Newton's way from there to a nearest point
-  // may lead.
-  SweepCurve(const Bend& bend, double reach_mm, double place_mm);
 
   // Of the part that there is: its ends, where these are not the curve's own.
   [[nodiscard]] bool is_open_at(double s_mm) const {
@@ -41,6 +51,11 @@ class SweepCurve {
   }
   // Of the whole curve, to either side.
   [[nodiscard]] double reach_mm() const { return half_ * step_mm_; }
+  [[nodiscard]] const Bend& bend() const { return bend_; }
+  // From its middle on, `behind` steps forwards and `before` backwards.
+  [[nodiscard]] double step_mm() const { return step_mm_; }
+  [[nodiscard]] int before() const { return before_; }
+  [[nodiscard]] int behind() const { return behind_; }
   // Nodes from one end of what there is to the other, the middle among them.
   [[nodiscard]] const std::vector<SweepPoint>& nodes() const { return nodes_; }
   [[nodiscard]] SweepPoint at(double s_mm) const;  // clamped to what there is
@@ -49,6 +64,8 @@ class SweepCurve {
   [[nodiscard]] double nearest(const Eigen::Vector2d& q, double guess_mm) const;
 
  private:
+  friend class SweepWalk;
+  explicit SweepCurve(const Ask& ask);  // not walked yet
   void walk();
   // The way from the node nearest to s, and the curvature with its derivatives by arc length there.
   struct Onward {
@@ -58,7 +75,8 @@ class SweepCurve {
   };
   [[nodiscard]] Onward onward(double s) const;
   [[nodiscard]] double clamped(double s_mm) const {
-    return std::clamp(s_mm, -before_ * step_mm_, behind_ * step_mm_);
+    const double low = -before_ * step_mm_, high = behind_ * step_mm_;
+    return s_mm > low ? std::min(s_mm, high) : low;  // no number: there too
   }
 
   Bend bend_;

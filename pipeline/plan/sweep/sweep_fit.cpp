@@ -74,6 +74,8 @@ Descent descend(const SweepProblem& problem, int most, Eigen::VectorXd& unknowns
 void check(const SweepData& data, const SweepFitOptions& options) {
   if (data.sections.empty()) throw std::logic_error("a sweep needs a section");
   if (!(options.blade_length_mm > 0)) throw std::logic_error("a sweep needs a blade");
+  for (const int exponent : options.exponents)
+    if (exponent < 2 || exponent % 2 != 0) throw std::logic_error("a sweep's exponents must be even");
   for (const SweepSection& section : data.sections) {
     if (section.samples.empty()) throw std::logic_error("a section needs a sample");
     for (const SweepSample& sample : section.samples) {
@@ -98,7 +100,7 @@ SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options, 
   Eigen::VectorXd unknowns = problem.pack(report.family);
   SweepEvaluation now;
   std::vector<double> feet = problem.first_feet();
-  for (const double exponent : options.exponents) {
+  for (const int exponent : options.exponents) {
     problem.set_exponent(exponent, now.max_mm);
     now = problem.evaluate(unknowns, feet);
     const Descent descent = descend(problem, options.most_iterations, unknowns, now);

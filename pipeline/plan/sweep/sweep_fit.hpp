@@ -40,8 +40,8 @@ struct SweepFitOptions {
   double calm = 1;           // factor of the pull towards few and smooth tensions
   int most_iterations = 40;  // of each stage
   bool turn_planes = false;  // whether the report says what turning the planes would do
-  std::vector<double> exponents{
-      2};  // of the mean that is made small, stage by stage; the last ones near the maximum
+  std::vector<int> exponents{
+      2};  // even, of the mean that is made small, stage by stage; the last ones near the maximum
 };
 
 // How the last stage's mean changes as the planes turn, by rad about x and y of the sweep's axes, while the
@@ -50,7 +50,8 @@ struct SweepFitOptions {
 struct PlaneTurn {
   Eigen::Vector2d gradient{0, 0};
   Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
-  double exponent = 2, scale_mm = 1;
+  int exponent = 2;
+  double scale_mm = 1;
 
   [[nodiscard]] PlaneTurn at_scale(double mm) const;
 };
@@ -70,7 +71,7 @@ struct SweepFitReport {
 };
 
 // From flat blades at the design's mean height, or from `start`. At least one section, finite samples, a
-// positive blade length (std::logic_error). The same input gives the same bytes.
+// positive blade length, even exponents (std::logic_error). The same input gives the same bytes.
 [[nodiscard]] SweepFitReport fit_sweep(const SweepData& data, const SweepFitOptions& options,
                                        const SweepFamily* start = nullptr);
 

@@ -13,6 +13,7 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
 
 namespace hotblade::pipeline {
@@ -87,15 +88,21 @@ struct SectionTerms {
   Eigen::Matrix<double, kResiduals, 1> residuals;
   Eigen::Matrix<double, kResiduals, kState> by;  // the residuals' derivatives by the unknowns' state
 
-  void evaluate() {
-    const SweepState state = unknowns->state(at);
-    const SweepCurve curve(state.bend, unknowns->half_blade());
+  [[nodiscard]] SweepCurve::Ask ask() {
+    state_ = unknowns->state(at);
+    return {state_.bend, unknowns->half_blade()};
+  }
+  // With the curve that was asked for.
+  void evaluate(const SweepCurve& curve) {
+    const SweepState& state = state_;
     const SweepFitOptions& options = unknowns->part->options;
     const double x = unknowns->part->start.x_mm;
     rows_.clear();
     const double samples = std::sqrt(unknowns->samples), over_weight = std::sqrt(kOverWeight);
+    terms_.resize(feet.size());
+    sample_terms(section->samples, state, curve, x, feet, terms_);
     for (std::size_t i = 0; i < feet.size(); ++i) {
-      const SampleTerm term = sample_term(section->samples[i], state, curve, x, feet[i]);
+      const SampleTerm& term = terms_[i];
       feet[i] = term.foot_mm;
       const double share = std::abs(term.away_mm) / unknowns->scale_mm, grown = share * share * share;
       add(grown * term.away_mm / samples, 0.5 * kExponent * grown / samples, term.by);
@@ -137,6 +144,8 @@ struct SectionTerms {
     residuals = six.col(kState);
   }
 
+  SweepState state_;
+  std::vector<SampleTerm> terms_;
   std::vector<Row> rows_;
 };
 
@@ -148,17 +157,22 @@ struct ProbeTerms {
     BasisValues at;
     double foot_mm = 0;
     ByState by = ByState::Zero();
+
+    [[nodiscard]] LoneSample sample() const {
+      return {&point->sample, unknowns->state(at), unknowns->half_blade(), unknowns->part->start.x_mm,
+              foot_mm};
+    }
   };
   std::array<Side, 2> sides;
   double weight = 1, residual = 0;
 
-  void evaluate() {
+  // With the terms of both sides' samples.
+  void evaluate(std::span<const SampleTerm, 2> terms) {
     residual = 0;
     double sign = weight;
-    for (Side& side : sides) {
-      const SweepState state = side.unknowns->state(side.at);
-      const SampleTerm term = sample_term_alone(side.point->sample, state, side.unknowns->half_blade(),
-                                                side.unknowns->part->start.x_mm, side.foot_mm);
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      Side& side = sides[k];
+      const SampleTerm& term = terms[k];
       side.foot_mm = term.foot_mm;
       residual += sign * term.away_mm;
       side.by = sign * term.by.cwiseProduct(side.unknowns->units);
@@ -175,11 +189,29 @@ class Terms : public ceres::EvaluationCallback {
 
   void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
     if (!new_evaluation_point) return;
-    tbb::parallel_for(std::size_t{0}, sections.size(), [&](std::size_t i) {
-      if (!gpu::stop_asked()) sections[i]->evaluate();
+    in_groups(sections.size(), [&](std::size_t from, std::size_t to) {
+      std::vector<SweepCurve::Ask> asked;
+      for (std::size_t i = from; i < to; ++i) asked.push_back(sections[i]->ask());
+      const std::vector<SweepCurve> curves = SweepCurve::all(asked);
+      for (std::size_t i = from; i < to; ++i) sections[i]->evaluate(curves[i - from]);
     });
-    tbb::parallel_for(std::size_t{0}, probes.size(), [&](std::size_t i) {
-      if (!gpu::stop_asked()) probes[i]->evaluate();
+    in_groups(probes.size(), [&](std::size_t from, std::size_t to) {
+      std::vector<LoneSample> samples;
+      for (std::size_t i = from; i < to; ++i)
+        for (const ProbeTerms::Side& side : probes[i]->sides) samples.push_back(side.sample());
+      const std::vector<SampleTerm> terms = lone_terms(samples);
+      for (std::size_t i = from; i < to; ++i)
+        probes[i]->evaluate(std::span<const SampleTerm, 2>(&terms[2 * (i - from)], 2));
+    });
+  }
+
+ private:
+  // As many as are walked at once.
+  template <typename Work>
+  static void in_groups(std::size_t count, const Work& work) {
+    constexpr std::size_t kGroup = 8;
+    tbb::parallel_for(std::size_t{0}, (count + kGroup - 1) / kGroup, [&](std::size_t group) {
+      if (!gpu::stop_asked()) work(group * kGroup, std::min(count, (group + 1) * kGroup));
     });
   }
 };

@@ -37,7 +37,7 @@ struct Steadying {
 struct SweepEffort {
   int coefficients, sections;
   double sample_mm;
-  std::vector<double> exponents;
+  std::vector<int> exponents;
   int most_iterations;
   double calm = 1;
   bool turn_planes = false;  // SweepFitOptions

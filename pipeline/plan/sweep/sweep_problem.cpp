@@ -12,31 +12,29 @@ struct SweepProblem::Normal {
   Vector5 gradient = Vector5::Zero();
   Matrix5 matrix = Matrix5::Zero();
 
-  // A term by its value, its first two derivatives by one number, and that number's by the unknowns.
-  void add(double term, double first, double second, const Vector5& by) {
-    value += term;
-    gradient += first * by;
-    matrix.noalias() += (second * by) * by.transpose();
-  }
   void add(const LimitTerm& term) {
-    if (term.over > 0) add(term.over * term.over, 2 * term.over, 2, term.by);
+    if (!(term.over > 0)) return;
+    value += term.over * term.over;
+    gradient += 2 * term.over * term.by;
+    matrix.noalias() += (2 * term.by) * term.by.transpose();
   }
 };
 
 SweepProblem::SweepProblem(const SweepData& data, const SweepFitOptions& options, const SweepFamily& family)
     : data_(data), options_(options), family_(family), basis_(options.coefficients) {
+  power_.samples = 0;
   for (const SweepSection& section : data.sections) {
     const double share = (section.offset_mm - family.first_mm) / (family.last_mm - family.first_mm);
     at_.push_back(basis_.at(share));
-    samples_ += static_cast<double>(section.samples.size());
+    power_.samples += static_cast<double>(section.samples.size());
   }
   scale_ = unknown_units(data, family.x_mm);
 }
 
-void SweepProblem::set_exponent(double exponent, double scale_mm) {
+void SweepProblem::set_exponent(int exponent, double scale_mm) {
   constexpr double kLeastScale_mm = 1e-6;
-  exponent_ = exponent;
-  exponent_scale_mm_ = std::max(scale_mm, kLeastScale_mm);
+  power_.exponent = exponent;
+  power_.scale_mm = std::max(scale_mm, kLeastScale_mm);
 }
 
 Eigen::VectorXd SweepProblem::pack(const SweepFamily& family) const {
@@ -70,6 +68,18 @@ SweepState SweepProblem::state_at(const Eigen::VectorXd& unknowns, const BasisVa
   return {v[0], v[1], {v[2], v[3], v[4]}};
 }
 
+std::vector<SweepState> SweepProblem::states_at(const Eigen::VectorXd& unknowns) const {
+  std::vector<SweepState> states;
+  for (const BasisValues& basis : at_) states.push_back(state_at(unknowns, basis));
+  return states;
+}
+
+std::vector<SweepCurve> SweepProblem::curves_of(const std::vector<SweepState>& states) const {
+  std::vector<SweepCurve::Ask> asked;
+  for (const SweepState& state : states) asked.push_back({state.bend, 0.5 * options_.blade_length_mm});
+  return SweepCurve::all(asked);
+}
+
 SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
                                        const std::vector<double>& feet) const {
   SweepEvaluation all;
@@ -77,15 +87,19 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
   all.hessian.setZero(unknowns.size(), unknowns.size());
   all.feet = feet;
   all.away_mm.resize(feet.size());
+  const std::vector<SweepState> states = states_at(unknowns);
+  const std::vector<SweepCurve> curves = curves_of(states);
   std::size_t first = 0;
   for (std::size_t j = 0; j < data_.sections.size(); ++j) {
     const BasisValues& basis = at_[j];
-    const SweepState state = state_at(unknowns, basis);
-    const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);
-    Normal normal;
-    add_samples(j, first, state, curve, all, normal);
-    add_limits(j, state, curve, normal);
-    first += data_.sections[j].samples.size();
+    const std::vector<SweepSample>& samples = data_.sections[j].samples;
+    const DistanceSums sums = distance_sums(samples, states[j], curves[j], family_.x_mm, power_,
+                                            std::span(all.feet).subspan(first, samples.size()),
+                                            std::span(all.away_mm).subspan(first, samples.size()));
+    first += samples.size();
+    if (!(sums.max_mm <= all.max_mm)) all.max_mm = sums.max_mm;
+    Normal normal{sums.value, sums.gradient, sums.matrix};
+    add_limits(j, states[j], curves[j], normal);
     all.value += normal.value;
     const Vector5 gradient = normal.gradient.cwiseProduct(scale_);
     const Matrix5 matrix = scale_.asDiagonal() * normal.matrix * scale_.asDiagonal();
@@ -99,27 +113,6 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
   }
   add_smoothness(unknowns, all);
   return all;
-}
-
-SweepProblem::Weight SweepProblem::weight_of(double away) const {
-  const double ratio = std::abs(away) / exponent_scale_mm_;
-  const double scaled = exponent_ == 2 ? 1 : std::pow(ratio, exponent_ - 2);
-  return {scaled * away * away / samples_, exponent_ * scaled * away / samples_,
-          exponent_ * (exponent_ - 1) * scaled / samples_};
-}
-
-void SweepProblem::add_samples(std::size_t section, std::size_t first, const SweepState& state,
-                               const SweepCurve& curve, SweepEvaluation& all, Normal& normal) const {
-  const std::vector<SweepSample>& samples = data_.sections[section].samples;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const SampleTerm term = sample_term(samples[i], state, curve, family_.x_mm, all.feet[first + i]);
-    const double away = term.away_mm, size = std::abs(away);
-    const Weight weight = weight_of(away);
-    normal.add(weight.value, weight.first, weight.second, term.by);
-    all.feet[first + i] = term.foot_mm;
-    all.away_mm[first + i] = away;
-    if (!(size <= all.max_mm)) all.max_mm = size;
-  }
 }
 
 void SweepProblem::add_limits(std::size_t section, const SweepState& state, const SweepCurve& curve,
@@ -168,29 +161,34 @@ void SweepProblem::add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluati
 
 PlaneTurn SweepProblem::turn(const Eigen::VectorXd& unknowns, const SweepEvaluation& at) const {
   PlaneTurn turn;
-  turn.exponent = exponent_;
-  turn.scale_mm = exponent_scale_mm_;
+  turn.exponent = power_.exponent;
+  turn.scale_mm = power_.scale_mm;
   Eigen::Matrix<double, Eigen::Dynamic, 2> mixed = Eigen::MatrixXd::Zero(unknowns.size(), 2);
   const double length = family_.last_mm - family_.first_mm,
                middle = 0.5 * (family_.first_mm + family_.last_mm);
-  std::size_t i = 0;
+  const std::vector<SweepState> states = states_at(unknowns);
+  const std::vector<SweepCurve> curves = curves_of(states);
+  std::vector<SampleTerm> terms;
+  std::size_t first = 0;
   for (std::size_t j = 0; j < data_.sections.size(); ++j) {
     const SweepSection& section = data_.sections[j];
     const BasisValues& basis = at_[j];
-    const SweepState state = state_at(unknowns, basis);
-    const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);
+    const SweepState& state = states[j];
+    terms.resize(section.samples.size());
+    sample_terms(section.samples, state, curves[j], family_.x_mm, std::span(at.feet).subspan(first), terms);
+    first += terms.size();
     Vector5 along = Vector5::Zero();  // of the state, for a mm of the sweep
     for (std::size_t k = 0; k < 4; ++k)
       along += basis.slope[k] / length * unknowns.segment<5>(5 * (basis.first + static_cast<int>(k)));
     along = along.cwiseProduct(scale_);
     const double offset = section.offset_mm - middle;
-    for (const SweepSample& sample : section.samples) {
-      const SampleTerm term = sample_term(sample, state, curve, family_.x_mm, at.feet[i++]);
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      const SampleTerm& term = terms[i];
       const double by_offset = term.by.dot(along);
-      const Eigen::Vector2d q = sample.q - Eigen::Vector2d(family_.x_mm, state.y);
+      const Eigen::Vector2d q = section.samples[i].q - Eigen::Vector2d(family_.x_mm, state.y);
       const Eigen::Vector2d by(term.by_point.y() * offset - by_offset * q.y(),
                                by_offset * q.x() - term.by_point.x() * offset);
-      const Weight weight = weight_of(term.away_mm);
+      const DistancePower::Weight weight = power_.of(term.away_mm);
       turn.gradient += weight.first * by;
       turn.matrix += weight.second * by * by.transpose();
       const Vector5 by_state = weight.second * term.by.cwiseProduct(scale_);
@@ -228,7 +226,7 @@ void SweepProblem::measure(const SweepEvaluation& evaluation, SweepFitReport& re
           std::max(report.clamp_depth_mm, clamp_depth_mm(*end, state, family_.x_mm, options_));
     }
   }
-  report.rms_mm = std::sqrt(squares / samples_);
+  report.rms_mm = std::sqrt(squares / power_.samples);
   report.smallest_radius_mm = sharpest > 0 ? 1 / sharpest : std::numeric_limits<double>::infinity();
 }
 

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "pipeline/plan/sweep/sweep_terms.hpp"
+#include "pipeline/plan/sweep/sweep_lanes.hpp"
 
 namespace hotblade::pipeline {
 
@@ -24,7 +24,7 @@ class SweepProblem {
   SweepProblem(const SweepData& data, const SweepFitOptions& options, const SweepFamily& family);
 
   // The mean of |distance|^exponent, scaled so that a distance of `scale_mm` counts as its square.
-  void set_exponent(double exponent, double scale_mm);
+  void set_exponent(int exponent, double scale_mm);
 
   // Unknowns are coefficients in mm of what they do at half a rib's distance from the middle: one column of
   // the family after the other.
@@ -46,14 +46,9 @@ class SweepProblem {
   using Matrix5 = Eigen::Matrix<double, 5, 5>;
   struct Normal;  // value, gradient and matrix in a section's own five unknowns
 
-  // A distance's weight in the mean, and the weights of its first two derivatives.
-  struct Weight {
-    double value = 0, first = 0, second = 0;
-  };
-  [[nodiscard]] Weight weight_of(double away_mm) const;
   [[nodiscard]] SweepState state_at(const Eigen::VectorXd& unknowns, const BasisValues& basis) const;
-  void add_samples(std::size_t section, std::size_t first, const SweepState& state, const SweepCurve& curve,
-                   SweepEvaluation& all, Normal& normal) const;
+  [[nodiscard]] std::vector<SweepState> states_at(const Eigen::VectorXd& unknowns) const;
+  [[nodiscard]] std::vector<SweepCurve> curves_of(const std::vector<SweepState>& states) const;
   void add_limits(std::size_t section, const SweepState& state, const SweepCurve& curve,
                   Normal& normal) const;
   void add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluation& all) const;
@@ -64,8 +59,7 @@ class SweepProblem {
   SweepBasis basis_;
   std::vector<BasisValues> at_;  // of each section
   Vector5 scale_;                // of the family's coefficients for one unit of an unknown
-  double samples_ = 0;
-  double exponent_ = 2, exponent_scale_mm_ = 1;
+  DistancePower power_;
 };
 
 }  // namespace hotblade::pipeline

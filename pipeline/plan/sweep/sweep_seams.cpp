@@ -1,7 +1,7 @@
 #include "pipeline/plan/sweep/sweep_seams.hpp"
 
 #include "gpu/backend/stop.hpp"
-#include "pipeline/plan/sweep/sweep_terms.hpp"
+#include "pipeline/plan/sweep/sweep_lanes.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -115,10 +115,8 @@ std::optional<SeamPlace> place_at(const SurfacePoint& p, const SweepSeam& seam, 
   return place;
 }
 
-double away_mm(const FormedPoint& p, const SweepFamily& family, double reach_mm) {
-  return sample_term_alone(p.sample, family.at(p.offset_mm), reach_mm, family.x_mm,
-                           p.sample.q.x() - family.x_mm)
-      .away_mm;
+LoneSample lone(const FormedPoint& p, const SweepFamily& family, double reach_mm) {
+  return {&p.sample, family.at(p.offset_mm), reach_mm, family.x_mm, p.sample.q.x() - family.x_mm};
 }
 
 }  // namespace
@@ -155,9 +153,14 @@ SeamFacts seam_facts(const PartSeam& seam, const SweepFamily& first, const Sweep
   SeamFacts facts;
   for (const SeamPlace& place : seam.places) {
     gpu::stop_point();
+    std::vector<LoneSample> samples;
+    for (std::size_t i = 0; i < SeamPlace::kProbes; ++i) {
+      samples.push_back(lone(place.on[0][i], first, reach_mm));
+      samples.push_back(lone(place.on[1][i], second, reach_mm));
+    }
+    const std::vector<SampleTerm> terms = lone_terms(samples);
     std::array<double, SeamPlace::kProbes> gap{};
-    for (std::size_t i = 0; i < gap.size(); ++i)
-      gap[i] = away_mm(place.on[0][i], first, reach_mm) - away_mm(place.on[1][i], second, reach_mm);
+    for (std::size_t i = 0; i < gap.size(); ++i) gap[i] = terms[2 * i].away_mm - terms[2 * i + 1].away_mm;
     facts.gap_mm = std::max(facts.gap_mm, std::abs(gap[1]));
     const double kink = std::atan(std::abs(gap[2] - gap[0]) / (2 * kSeamProbeMm));
     facts.kink_deg = std::max(facts.kink_deg, kink * 180 / std::numbers::pi);

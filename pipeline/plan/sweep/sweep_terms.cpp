@@ -73,14 +73,6 @@ SampleTerm sample_term(const SweepSample& sample, const SweepState& state, const
   return term;
 }
 
-SampleTerm sample_term_alone(const SweepSample& sample, const SweepState& state, double reach_mm, double x_mm,
-                             double foot_mm) {
-  const SweepCurve near(state.bend, reach_mm, foot_mm);
-  const SampleTerm found = sample_term(sample, state, near, x_mm, foot_mm);
-  if (!near.is_open_at(found.foot_mm)) return found;
-  return sample_term(sample, state, SweepCurve(state.bend, reach_mm), x_mm, foot_mm);
-}
-
 LimitTerm radius_term(const SweepPoint& node, const SweepFitOptions& options) {
   const double over = options.smallest_radius_mm * std::abs(node.kappa) - 1;
   LimitTerm term;

@@ -29,9 +29,6 @@ struct SampleTerm {
 // Returns a sample's term, its foot sought from `foot_mm`.
 [[nodiscard]] SampleTerm sample_term(const SweepSample& sample, const SweepState& state,
                                      const SweepCurve& curve, double x_mm, double foot_mm);
-// The same of a curve that no other sample needs, of this reach: walked no farther than the sample is.
-[[nodiscard]] SampleTerm sample_term_alone(const SweepSample& sample, const SweepState& state,
-                                           double reach_mm, double x_mm, double foot_mm);
 
 // A number that is made zero: by how much a blade is beyond a limit, in mm of weight; 0 where it keeps to it.
 struct LimitTerm {

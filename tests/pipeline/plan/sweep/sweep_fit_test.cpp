@@ -5,27 +5,17 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <random>
 
 #include "elastica/blade/sensitivity.hpp"
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/plan/ribs/rib_spline.hpp"
 #include "pipeline/plan/sweep/sweep_problem.hpp"
+#include "tests/pipeline/plan/sweep/bends.hpp"
 
 namespace hotblade::pipeline {
 namespace {
 
 using Eigen::Vector2d;
-
-// Bends of formwork blades: radii from 120 mm, tensions that change them by as much over half a metre.
-class Bends {
- public:
-  Bend next() { return {number(1.0 / 120), number(2e-5), number(2e-5)}; }
-  double number(double most) { return std::uniform_real_distribution<double>(-most, most)(random_); }
-
- private:
-  std::mt19937 random_{7};
-};
 
 elastica::Elastica from_middle(const Bend& bend) {
   return {0, 0, 0, bend.kappa, bend.tension1, bend.tension2, 1};
@@ -159,7 +149,7 @@ TEST(SweepFit, RecoversASurfaceSweptByExactElastica) {
 }
 
 // The problem's gradient with all of the blade's limits at work.
-void expect_gradient(double exponent, double pull = 0) {
+void expect_gradient(int exponent, double pull = 0) {
   const SweepFamily f = family(6);
   const SweepData data = data_of(family(5));
   SweepFitOptions options;

@@ -28,7 +28,7 @@ struct Planes {
   Planes() : design(grid_design("elasticas", 80, 80, elasticas)), surface(waste_surface(design.mesh, 1)) {}
 
   // The fit in planes turned by rad about x and y of others' axes.
-  SweepFitReport fit(const RibAxes& axes, const std::vector<double>& exponents) const {
+  SweepFitReport fit(const RibAxes& axes, const std::vector<int>& exponents) const {
     SweepSectionOptions sections;
     sections.kerf_mm = sections.width_mm = 1e-3;  // the blade's middle runs on the surface
     SweepFitOptions options;
