@@ -111,6 +111,12 @@ class FoldSearch {
       all.push_back(Vector4d::Unit(i));
       all.push_back(-Vector4d::Unit(i));
     }
+    // Both clamps turned alike, towards an S, and against each other, towards an arch: where the shape is
+    // nearly one of these, the errors by themselves are far from the nearest fold.
+    for (const double turn : {1.0, -1.0}) {
+      all.emplace_back(0, 0, turn, turn);
+      all.emplace_back(0, 0, turn, -turn);
+    }
     return all;
   }
 
@@ -282,7 +288,6 @@ class FoldSearch {
   }
 
   void descend(const Place& start) {
-    std::optional<Slopes> s;
     auto here = to_fold(start);
     if (!here) return;
     // A fold that another way has met already.
@@ -292,25 +297,47 @@ class FoldSearch {
     started_.push_back(here->q);
     constexpr int kMostSteps = 40, kMostHalvings = 12;
     constexpr double kNear = 1e-7;  // of the distance: far below what clamps are known to
-    for (int i = 0; here && i < kMostSteps; ++i) {
-      s = slopes(*here);
-      if (!s) return;
+    auto s = slopes(*here);
+    if (!s) return;
+    // Folds meet in edges, in the space of errors, where the unfelt change runs along the fold: beyond one it
+    // is the fold of another shape.
+    Vector4d free = unfelt(*here, Vector4d(0.1, 1, 1, 1).normalized());
+    const double side = free.dot(s->fold);
+    for (int i = 0; i < kMostSteps; ++i) {
       Vector4d d = step(*here, *s);
       std::optional<Place> next;
+      std::optional<Slopes> there;
       for (int k = 0; k < kMostHalvings; ++k, d *= 0.5) {
         const auto tried = at(here->q + d);
         if (tried) next = onto_fold(*tried, s->fold);
-        if (next && next->squared() < here->squared()) break;
+        if (next && next->squared() < here->squared()) {
+          there = slopes(*next);
+          if (there && unfelt(*next, free).dot(there->fold) * side >= 0) break;
+        }
         next.reset();
       }
       const bool done = !next || next->squared() > (1 - kNear) * here->squared();
-      if (next) here = next;
+      if (next) {
+        here = next;
+        s = there;
+        free = unfelt(*here, free);
+      }
       if (done) break;
       // Steps are no smaller than the way that is left, so eight of them come near.
       constexpr int kSoon = 8;
       if (i >= kSoon && here->squared() > 1.5 * largest_ * largest_) return;
     }
-    if (here && here->squared() < largest_ * largest_) keep(*here);
+    if (here->squared() < largest_ * largest_) keep(*here);
+  }
+
+  // The change of shape at a fold that no clamp feels, turned as another one nearby.
+  [[nodiscard]] static Vector4d unfelt(const Place& fold, const Vector4d& as) {
+    constexpr double kSmall = 1e-12;
+    constexpr int kSteps = 3;  // of inverse iteration
+    const Matrix4d square = fold.slope.transpose() * fold.slope + kSmall * Matrix4d::Identity();
+    Vector4d v = as;
+    for (int i = 0; i < kSteps; ++i) v = solve_symmetric(square, v).normalized();
+    return v.dot(as) < 0 ? Vector4d(-v) : v;
   }
 
   void keep(const Place& p) {
@@ -412,7 +439,8 @@ ClampMargin clamp_margin(const Elastica& e, std::span<const Fold> near, const Cl
   search_options.largest_mm = std::min(options.largest_mm, std::max(straight_mm(e, options), kLeastSlack));
   FoldSearch search(e, search_options);
   for (const Fold& fold : near) search.look_near(fold.shape);
-  std::vector<Fold> folds = search.folds();
+  std::vector<Fold> folds;
+  if (!options.all_directions) folds = search.folds();
   if (folds.empty()) {
     for (const Vector4d& direction : search.directions()) search.look_along(direction);
     folds = search.folds();

@@ -25,6 +25,8 @@ struct ClampMarginOptions {
   // A turn of one rad counts as this many mm; 0 takes half the blade's length, the largest move that a turn
   // about its middle gives.
   double mm_per_rad = 0;
+  // Whether folds are looked for in all directions though those of a neighbouring pose lead to some.
+  bool all_directions = false;
 };
 
 // A shape about to be lost, and the clamps' error that leads to it.
@@ -51,8 +53,8 @@ struct ClampMargin {
 // positive, mm_per_rad is negative or the shape is not finite.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, const ClampMarginOptions& options = {});
 
-// The margin, searched from the folds of a neighbouring pose of the same blade with a tenth of the work;
-// from all directions when none of them leads to a fold of this pose.
+// The margin, searched from the folds of neighbouring poses of the same blade with a tenth of the work; from
+// all directions as well when none of them leads to a fold of this pose, or that is asked for.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, std::span<const Fold> near,
                                        const ClampMarginOptions& options = {});
 

@@ -123,12 +123,12 @@ void weigh_clamp_errors(const StripPlan& strip, const MachineSettings& machine,
 }
 
 // Fills margin_mm of all poses and the smallest of them.
-std::vector<PoseMargin> weigh_margins(BladeMotion& motion) {
-  std::vector<PoseMargin> margins = clamp_margins(motion.poses);
+std::vector<PoseMargin> weigh_margins(const Settings& settings, BladeMotion& motion) {
+  std::vector<PoseMargin> margins = clamp_margins(motion.poses, settings);
   motion.facts.smallest_fold_mm = motion.facts.smallest_straight_mm = kFarFromFoldMm;
   for (std::size_t i = 0; i < margins.size(); ++i) {
     const PoseMargin& m = margins[i];
-    motion.poses[i].margin_mm = std::min({m.fold_mm, m.straight_mm, kFarFromFoldMm});
+    motion.poses[i].margin_mm = m.margin_mm;
     motion.facts.smallest_fold_mm = std::min(motion.facts.smallest_fold_mm, m.fold_mm);
     motion.facts.smallest_straight_mm = std::min(motion.facts.smallest_straight_mm, m.straight_mm);
   }
@@ -233,7 +233,7 @@ void check_blade(const StripPlan& strip, const Settings& settings, MotionLook lo
   collect(checks, motion);
   std::vector<PoseMargin> margins;
   if (look == MotionLook::kFull) {
-    margins = weigh_margins(motion);
+    margins = weigh_margins(settings, motion);
     weigh_clamp_errors(strip, settings.machine, margins, motion);
     warn_of_straight_blades(strip, settings, margins, motion);
   }

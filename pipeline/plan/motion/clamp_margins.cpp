@@ -22,13 +22,16 @@ constexpr double kWarmShare = 0.5;
 // What a search at a pose has found.
 struct Found {
   std::vector<elastica::Fold> folds;
-  double fold_mm = 0;  // to the nearest; as far as was looked where there is none
+  double clear_mm = 0;       // to the nearest loss; as far as was looked where there is none
+  bool by_straight = false;  // that is the straight blade, and no fold was found before it
 };
 
 class MarginSearch {
  public:
-  explicit MarginSearch(const std::vector<BladePose>& poses)
+  MarginSearch(const std::vector<BladePose>& poses, const Settings& settings)
       : poses_(poses),
+        machine_(settings.machine),
+        least_mm_(smallest_margin_mm(settings, poses.front().blade.length)),
         held_(poses.size()),
         way_(poses.size(), 0.0),
         straight_(poses.size(), 0.0),
@@ -52,15 +55,20 @@ class MarginSearch {
       wanted = too_coarse();
     }
     std::vector<PoseMargin> margins(poses_.size());
-    for (std::size_t i = 0; i < margins.size(); ++i)
-      margins[i] = {std::min(kFarFromFoldMm, bound_[i]), straight_[i]};
+    for (std::size_t i = 0; i < margins.size(); ++i) margins[i] = margin_at(i);
     return margins;
   }
 
  private:
   using Searched = std::map<std::size_t, Found>;
 
-  // Each from the folds of the nearest pose searched before; all at once.
+  [[nodiscard]] PoseMargin margin_at(std::size_t i) const {
+    const double bound = std::min(kFarFromFoldMm, bound_[i]), straight = straight_[i];
+    const bool by_fold = bound < kMarginShare * straight || (bound < least_mm_ && straight >= least_mm_);
+    return {std::min(bound, straight), by_fold ? bound : kFarFromFoldMm, straight};
+  }
+
+  // Each from the folds of the poses beside that were searched before; all at once.
   void search(const std::set<std::size_t>& wanted) {
     const std::vector<std::size_t> list(wanted.begin(), wanted.end());
     std::vector<Found> found(list.size());
@@ -73,32 +81,55 @@ class MarginSearch {
     // What holds of true distances is made to hold: none is more than its neighbour's and the way there.
     for (auto q = searched_.begin(), p = q++; q != searched_.end(); p = q++) lower(*q, *p);
     for (auto q = searched_.rbegin(), p = q++; q != searched_.rend(); p = q++) lower(*q, *p);
+    for (const auto& [i, known] : searched_) {
+      if (known.clear_mm < least_mm_ && !known.by_straight && !nearly_straight(poses_[i], machine_))
+        lost_mm_ = std::min(lost_mm_, known.clear_mm);
+    }
   }
 
   [[nodiscard]] Found look(std::size_t i) const {
     const auto near = nearest(i);
-    const bool warm = near != searched_.end() && apart(i, near->first) < kWarmShare * near->second.fold_mm;
-    Found found = look(i, warm ? near->second.folds : std::vector<elastica::Fold>{});
+    const bool warm = near != searched_.end() && !near->second.folds.empty() &&
+                      apart(i, near->first) < kWarmShare * near->second.clear_mm;
+    std::vector<elastica::Fold> seeds;
+    const auto [before, after] = beside(i);
+    for (const auto& known : {before, after}) {
+      if (known != searched_.end())
+        seeds.insert(seeds.end(), known->second.folds.begin(), known->second.folds.end());
+    }
+    Found found = look(i, seeds, !warm);
     // More than the neighbours allow: the nearest fold is another one than theirs.
-    if (warm && found.fold_mm > ceiling(i)) {
-      Found again = look(i, {});
-      if (again.fold_mm < found.fold_mm) found = std::move(again);
+    if (warm && found.clear_mm > ceiling(i)) {
+      Found again = look(i, seeds, true);
+      if (again.clear_mm < found.clear_mm) found = std::move(again);
     }
     return found;
   }
 
-  [[nodiscard]] Found look(std::size_t i, const std::vector<elastica::Fold>& near) const {
+  [[nodiscard]] Found look(std::size_t i, const std::vector<elastica::Fold>& near,
+                           bool all_directions) const {
     const elastica::Elastica& blade = poses_[i].blade;
-    const double far = std::max(kFarFromFoldMm, kFoldSearchShare * blade.length);
-    elastica::ClampMargin margin = elastica::clamp_margin(blade, near, {far, 0});
-    // Beyond the straight blade no fold is looked for, as that is the nearer loss.
-    if (margin.folds.empty() && margin.fold_mm > 0 && straight_[i] < far)
-      margin.fold_mm = std::max(straight_[i], kFarFromFoldMm);
-    return {std::move(margin.folds), margin.fold_mm};
+    // Twice as far as the neighbours allow: searches of that radius take half the time of the farthest, and
+    // one no larger misses more.
+    const double far = std::min(2 * ceiling(i), std::max(kFarFromFoldMm, kFoldSearchShare * blade.length));
+    elastica::ClampMargin margin = elastica::clamp_margin(blade, near, {far, 0, all_directions});
+    const bool by_straight = straight_[i] < margin.fold_mm;
+    return {std::move(margin.folds), std::min(straight_[i], margin.fold_mm), by_straight};
   }
 
   void lower(Searched::value_type& to, const Searched::value_type& from) const {
-    to.second.fold_mm = std::min(to.second.fold_mm, from.second.fold_mm + apart(to.first, from.first));
+    double& clear = to.second.clear_mm;
+    clear = std::min(clear, from.second.clear_mm + apart(to.first, from.first));
+    // The straight distance is less than the way, and counts as long as the way keeps within the distance
+    // that holds no loss: what is found at its end then lies within it as well.
+    const double near = from.second.clear_mm + direct(to.first, from.first);
+    if (near < clear && keeps_within(to, from.first)) clear = near;
+  }
+  [[nodiscard]] bool keeps_within(const Searched::value_type& of, std::size_t to) const {
+    const auto [first, last] = std::minmax(of.first, to);
+    for (std::size_t i = first; i <= last; ++i)
+      if (!(direct(i, of.first) < of.second.clear_mm)) return false;
+    return true;
   }
 
   // Of the clamps: along their way, and at once.
@@ -124,32 +155,41 @@ class MarginSearch {
     double most = std::numeric_limits<double>::infinity();
     const auto [before, after] = beside(i);
     for (const auto& known : {before, after}) {
-      if (known != searched_.end()) most = std::min(most, known->second.fold_mm + apart(i, known->first));
+      if (known != searched_.end()) most = std::min(most, known->second.clear_mm + apart(i, known->first));
     }
     constexpr double kRounding = 1e-6;
     return most * (1 + kRounding);
   }
 
-  // How much the bound of pose i, between two searched ones, may be below what they tell. Where the straight
-  // blade is nearer, no fold decides.
-  [[nodiscard]] double wanted_bound(std::size_t i, double both) const {
-    return std::min(kMarginShare * std::min(kFarFromFoldMm, both), straight_[i]);
+  // How high the bound of pose i has to be, between two searched ones.
+  [[nodiscard]] double wanted_bound(std::size_t i, const Found& p, const Found& q) const {
+    const double straight = straight_[i];
+    double least = std::min({kFarFromFoldMm, straight, lost_mm_});
+    for (const Found* found : {&p, &q})
+      if (!found->by_straight) least = std::min(least, found->clear_mm);
+    const double wanted = kMarginShare * least;
+    const bool may_pass = (p.by_straight || q.by_straight) && straight >= least_mm_ && lost_mm_ >= least_mm_;
+    return may_pass ? std::max(wanted, least_mm_) : wanted;
+  }
+
+  // What a searched pose leaves of its distance that far from it. Beside the straight blade folds lie
+  // closely, and a search may miss one: none farther than half of the way to it is relied on.
+  [[nodiscard]] static double left(const Found& found, double way_mm) {
+    return found.clear_mm - (found.by_straight ? 2 : 1) * way_mm;
   }
 
   // Bounds the poses between two searched ones; the one whose bound is lowest against what is wanted of it,
   // or the first of the two when all are high enough.
   std::size_t bound_between(const Searched::value_type& p, const Searched::value_type& q) {
-    const double both = std::min(p.second.fold_mm, q.second.fold_mm);
-    bound_[p.first] = p.second.fold_mm;
-    bound_[q.first] = q.second.fold_mm;
+    bound_[p.first] = p.second.clear_mm;
+    bound_[q.first] = q.second.clear_mm;
     bool enough = true;
     for (std::size_t i = p.first + 1; i < q.first; ++i) {
-      bound_[i] = std::max({0.0, p.second.fold_mm - apart(i, p.first), q.second.fold_mm - apart(i, q.first)});
-      enough = enough && bound_[i] >= wanted_bound(i, both);
+      bound_[i] = std::max({0.0, left(p.second, apart(i, p.first)), left(q.second, apart(i, q.first))});
+      enough = enough && bound_[i] >= wanted_bound(i, p.second, q.second);
     }
     if (enough) return p.first;
-    // The straight distance between two poses is less than the way, and counts as long as the way keeps
-    // within the distance that holds no fold.
+    // By the straight distance, as in lower().
     for (std::size_t i = p.first + 1; i < q.first && raise(i, p); ++i) {
     }
     for (std::size_t i = q.first - 1; i > p.first && raise(i, q); --i) {
@@ -157,7 +197,7 @@ class MarginSearch {
     std::size_t worst = p.first;
     double missing = 0;
     for (std::size_t i = p.first + 1; i < q.first; ++i) {
-      const double short_by = wanted_bound(i, both) - bound_[i];
+      const double short_by = wanted_bound(i, p.second, q.second) - bound_[i];
       if (short_by > missing) {
         missing = short_by;
         worst = i;
@@ -167,14 +207,14 @@ class MarginSearch {
   }
 
   bool raise(std::size_t i, const Searched::value_type& from) {
-    const double left = from.second.fold_mm - direct(i, from.first);
-    bound_[i] = std::max(bound_[i], left);
-    return left > 0;
+    const double rest = left(from.second, direct(i, from.first));
+    bound_[i] = std::max(bound_[i], rest);
+    return rest > 0;
   }
 
   [[nodiscard]] std::set<std::size_t> too_coarse() {
     std::set<std::size_t> wanted;
-    if (searched_.size() == 1) bound_[searched_.begin()->first] = searched_.begin()->second.fold_mm;
+    if (searched_.size() == 1) bound_[searched_.begin()->first] = searched_.begin()->second.clear_mm;
     for (auto q = searched_.begin(), p = q++; q != searched_.end(); p = q++) {
       const std::size_t worst = bound_between(*p, *q);
       if (worst != p->first) wanted.insert(worst);
@@ -183,6 +223,9 @@ class MarginSearch {
   }
 
   const std::vector<BladePose>& poses_;
+  const MachineSettings& machine_;
+  double least_mm_;
+  double lost_mm_ = std::numeric_limits<double>::infinity();  // the smallest that refuses the strip
   std::vector<elastica::ClampPair> held_;
   std::vector<double> way_;  // of the clamps against each other, from the first pose
   std::vector<double> straight_;
@@ -192,9 +235,9 @@ class MarginSearch {
 
 }  // namespace
 
-std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses) {
+std::vector<PoseMargin> clamp_margins(const std::vector<BladePose>& poses, const Settings& settings) {
   if (poses.empty()) return {};
-  return MarginSearch(poses).run();
+  return MarginSearch(poses, settings).run();
 }
 
 double smallest_margin_mm(const Settings& settings, double blade_length_mm) {

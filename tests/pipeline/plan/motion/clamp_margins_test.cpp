@@ -31,9 +31,16 @@ std::vector<BladePose> turned_over() {
   return poses;
 }
 
+// A strip may come so near to a fold.
+Settings least_margin(double mm) {
+  Settings settings;
+  settings.blade.min_margin_mm = mm;
+  return settings;
+}
+
 TEST(ClampMargins, BoundTheMarginOfEveryPoseFromBelow) {
   const std::vector<BladePose> poses = turned_over();
-  const std::vector<PoseMargin> margins = clamp_margins(poses);
+  const std::vector<PoseMargin> margins = clamp_margins(poses, least_margin(0.01));
   ASSERT_EQ(margins.size(), poses.size());
   for (std::size_t i = 0; i < poses.size(); i += 7) {
     const elastica::ClampMargin exact = elastica::clamp_margin(poses[i].blade, {kFarFromFoldMm, 0});
@@ -44,6 +51,20 @@ TEST(ClampMargins, BoundTheMarginOfEveryPoseFromBelow) {
   }
   EXPECT_EQ(margins.front().fold_mm, kFarFromFoldMm);
   EXPECT_LT(margins.back().fold_mm, 1.5);
+}
+
+// A strip that is refused is searched less closely, and the distance that refuses it told as closely.
+TEST(ClampMargins, BoundTheSmallestOfARefusedStrip) {
+  const std::vector<BladePose> poses = turned_over();
+  const std::vector<PoseMargin> margins = clamp_margins(poses, least_margin(5));
+  double least = kFarFromFoldMm, told = kFarFromFoldMm;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const elastica::ClampMargin exact = elastica::clamp_margin(poses[i].blade, {kFarFromFoldMm, 0});
+    EXPECT_LE(margins[i].margin_mm, exact.margin_mm * (1 + 1e-5)) << i;
+    least = std::min(least, exact.fold_mm);
+    told = std::min(told, margins[i].fold_mm);
+  }
+  EXPECT_GE(told, kMarginShare * least * (1 - 1e-5));
 }
 
 // Formed to a stronger arc and on to an S, and back again: folds come near from afar, and go.
@@ -75,7 +96,7 @@ std::vector<BladePose> there_and_back() {
 
 TEST(ClampMargins, AreNeverAboveASearchOfThePoseAlone) {
   const std::vector<BladePose> poses = there_and_back();
-  const std::vector<PoseMargin> margins = clamp_margins(poses);
+  const std::vector<PoseMargin> margins = clamp_margins(poses, {});
   for (std::size_t i = 0; i < poses.size(); i += 4) {
     const elastica::ClampMargin exact = elastica::clamp_margin(poses[i].blade, {kFarFromFoldMm, 0});
     const double told = std::min(margins[i].fold_mm, margins[i].straight_mm);
@@ -84,11 +105,67 @@ TEST(ClampMargins, AreNeverAboveASearchOfThePoseAlone) {
   }
 }
 
+// Past the straight blade at 6 mm, pressed, to half a millimetre from a snap: a blade of a strip with a
+// hollow.
+std::vector<BladePose> pressed_past_the_straight_one() {
+  struct Knot {
+    double theta, kappa, lambda1, lambda2;  // of a blade 1 long
+  };
+  constexpr std::array<Knot, 7> kKnots{{{-0.1099, 0.123, 16.10, -1.763},
+                                        {-0.1502, 0.066, 23.47, -2.694},
+                                        {-0.1675, -0.096, 29.72, -3.427},
+                                        {-0.1653, -0.311, 35.02, -3.908},
+                                        {-0.1469, -0.544, 39.55, -4.110},
+                                        {-0.1153, -0.770, 43.47, -4.023},
+                                        {-0.0729, -0.976, 46.91, -3.645}}};
+  constexpr double kShort = 400;
+  constexpr int kBetween = 20;
+  std::vector<BladePose> poses;
+  for (std::size_t k = 1; k < kKnots.size(); ++k) {
+    for (int i = 0; i < kBetween; ++i) {
+      const double t = static_cast<double>(i) / kBetween;
+      const auto at = [&](double Knot::*number) {
+        return kKnots[k - 1].*number + t * (kKnots[k].*number - kKnots[k - 1].*number);
+      };
+      poses.emplace_back();
+      poses.back().blade = {0,
+                            0,
+                            at(&Knot::theta),
+                            at(&Knot::kappa) / kShort,
+                            at(&Knot::lambda1) / (kShort * kShort),
+                            at(&Knot::lambda2) / (kShort * kShort),
+                            kShort};
+    }
+  }
+  return poses;
+}
+
+// A search that ends at the straight blade says nothing of what lies farther away.
+TEST(ClampMargins, BesideTheStraightBladeAreNoMoreThanOthersAndTheWayToThem) {
+  const std::vector<BladePose> poses = pressed_past_the_straight_one();
+  const std::vector<PoseMargin> margins = clamp_margins(poses, {});
+  std::vector<double> most(poses.size(), kFarFromFoldMm);
+  double least = kFarFromFoldMm;
+  for (std::size_t k = 0; k < poses.size(); k += 4) {
+    const double found = elastica::clamp_margin(poses[k].blade, {kFarFromFoldMm, 0}).margin_mm;
+    least = std::min(least, found);
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double way = elastica::clamp_distance(elastica::clamps_of(poses[i].blade),
+                                                  elastica::clamps_of(poses[k].blade), 200);
+      // Along the motion the way is longer: by a tenth at most here.
+      most[i] = std::min(most[i], found + 1.1 * way);
+    }
+  }
+  EXPECT_LT(least, 0.6);
+  // Folds lie closely beside the straight blade, and a search from a single pose may find the second nearest.
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_LE(margins[i].margin_mm, 1.35 * most[i]) << i;
+}
+
 TEST(ClampMargins, OfAStraightBladeAreItsDistanceToTheStraightOne) {
   std::vector<BladePose> poses(3);
   for (std::size_t i = 0; i < poses.size(); ++i)
     poses[i].blade = {0, 0, 0, 1e-6 * static_cast<double>(i), 0, 0, kLength};
-  const std::vector<PoseMargin> margins = clamp_margins(poses);
+  const std::vector<PoseMargin> margins = clamp_margins(poses, {});
   for (std::size_t i = 0; i < poses.size(); ++i) {
     const double half_turn = 0.5e-6 * static_cast<double>(i) * kLength;
     EXPECT_NEAR(margins[i].straight_mm, std::sqrt(2.0) * 0.5 * kLength * half_turn, 1e-4);
