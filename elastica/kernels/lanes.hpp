@@ -23,6 +23,11 @@ using Column = std::vector<Cell>;
 #define HOTBLADE_AVX2 [[gnu::target("avx2")]]
 #define HOTBLADE_AVX512 [[gnu::target("avx512f,avx512dq,prefer-vector-width=512")]]
 
+// Vectors wider than the baseline's never cross a call that is not inlined: the warning about their ABI says
+// nothing.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 HOTBLADE_INLINE Lanes pick(const Mask& m, const Lanes& yes, const Lanes& no) {
   return m ? yes : no;
 }
@@ -32,5 +37,7 @@ HOTBLADE_INLINE bool any(const Mask& m) {
   for (int lane = 0; lane < kLanes; ++lane) found |= m[lane];
   return found != 0;
 }
+
+#pragma GCC diagnostic pop
 
 }  // namespace hotblade::elastica::lanes

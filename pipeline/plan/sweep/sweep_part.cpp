@@ -277,9 +277,11 @@ PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double
       if (!best.strip) best.refusal = now.refusal;
       break;
     }
+    const double before = best.fit.max_mm;
+    // One that does not help need not be the last: a triangle takes 7 strips by it, and 9 without.
+    if (best.strip && !(now.max_mm < kHelps * before)) continue;
     PartFit fitted = now;
     SweptStrip made = strip_of(part, effort, fitted);
-    const double before = best.fit.max_mm;
     if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
       best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
     } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {

@@ -1,14 +1,14 @@
 // One step along an elastica with its variational equations, by the classical fourth-order rule of Runge and
 // Kutta, on a type of number that stands for several curves or several sides of one at once. Internal to
-// sweep_curve.cpp and sweep_lanes.cpp: always inlined.
+// sweep_curve.cpp, sweep_walk.cpp and sweep_lanes.cpp: always inlined.
 #pragma once
 
 #include <cmath>
 #include <cstddef>
 
-namespace hotblade::pipeline::sweep_step {
+#include "elastica/kernels/lanes.hpp"
 
-#define HOTBLADE_STEP_INLINE [[gnu::always_inline]] inline
+namespace hotblade::pipeline::sweep_step {
 
 // Up to here the series below are off by 1e-10; a division takes as long as ten products. They cost a fifth
 // of the library's functions, which take over beyond: of blades on their way to a fit.
@@ -21,12 +21,12 @@ inline constexpr int kNearestSteps = 30;
 inline constexpr double kLongestNearest_mm = 60, kNearEnough_mm = 1e-4, kLeastBent = 0.3;
 
 template <typename T>
-HOTBLADE_STEP_INLINE T small_cosine(const T& square) {
+HOTBLADE_INLINE T small_cosine(const T& square) {
   return 1 - square * (1 / 2.0) *
                  (1 - square * (1 / 12.0) * (1 - square * (1 / 30.0) * (1 - square * (1 / 56.0))));
 }
 template <typename T>
-HOTBLADE_STEP_INLINE T small_sine(const T& angle, const T& square) {
+HOTBLADE_INLINE T small_sine(const T& angle, const T& square) {
   return angle * (1 - square * (1 / 6.0) *
                           (1 - square * (1 / 20.0) * (1 - square * (1 / 42.0) * (1 - square * (1 / 72.0)))));
 }
@@ -37,7 +37,7 @@ struct Turn {
   T c, n;
 };
 template <int count, typename T>
-HOTBLADE_STEP_INLINE Turn<T> turn_of(const T& angle) {
+HOTBLADE_INLINE Turn<T> turn_of(const T& angle) {
   const T square = angle * angle;
   Turn<T> turn{small_cosine(square), small_sine(angle, square)};
   const auto large = square > kSmallAngle * kSmallAngle;
@@ -63,7 +63,7 @@ template <typename T>
 struct Tangents {
   T c, n;
 
-  [[nodiscard]] HOTBLADE_STEP_INLINE Tangents turned(const Turn<T>& by) const {
+  [[nodiscard]] HOTBLADE_INLINE Tangents turned(const Turn<T>& by) const {
     return {by.c * c - by.n * n, by.n * c + by.c * n};
   }
 };
@@ -73,10 +73,10 @@ template <typename T>
 struct State {
   T v[12];
 
-  [[nodiscard]] HOTBLADE_STEP_INLINE const T& x() const { return v[0]; }
-  [[nodiscard]] HOTBLADE_STEP_INLINE const T& y() const { return v[4]; }
-  [[nodiscard]] HOTBLADE_STEP_INLINE const T& theta() const { return v[8]; }
-  [[nodiscard]] HOTBLADE_STEP_INLINE State moved(const State& by, const T& way) const {
+  [[nodiscard]] HOTBLADE_INLINE const T& x() const { return v[0]; }
+  [[nodiscard]] HOTBLADE_INLINE const T& y() const { return v[4]; }
+  [[nodiscard]] HOTBLADE_INLINE const T& theta() const { return v[8]; }
+  [[nodiscard]] HOTBLADE_INLINE State moved(const State& by, const T& way) const {
     State t;
     for (std::size_t i = 0; i < 12; ++i) t.v[i] = v[i] + way * by.v[i];
     return t;
@@ -85,7 +85,7 @@ struct State {
 
 // By arc length; `t` is the state's direction.
 template <typename T>
-HOTBLADE_STEP_INLINE State<T> rate(const State<T>& s, const Tangents<T>& t, const Bends<T>& bend) {
+HOTBLADE_INLINE State<T> rate(const State<T>& s, const Tangents<T>& t, const Bends<T>& bend) {
   State<T> r;
   r.v[0] = t.c;
   r.v[4] = t.n;
@@ -103,7 +103,7 @@ HOTBLADE_STEP_INLINE State<T> rate(const State<T>& s, const Tangents<T>& t, cons
 
 // A step of h, of `count` curves; `t` is the state's direction before and after.
 template <int count, typename T>
-HOTBLADE_STEP_INLINE State<T> stepped(const State<T>& s, Tangents<T>& t, const Bends<T>& bend, const T& h) {
+HOTBLADE_INLINE State<T> stepped(const State<T>& s, Tangents<T>& t, const Bends<T>& bend, const T& h) {
   const T half = h * (1 / 2.0), sixth = h * (1 / 6.0);
   const State<T> a = rate(s, t, bend), on_a = s.moved(a, half);
   const State<T> b = rate(on_a, t.turned(turn_of<count>(on_a.theta() - s.theta())), bend),
