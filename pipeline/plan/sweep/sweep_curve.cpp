@@ -80,15 +80,17 @@ std::vector<SweepCurve> SweepCurve::all(std::span<const Ask> asked, elastica::Si
 
 // From the middle to both sides.
 void SweepCurve::walk() {
-  nodes_.resize(static_cast<std::size_t>(before_ + behind_ + 1));
+  const int count = before_ + behind_ + 1;
+  nodes_.resize(static_cast<std::size_t>(count));
+  SweepPoint* const middle = nodes_.data() + before_;
   State<Both> state{};
   Tangents<Both> tangents{{1, 1}, {0, 0}};
   const Bends<Both> bends{
       {bend_.kappa, bend_.kappa}, {bend_.tension1, bend_.tension1}, {bend_.tension2, bend_.tension2}};
   const Both step{-step_mm_, step_mm_};
   for (int i = 0;; ++i) {
-    if (i <= before_) nodes_[static_cast<std::size_t>(before_ - i)] = point_of(state, tangents, 0, bend_);
-    if (i <= behind_) nodes_[static_cast<std::size_t>(before_ + i)] = point_of(state, tangents, 1, bend_);
+    if (i <= before_) middle[-i] = point_of(state, tangents, 0, bend_);
+    if (i <= behind_) middle[i] = point_of(state, tangents, 1, bend_);
     if (i >= std::max(before_, behind_)) break;
     state = sweep_step::stepped<2>(state, tangents, bends, step);
   }
@@ -97,7 +99,7 @@ void SweepCurve::walk() {
 SweepCurve::Onward SweepCurve::onward(double s) const {
   const double at = std::nearbyint(s * (1 / step_mm_));
   Onward on;
-  on.node = &nodes_[static_cast<std::size_t>(before_ + static_cast<int>(at))];
+  on.node = nodes_.data() + before_ + static_cast<int>(at);
   const double d = s - at * step_mm_, d2 = d * d, d3 = d2 * d, d4 = d3 * d, k = on.node->kappa;
   const Vector2d &t = on.node->tangent, n = on.node->normal();
   on.d = d;

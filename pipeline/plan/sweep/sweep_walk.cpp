@@ -37,7 +37,7 @@ HOTBLADE_INLINE void store(const State<Lanes>& s, const Tangents<Lanes>& t, cons
   int lane = 0;
   for (const Walk& walk : walks) {
     if (i <= (side < 0 ? walk.before : walk.behind)) {
-      SweepPoint& p = walk.middle[side * i];
+      SweepPoint& p = *(side < 0 ? walk.middle - i : walk.middle + i);
       p.position = {s.x()[lane], s.y()[lane]};
       p.tangent = {t.c[lane], t.n[lane]};
       p.theta = s.theta()[lane];
@@ -105,7 +105,8 @@ void SweepWalk::walk(std::span<SweepCurve> curves, elastica::Simd simd) {
     const std::size_t count = std::min<std::size_t>(kLanes, curves.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
       SweepCurve& c = curves[first + i];
-      c.nodes_.resize(static_cast<std::size_t>(c.before_ + c.behind_ + 1));
+      const int nodes = c.before_ + c.behind_ + 1;
+      c.nodes_.resize(static_cast<std::size_t>(nodes));
       walks[i] = {c.bend_, c.step_mm_, c.before_, c.behind_, c.nodes_.data() + c.before_};
     }
     walk_some(std::span(walks).first(count), simd);
