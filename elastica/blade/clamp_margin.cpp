@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "elastica/blade/end_map.hpp"
 #include "elastica/linear/solve.hpp"
@@ -84,19 +85,33 @@ class FoldSearch {
     if (!direction.allFinite() || !(direction.norm() > 0)) return;
     constexpr int kPlaces = 4;
     FollowOptions walk;
-    walk.smallest_step = 0.05;  // a start need not be exact
+    walk.smallest_step = 1.0 / 16;  // a start need not be exact
+    const Vector4d leg = largest_ / kPlaces * direction.normalized();
     Place best = home_;
+    bool moved = false;
     ClampedShape shape = held_;
-    for (int i = 1; i <= kPlaces; ++i) {
-      const FollowReport way =
-          follow_on(shape, clamps_at(largest_ * i / kPlaces * direction.normalized()), walk);
+    const int places = leads_along(walk.smallest_step * leg) ? kPlaces : 0;
+    for (int i = 1; i <= places; ++i) {
+      const FollowReport way = follow_on(shape, clamps_at(i * leg), walk);
       const auto end = seen(way.shape);
       if (!end) break;
-      if (std::abs(end->fold) < std::abs(best.fold)) best = *end;
+      if (std::abs(end->fold) < std::abs(best.fold)) {
+        best = *end;
+        moved = true;
+      }
       if (way.status != FollowStatus::kFollowed) break;
       shape = way.shape;
     }
+    // Many directions lead nowhere where a step of the way is large for the shape.
+    if (!moved && std::exchange(from_home_, true)) return;
     descend(best);
+  }
+
+  // Whether the shape can be followed to an error at once.
+  [[nodiscard]] bool leads_along(const Vector4d& error) const {
+    FollowOptions at_once;
+    at_once.smallest_step = 1;
+    return follow_on(held_, clamps_at(error), at_once).status == FollowStatus::kFollowed;
   }
 
   // Starts from a fold of a neighbouring pose.
@@ -393,6 +408,7 @@ class FoldSearch {
   Place home_;
   std::vector<Place> minima_;
   std::vector<Vector4d> started_;
+  bool from_home_ = false;  // a descent has started there
 };
 
 void check(const ClampMarginOptions& options) {

@@ -8,7 +8,6 @@
 // (tests/house/check_stops.py).
 #pragma once
 
-#include <cstdint>
 #include <functional>
 
 namespace hotblade::gpu {
@@ -19,17 +18,13 @@ struct Stopped {};
 // What ends one run of work. It has to outlive the run.
 class Stop {
  public:
-  Stop();
+  Stop() = default;
   ~Stop();
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
   // Has the work end at its next stop points; from any thread.
   void ask();
-
- private:
-  friend void run_stoppable(int threads, const Stop& stop, const std::function<void()>& work);
-  std::uint64_t number_;  // no other stop of this process has it
 };
 
 // Runs work with so many threads (0: all cores), this one among them. Throws what the work throws, Stopped

@@ -72,11 +72,14 @@ class MarginSearch {
   void search(const std::set<std::size_t>& wanted) {
     const std::vector<std::size_t> list(wanted.begin(), wanted.end());
     std::vector<Found> found(list.size());
-    tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t k) {
+    // A strip ends in the shape that it began with.
+    const bool ends_alike = list.size() > 1 && alike(list.front(), list.back());
+    tbb::parallel_for(std::size_t{0}, list.size() - (ends_alike ? 1 : 0), [&](std::size_t k) {
       gpu::stop_point();
       found[k] = look(list[k]);
     });
     gpu::stop_point();
+    if (ends_alike) found.back() = found.front();
     for (std::size_t k = 0; k < list.size(); ++k) searched_[list[k]] = std::move(found[k]);
     // What holds of true distances is made to hold: none is more than its neighbour's and the way there.
     for (auto q = searched_.begin(), p = q++; q != searched_.end(); p = q++) lower(*q, *p);
@@ -138,6 +141,16 @@ class MarginSearch {
   [[nodiscard]] double apart(std::size_t i, std::size_t k) const { return std::abs(way_[i] - way_[k]); }
   [[nodiscard]] double direct(std::size_t i, std::size_t k) const {
     return elastica::clamp_distance(held_[i], held_[k], 0.5 * poses_[i].blade.length);
+  }
+
+  // Whether two poses hold the blade in one shape: folds do not depend on where the pair of clamps stands.
+  [[nodiscard]] bool alike(std::size_t i, std::size_t k) const {
+    constexpr double kSameMm = 1e-6;
+    const elastica::Elastica &a = poses_[i].blade, &b = poses_[k].blade;
+    const double l2 = a.length * a.length;
+    const Eigen::Vector2d more = elastica::force_along(a, a.theta) - elastica::force_along(b, b.theta);
+    return a.length == b.length && direct(i, k) <= kSameMm &&
+           std::max(std::abs(a.kappa - b.kappa) * l2, more.norm() * l2 * a.length) <= kSameMm;
   }
 
   // Searched poses at and behind, and before; none: the end.

@@ -46,13 +46,27 @@ TEST(Stop, EndsNoWorkButItsOwn) {
   EXPECT_EQ(rounds, 1000);
 }
 
+// Threads that helped keep the mark of their work now and then, so many times.
 TEST(Stop, IsOverWithItsWork) {
   Stop stop;
   stop.ask();
-  EXPECT_THROW(run_stoppable(4, stop, [] { tbb::parallel_for(0, 1000, [](int) { stop_point(); }); }),
-               Stopped);
+  for (int round = 0; round < 500; ++round) {
+    EXPECT_THROW(run_stoppable(4, stop, [] { tbb::parallel_for(0, 1000, [](int) { stop_point(); }); }),
+                 Stopped);
+    EXPECT_FALSE(stop_asked());
+    EXPECT_NO_THROW(tbb::parallel_for(0, 1000, [](int) { stop_point(); }));
+  }
+}
+
+TEST(Stop, OfWorkHoldsAfterWorkWithinIt) {
+  Stop outer, inner;
+  run_stoppable(2, outer, [&] {
+    run_stoppable(2, inner, [&] { inner.ask(); });
+    EXPECT_FALSE(stop_asked());
+    outer.ask();
+    EXPECT_TRUE(stop_asked());
+  });
   EXPECT_FALSE(stop_asked());
-  EXPECT_NO_THROW(tbb::parallel_for(0, 1000, [](int) { stop_point(); }));
 }
 
 TEST(Stop, LetsWhatTheWorkThrowsThrough) {
