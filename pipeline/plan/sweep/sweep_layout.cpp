@@ -229,59 +229,76 @@ Layout SweepLayouts::in_rows() const {
   // The estimate counts no waste at borders, which may be as much again: the rows say.
   constexpr std::size_t kLaid = 6;
   if (estimated.size() > kLaid) estimated.resize(kLaid);
-  Layout best{planes_.front(), 0, {}};
-  std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (const auto& [blocks, i] : estimated) {
-    Layout layout = laid_in_rows(planes_[i]);
-    // What cannot be a part as it is takes one more at least.
-    const std::size_t needs = layout.parts.size() + static_cast<std::size_t>(std::count_if(
-                                                        layout.fits.begin(), layout.fits.end(),
-                                                        [](const PartFit& fit) { return !fit.holds(); }));
-    if (needs >= fewest) continue;
-    fewest = needs;
-    best = std::move(layout);
+  std::vector<Rows> laid;
+  for (const auto& [blocks, i] : estimated) laid.push_back(even_rows(planes_[i]));
+  std::stable_sort(laid.begin(), laid.end(), [](const Rows& a, const Rows& b) { return a.needs < b.needs; });
+  const Rows* best = nullptr;
+  for (Rows& rows : laid) {
+    // Rows that fit are hardly fewer than even ones.
+    if (best && rows.needs >= best->needs) break;
+    fit_rows(rows);
+    if (!best || rows.needs < best->needs) best = &rows;
   }
-  best.cost_mm = 0;
-  fit_parts(best, cheap_effort(), nullptr);
-  return best;
+  Layout layout{planes_.front(), 0, {}};
+  if (best) {
+    layout.planes = best->axes.planes;
+    for (const std::vector<FittedPart>& row : best->rows) {
+      for (const FittedPart& part : row) layout.add(part);
+    }
+  }
+  layout.cost_mm = 0;
+  fit_parts(layout, cheap_effort(), nullptr);
+  return layout;
 }
 
-Layout SweepLayouts::laid_in_rows(const surface::PlaneFamily& planes) const {
-  Layout layout{planes, 0, {}};
-  const RibAxes whole = axes(planes);
-  const Box box = extent_of(whole);
-  const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
+SweepLayouts::Rows SweepLayouts::even_rows(const surface::PlaneFamily& planes) const {
+  Rows rows{axes(planes), {}, {}, {}, {}};
+  rows.box = extent_of(rows.axes);
   const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
-  const double extent = box.sizes().x();
-  std::vector<double> shares = even_shares(static_cast<std::size_t>(std::ceil(extent / deepest)));
-  // A row too steep for its depth is made narrower and the others deeper, as far as they may be; where that
-  // does not do, there are more rows.
-  constexpr int kRounds = 8;
-  std::vector<std::vector<FittedPart>> best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kRounds && least > 1; ++round) {
-    std::vector<std::vector<FittedPart>> rows = rows_of(whole, box, shares, most);
-    double worst = 1, sum = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      double over = 1;
-      for (const FittedPart& part : rows[i]) over = std::max(over, excess_of(part.fit));
-      worst = std::max(worst, over);
-      constexpr double kReserve = 1.02;
-      sum += shares[i] = over > 1 ? shares[i] / (kReserve * over) : deepest / extent;
+  lay(rows, even_shares(static_cast<std::size_t>(std::ceil(rows.box.sizes().x() / deepest))));
+  return rows;
+}
+
+void SweepLayouts::lay(Rows& rows, std::vector<double> shares) const {
+  const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
+  rows.shares = std::move(shares);
+  rows.rows = rows_of(rows.axes, rows.box, rows.shares, most);
+  rows.over.assign(rows.rows.size(), 1);
+  rows.needs = 0;
+  for (std::size_t i = 0; i < rows.rows.size(); ++i) {
+    for (const FittedPart& part : rows.rows[i]) {
+      rows.over[i] = std::max(rows.over[i], excess_of(part.fit));
+      // What cannot be a part as it is takes one more at least.
+      rows.needs += part.fit.holds() ? 1 : 2;
     }
-    if (worst < least) best = std::move(rows);
-    least = std::min(least, worst);
+  }
+}
+
+// A row too steep for its depth is made narrower and the others deeper, as far as they may be; where that
+// does not do, there are more rows.
+void SweepLayouts::fit_rows(Rows& rows) const {
+  constexpr int kRounds = 8, kVain = 2;
+  const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
+  Rows now = rows;
+  int vain = 0;
+  for (int round = 1; round < kRounds && rows.worst() > 1 && vain < kVain; ++round) {
+    std::vector<double> shares = now.shares;
+    double sum = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+      constexpr double kReserve = 1.02;
+      sum += shares[i] =
+          now.over[i] > 1 ? shares[i] / (kReserve * now.over[i]) : deepest / rows.box.sizes().x();
+    }
     if (sum < 1) {
       shares = even_shares(std::max(
           shares.size() + 1, static_cast<std::size_t>(std::ceil(static_cast<double>(shares.size()) / sum))));
     } else {
       for (double& share : shares) share /= sum;
     }
+    lay(now, std::move(shares));
+    vain = now.worst() < rows.worst() ? 0 : vain + 1;
+    if (vain == 0) rows = now;
   }
-  for (std::vector<FittedPart>& row : best) {
-    for (FittedPart& part : row) layout.add(std::move(part));
-  }
-  return layout;
 }
 
 std::vector<std::vector<FittedPart>> SweepLayouts::rows_of(const RibAxes& axes, const Box& box,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -89,8 +90,21 @@ class SweepLayouts {
   [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
                                                 const SweepGrid& grid) const;
   [[nodiscard]] double blocks_in(const surface::PlaneFamily& planes) const;
-  // Rows in these planes, their parts measured only.
-  [[nodiscard]] Layout laid_in_rows(const surface::PlaneFamily& planes) const;
+  // Rows of blocks in one family of planes, their parts measured only.
+  struct Rows {
+    RibAxes axes;
+    Eigen::AlignedBox<double, 2> box;
+    std::vector<double> shares;  // of the box along the sweep
+    std::vector<std::vector<FittedPart>> rows;
+    std::vector<double> over;  // what of a row is too large for a block, times what that holds; 1: nothing
+    std::size_t needs = 0;     // parts, those that are too large counted twice
+    [[nodiscard]] double worst() const { return *std::max_element(over.begin(), over.end()); }
+  };
+  // As deep as blocks are, all alike.
+  [[nodiscard]] Rows even_rows(const surface::PlaneFamily& planes) const;
+  // Rows of other depths where parts are too large for a block.
+  void fit_rows(Rows& rows) const;
+  void lay(Rows& rows, std::vector<double> shares) const;
   [[nodiscard]] std::vector<std::vector<FittedPart>> rows_of(const RibAxes& axes,
                                                              const Eigen::AlignedBox<double, 2>& box,
                                                              const std::vector<double>& shares,
