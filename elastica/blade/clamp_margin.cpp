@@ -65,13 +65,20 @@ struct Slopes {
   Matrix4d bend = Matrix4d::Zero();  // second derivatives of half the squared error
 };
 
+FollowOptions search_walk(double smallest_step) {
+  FollowOptions options;
+  options.smallest_step = smallest_step;
+  options.exactness = Exactness::kSearch;
+  return options;
+}
+
 class FoldSearch {
  public:
   FoldSearch(const Elastica& e, const ClampMarginOptions& options)
       : e_(e),
         weight_(options.mm_per_rad > 0 ? options.mm_per_rad / e.length : 0.5),
         largest_(options.largest_mm / e.length) {
-    const JacobiFields end = end_map(unit_blade(fold_unknowns(e)));
+    const JacobiFields end = end_map(unit_blade(fold_unknowns(e)), Exactness::kSearch);
     held_ = {e, end.index, 0, end};
     clamps_ = clamps_of(e);
     chord_ = end.point.position();
@@ -84,8 +91,7 @@ class FoldSearch {
   void look_along(const Vector4d& direction) {
     if (!direction.allFinite() || !(direction.norm() > 0)) return;
     constexpr int kPlaces = 4;
-    FollowOptions walk;
-    walk.smallest_step = 1.0 / 16;  // a start need not be exact
+    const FollowOptions walk = search_walk(1.0 / 16);  // a start need not be exact
     const Vector4d leg = largest_ / kPlaces * direction.normalized();
     Place best = home_;
     bool moved = false;
@@ -109,9 +115,7 @@ class FoldSearch {
 
   // Whether the shape can be followed to an error at once.
   [[nodiscard]] bool leads_along(const Vector4d& error) const {
-    FollowOptions at_once;
-    at_once.smallest_step = 1;
-    return follow_on(held_, clamps_at(error), at_once).status == FollowStatus::kFollowed;
+    return follow_on(held_, clamps_at(error), search_walk(1)).status == FollowStatus::kFollowed;
   }
 
   // Starts from a fold of a neighbouring pose.
@@ -164,7 +168,7 @@ class FoldSearch {
   // Nothing where the blade is taut, or not usable.
   [[nodiscard]] std::optional<Place> at(const Vector4d& q) const {
     if (!usable(q)) return {};
-    return untaut(q, end_map(unit_blade(q)));
+    return untaut(q, end_map(unit_blade(q), Exactness::kSearch));
   }
 
   [[nodiscard]] std::optional<Place> untaut(const Vector4d& q, const JacobiFields& end) const {
@@ -365,9 +369,7 @@ class FoldSearch {
   // belongs to another shape, and the other one is looked into. Where folds meet in an edge the way may slip
   // past on one side of it.
   [[nodiscard]] bool reached(const Place& p) {
-    FollowOptions walk;
-    walk.smallest_step = 1e-3;
-    const FollowReport way = follow_on(held_, clamps_at(1.01 * p.error), walk);
+    const FollowReport way = follow_on(held_, clamps_at(1.01 * p.error), search_walk(1e-3));
     const auto end = seen(way.shape);
     if (!end) return false;
     // Near a fold shapes change with the square root of the way that is left.

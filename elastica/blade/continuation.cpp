@@ -61,13 +61,13 @@ double bend_of(const Vector3d& d) {
   return std::abs(d[0]) + 0.5 * (std::abs(d[1]) + std::abs(d[2]));
 }
 
-std::optional<Solved> newton(Vector3d p, const Vector3d& wanted) {
+std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exactness) {
   constexpr int kMostSteps = 12;
   Solved s;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kMostSteps; ++i) {
     if (!usable(p, wanted)) return std::nullopt;
-    s.end = end_map(unit_blade(p));
+    s.end = end_map(unit_blade(p), exactness);
     const Vector3d miss = wanted - Vector3d(s.end.point.x, s.end.point.y, s.end.point.theta);
     const double error = miss.cwiseAbs().maxCoeff();
     // Rounding may keep a taut blade from the tolerance proper: the step that no longer helps is the last.
@@ -117,8 +117,8 @@ void check(const Elastica& e, const ClampPair& c) {
 // One blade on its way; `at` is the last place reached.
 class Walk {
  public:
-  Walk(const Elastica& from, const JacobiFields& end, const ClampPair& to)
-      : from_(clamps_by(from, end.point)), to_(to), length_(from.length) {
+  Walk(const Elastica& from, const JacobiFields& end, const ClampPair& to, Exactness exactness)
+      : from_(clamps_by(from, end.point)), to_(to), length_(from.length), exactness_(exactness) {
     at_.p = unknowns_of(from);
     at_.end = end;
   }
@@ -142,7 +142,7 @@ class Walk {
   bool step_to(double t) {
     const Vector3d here(at_.end.point.x, at_.end.point.y, at_.end.point.theta);
     const Vector3d predicted = at_.end.fields.partialPivLu().solve(wanted(t) - here);
-    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t));
+    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t), exactness_);
     // The corrector's part of the step measures how far the branch bends; beyond this share, and beyond what
     // is small for any blade, another branch might have been met.
     constexpr double kBend = 0.2, kSmall = 1e-3;
@@ -159,6 +159,7 @@ class Walk {
 
   ClampPair from_, to_;
   double length_;
+  Exactness exactness_;
   Solved at_;
   double place_ = 0;
 };
@@ -172,20 +173,21 @@ ClampPair clamps_of(const Elastica& elastica) {
 
 std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair& clamps) {
   check(near, clamps);
-  const std::optional<Solved> s = newton(unknowns_of(near), wanted_end(clamps, near.length));
+  const std::optional<Solved> s =
+      newton(unknowns_of(near), wanted_end(clamps, near.length), Exactness::kRounding);
   if (!s) return std::nullopt;
   return shape_of(*s, clamps.a, near.length);
 }
 
 FollowReport follow(const Elastica& from, const ClampPair& to, const FollowOptions& options) {
   check(from, to);
-  const JacobiFields end = end_map(unit_blade(unknowns_of(from)));
+  const JacobiFields end = end_map(unit_blade(unknowns_of(from)), options.exactness);
   return follow_on(ClampedShape{from, end.index, 0, end}, to, options);
 }
 
 FollowReport follow_on(const ClampedShape& from, const ClampPair& to, const FollowOptions& options) {
   check(from.elastica, to);
-  Walk walk(from.elastica, from.end, to);
+  Walk walk(from.elastica, from.end, to, options.exactness);
   FollowReport report;
   double step = 1;
   while (walk.place() < 1) {

@@ -54,6 +54,7 @@ struct FollowOptions {
   // The step of the way at which a branch that cannot be followed counts as lost; places of snaps are that
   // exact.
   double smallest_step = 1e-7;
+  Exactness exactness = Exactness::kRounding;  // of the shapes on the way
 };
 
 struct FollowReport {

@@ -25,8 +25,13 @@ struct JacobiFields {
   int index = 0;
 };
 
+// How exact an end is: to rounding, or to 1e-8 of the blade's length and of its turning, in half the time,
+// for searches that ask for thousands.
+enum class Exactness { kRounding, kSearch };
+
 // The fields at the end alone. Throws std::logic_error as ElasticaCurve does.
-[[nodiscard]] JacobiFields end_map(const Elastica& elastica, Simd simd = best_simd());
+[[nodiscard]] JacobiFields end_map(const Elastica& elastica, Exactness exactness = Exactness::kRounding,
+                                   Simd simd = best_simd());
 
 // The fields at the ends of the Taylor pieces, the last being the end of the curve. Between two of them d
 // theta/d kappa, which vanishes at most once in pi/sqrt(|lambda|), changes sign at most once. There are

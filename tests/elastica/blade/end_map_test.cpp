@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -46,10 +47,29 @@ TEST(EndMap, IsTheSameOnEveryInstructionSetToRounding) {
         EXPECT_LT((wide[i].rates - plain[i].rates).norm(), 1e-13 * (1 + plain[i].rates.norm()));
         EXPECT_EQ(wide[i].index, plain[i].index);
       }
-      EXPECT_EQ(end_map(e, simd).fields, wide.back().fields);
-      EXPECT_EQ(end_map(e, simd).index, wide.back().index);
+      EXPECT_EQ(end_map(e, Exactness::kRounding, simd).fields, wide.back().fields);
+      EXPECT_EQ(end_map(e, Exactness::kRounding, simd).index, wide.back().index);
     }
   }
+}
+
+TEST(EndMap, OfASearchIsWithinItsBound) {
+  std::mt19937_64 random(4);
+  double worst = 0, worst_fields = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const Elastica e = random_blade(random, trial % 2 == 0 ? 1 : 0.1);
+    const JacobiFields exact = end_map(e), search = end_map(e, Exactness::kSearch);
+    const CurvePoint &p = exact.point, &q = search.point;
+    worst = std::max({worst, std::hypot(q.x - p.x, q.y - p.y), std::abs(q.theta - p.theta)});
+    const double size = 1 + exact.fields.norm();
+    worst_fields = std::max(worst_fields, (search.fields - exact.fields).norm() / size);
+    // Of two blades of rounding's distance from a fold one may hold.
+    if (std::abs(exact.fields.determinant()) > 1e-7 * size) {
+      EXPECT_EQ(search.index, exact.index) << trial;
+    }
+  }
+  EXPECT_LT(worst, 1e-8);
+  EXPECT_LT(worst_fields, 1e-8);
 }
 
 TEST(EndMap, DerivativesAgreeWithCentralDifferences) {
