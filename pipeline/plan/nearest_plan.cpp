@@ -11,6 +11,16 @@ std::vector<double> deviations_with_sag_mm(const PlanResult& result) {
   return deviations;
 }
 
+std::vector<bool> misshapen_strips(const PlanResult& result) {
+  std::vector<bool> misshapen;
+  for (const StripFacts& strip : result.strips) {
+    misshapen.push_back(std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
+      return r.strip == strip.id && is_of_the_shape(r.limit);
+    }));
+  }
+  return misshapen;
+}
+
 std::vector<bool> too_far_strips(const PlanResult& result) {
   std::vector<bool> far;
   for (const StripFacts& strip : result.strips) {

@@ -29,6 +29,9 @@ struct Nearness {
 // Returns how far each strip leaves the design, with what of its sag is not known.
 [[nodiscard]] std::vector<double> deviations_with_sag_mm(const PlanResult& result);
 
+// Returns which strips a limit of their blade's shape refuses (robot/pose/limit.hpp).
+[[nodiscard]] std::vector<bool> misshapen_strips(const PlanResult& result);
+
 // Returns which strips leave the design too far, with their sag or without.
 [[nodiscard]] std::vector<bool> too_far_strips(const PlanResult& result);
 

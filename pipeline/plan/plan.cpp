@@ -350,7 +350,7 @@ std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, 
 }
 
 SweepVerdict verdict_on(const PlanResult& looked) {
-  return {looked.refusals.empty(), failed_strips(looked), too_far_strips(looked),
+  return {looked.refusals.empty(), failed_strips(looked), too_far_strips(looked), misshapen_strips(looked),
           deviations_with_sag_mm(looked)};
 }
 

@@ -107,6 +107,14 @@ const LimitInfo& info(Limit limit) {
   return kLimits[static_cast<std::size_t>(limit)];
 }
 
+bool is_of_the_shape(Limit limit) {
+  constexpr std::array kShape{Limit::kBladeReach,    Limit::kBladeSnap,    Limit::kBladeYield,
+                              Limit::kBladeMargin,   Limit::kPlannedShape, Limit::kClampClearance,
+                              Limit::kFreePart,      Limit::kSelfCrossing, Limit::kPlannedMargin,
+                              Limit::kBendingStress, Limit::kSnapError};
+  return std::find(kShape.begin(), kShape.end(), limit) != kShape.end();
+}
+
 Limit limit_of_code(std::uint16_t code) {
   if (code == 0) return Limit::kNone;
   const auto* const at =

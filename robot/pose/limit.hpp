@@ -99,6 +99,10 @@ struct LimitInfo {
 // Returns the limit's entry.
 [[nodiscard]] const LimitInfo& info(Limit limit);
 
+// Tells whether the limit is one of the blade's shape: it snaps or could, yields, crosses itself, cuts what
+// is kept or brings its clamps too near to the block.
+[[nodiscard]] bool is_of_the_shape(Limit limit);
+
 // Returns the limit of a fault detail; kUnknown for a code that is not in the table.
 [[nodiscard]] Limit limit_of_code(std::uint16_t code);
 

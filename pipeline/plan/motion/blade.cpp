@@ -312,13 +312,19 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
       trial.rib = static_cast<int>(worst - checks.begin());
     }
     // No share changes the rib itself or the length, and hardly one the sag.
-    if (worst->limit == Limit::kRibRadius || worst->limit == Limit::kRibLength || worst->limit == Limit::kSag)
+    if (worst->limit == Limit::kRibRadius || worst->limit == Limit::kRibLength ||
+        worst->limit == Limit::kSag || stable_as_can_be(worst->limit, worst->value))
       break;
   }
   return trial;
 }
 
 }  // namespace
+
+bool stable_as_can_be(Limit limit, double value) {
+  constexpr double kStraight = 4 * std::numbers::pi * std::numbers::pi;
+  return limit == Limit::kPlannedMargin && value >= kStraight;
+}
 
 FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const Block& block) {
   const elastica::Part all{0, blade.length}, part{s0, s1};

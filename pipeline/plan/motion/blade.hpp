@@ -34,6 +34,10 @@ struct BladeReport {
       false;  // the rib itself, without extension, bends beyond the limit: no split helps much
 };
 
+// Whether a blade was stopped by its stability, and is as stable as a straight one without load all the same
+// (docs/elastica.md): neither its extension nor a calmer fit makes it much more so.
+[[nodiscard]] bool stable_as_can_be(Limit limit, double value);
+
 // What the free parts of a blade do beside its foam interval [s0, s1]; the block as the blade's plane sees
 // it.
 struct FreeParts {

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/rib_clamp_error.hpp"
 #include "pipeline/plan/motion/rib_fold.hpp"
@@ -310,7 +311,7 @@ PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double ca
     } else if (!best.strip) {
       best = std::move(plan);
     }
-    if (too_far) break;
+    if (too_far || (best.refusal && stable_as_can_be(best.refusal->limit, best.refusal->value))) break;
   }
   if (best.refusal && best.refusal->limit == Limit::kDeviation) explain(part, best);
   return best;

@@ -283,8 +283,7 @@ class Search {
     tried.served.resize(count);
     unjoin(tried);
     tried.lone = true;
-    tried.failed.assign(count, false);
-    tried.too_far.assign(count, false);
+    tried.forget();
     std::vector<std::size_t> looked;
     for (std::size_t i = 0; i < count; ++i) {
       const PartPlan& plan = tried.plans[i];
@@ -310,6 +309,7 @@ class Search {
       const std::size_t i = looked[k];
       tried.failed[i] = !verdict.failed.empty() && verdict.failed[k];
       tried.too_far[i] = !verdict.too_far.empty() && verdict.too_far[k];
+      tried.misshapen[i] = !verdict.misshapen.empty() && verdict.misshapen[k];
       if (!verdict.deviation_mm.empty())
         tried.plans[i].beyond_fit_mm = verdict.deviation_mm[k] - plans[i].fit.max_mm;
     }
@@ -365,8 +365,7 @@ class Search {
       const std::optional<double>& beyond = tried.plans[i].beyond_fit_mm;
       if (!beyond || !(tried.joined[i].fit.max_mm + *beyond <= sure_mm)) doubtful.push_back(i);
     }
-    tried.failed.assign(tried.plans.size(), false);
-    tried.too_far.assign(tried.plans.size(), false);
+    tried.forget();
     if (doubtful.empty()) return true;
     const auto is_doubtful = [&](std::size_t i) {
       return std::binary_search(doubtful.begin(), doubtful.end(), i);
@@ -378,8 +377,7 @@ class Search {
   // What a look found of parts as they meet.
   static void note(Tried& tried, const SweptPlan& plan, const SweepVerdict& verdict) {
     const std::size_t count = tried.layout.parts.size();
-    tried.failed.assign(count, false);
-    tried.too_far.assign(count, false);
+    tried.forget();
     if (verdict.taken) return;
     for (std::size_t i = 0; i < count; ++i) {
       const std::optional<Refusal>& refusal = tried.joined[i].refusal;
@@ -387,6 +385,8 @@ class Search {
       tried.failed[i] = refused ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
       tried.too_far[i] = refused ? refusal && refusal->limit == Limit::kDeviation
                                  : !verdict.too_far.empty() && verdict.too_far[i];
+      tried.misshapen[i] = refused ? refusal && is_of_the_shape(refusal->limit)
+                                   : !verdict.misshapen.empty() && verdict.misshapen[i];
       if (!refused && !verdict.deviation_mm.empty())
         tried.plans[i].beyond_fit_mm = verdict.deviation_mm[i] - tried.joined[i].fit.max_mm;
     }
@@ -443,10 +443,8 @@ class Search {
     bool any = false;
     for (std::size_t i = 0; i < tried.failed.size(); ++i) {
       const PartPlan& plan = tried.plans[i];
-      if (!tried.failed[i] || tried.too_far[i] || !plan.strip) continue;
-      // A calmer blade hangs as far.
-      const std::optional<Refusal>& refusal = tried.joined[i].refusal;
-      if (refusal && refusal->limit == Limit::kSag) continue;
+      // A calmer blade comes no nearer, hangs as far and moves as fast.
+      if (!tried.failed[i] || !tried.misshapen[i] || tried.too_far[i] || !plan.strip) continue;
       PartPlan calmer = fitter_.plan(tried.layout.parts[i], tried.layout.fits[i], plan.calm);
       if (!calmer.strip) continue;
       tried.plans[i] = std::move(calmer);

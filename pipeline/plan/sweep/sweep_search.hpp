@@ -59,8 +59,9 @@ struct SweptPlan {
 // What came of a plan that was looked at in full.
 struct SweepVerdict {
   bool taken = false;
-  std::vector<bool> failed = {};   // of its strips; empty: none is to blame
-  std::vector<bool> too_far = {};  // of those, the ones that leave the design too far; as many, or none
+  std::vector<bool> failed = {};     // of its strips; empty: none is to blame
+  std::vector<bool> too_far = {};    // of those, the ones that leave the design too far; as many, or none
+  std::vector<bool> misshapen = {};  // of those, the ones that their blade's shape refuses; as many, or none
   std::vector<double> deviation_mm = {};  // of its strips, with what of their sag is not known; or none
 };
 using JudgeSweep = std::function<SweepVerdict(const SweptPlan&)>;

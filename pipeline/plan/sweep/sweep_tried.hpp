@@ -16,15 +16,15 @@ namespace hotblade::pipeline {
 struct Tried {
   Layout layout;
   SweepWay way = SweepWay::kEven;
-  std::vector<PartPlan> plans;   // each of its own
-  std::vector<PartPlan> joined;  // fitted together at their seams
-  std::vector<bool> settled;     // those that were, and have the same plan since
-  std::vector<bool> failed, too_far;
-  std::vector<bool> halves;  // parts that came of the last split
-  int vain = 0;              // splits in a row of which no half had a strip
-  bool many = false;         // parts: each is looked at by itself first
-  std::vector<bool> served;  // those that were, and did not fail
-  bool lone = false;         // the last look was at parts by themselves
+  std::vector<PartPlan> plans;                   // each of its own
+  std::vector<PartPlan> joined;                  // fitted together at their seams
+  std::vector<bool> settled;                     // those that were, and have the same plan since
+  std::vector<bool> failed, too_far, misshapen;  // what was found of the parts
+  std::vector<bool> halves;                      // parts that came of the last split
+  int vain = 0;                                  // splits in a row of which no half had a strip
+  bool many = false;                             // parts: each is looked at by itself first
+  std::vector<bool> served;                      // those that were, and did not fail
+  bool lone = false;                             // the last look was at parts by themselves
   bool taken = false;
   // Whether all of these fail again.
   [[nodiscard]] bool fruitless() const {
@@ -32,6 +32,11 @@ struct Tried {
       if (halves[i] && !failed[i]) return false;
     }
     return true;
+  }
+  // Nothing is found of any part.
+  void forget() {
+    for (std::vector<bool>* found : {&failed, &too_far, &misshapen})
+      found->assign(layout.parts.size(), false);
   }
   [[nodiscard]] std::size_t failing() const {
     return static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
