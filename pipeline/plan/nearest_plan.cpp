@@ -5,6 +5,15 @@
 
 namespace hotblade::pipeline {
 
+namespace {
+
+// A strip's refusals may name a phase of it, too.
+bool speaks_of(const Refusal& refusal, const StripFacts& strip) {
+  return refusal.strip == strip.id || refusal.strip.starts_with(strip.id + " ");
+}
+
+}  // namespace
+
 std::vector<double> deviations_with_sag_mm(const PlanResult& result) {
   std::vector<double> deviations;
   for (const StripFacts& strip : result.strips) deviations.push_back(strip.deviation_with_sag_mm());
@@ -15,7 +24,7 @@ std::vector<bool> misshapen_strips(const PlanResult& result) {
   std::vector<bool> misshapen;
   for (const StripFacts& strip : result.strips) {
     misshapen.push_back(std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
-      return r.strip == strip.id && is_of_the_shape(r.limit);
+      return speaks_of(r, strip) && is_of_the_shape(r.limit);
     }));
   }
   return misshapen;
@@ -35,9 +44,8 @@ std::vector<bool> too_far_strips(const PlanResult& result) {
 std::vector<bool> failed_strips(const PlanResult& result) {
   std::vector<bool> failed;
   for (const StripFacts& strip : result.strips) {
-    const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(), [&](const Refusal& r) {
-      return r.strip == strip.id || r.strip.starts_with(strip.id + " ");
-    });
+    const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(),
+                                     [&](const Refusal& r) { return speaks_of(r, strip); });
     failed.push_back(refused || strip.deviation_bound_mm > result.program.settings.design.tolerance_mm);
   }
   if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();

@@ -48,5 +48,12 @@ TEST(NearestPlan, NamesTheStripsThatFail) {
   EXPECT_THAT(failed_strips(verified(2, {{"design", Limit::kUncutShare}})), ::testing::IsEmpty());
 }
 
+TEST(NearestPlan, NamesTheStripsThatTheirBladesShapeRefuses) {
+  const PlanResult result = verified(
+      3,
+      {{"S001", Limit::kSlowestFeed}, {"S002 lead_in", Limit::kClampClearance}, {"S003", Limit::kSnapError}});
+  EXPECT_THAT(misshapen_strips(result), ::testing::ElementsAre(false, true, true));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

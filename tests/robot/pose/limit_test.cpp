@@ -38,6 +38,15 @@ TEST(Limits, GiveNoAdvice) {
   }
 }
 
+TEST(Limits, OfTheBladesShapeAreTheseAndNoneOfItsMotion) {
+  for (const Limit limit :
+       {Limit::kSnapError, Limit::kBendingStress, Limit::kPlannedMargin, Limit::kFreePart})
+    EXPECT_TRUE(is_of_the_shape(limit)) << info(limit).name;
+  for (const Limit limit : {Limit::kSlowestFeed, Limit::kClampHeight, Limit::kDuration, Limit::kSpeed,
+                            Limit::kDeviation, Limit::kSag})
+    EXPECT_FALSE(is_of_the_shape(limit)) << info(limit).name;
+}
+
 TEST(Limits, CodesAreThoseOfTheProtocol) {
   const std::map<std::uint16_t, std::pair<Limit, std::string>> protocol{
       {1, {Limit::kCount, "number of waypoints or misplaced last flag"}},

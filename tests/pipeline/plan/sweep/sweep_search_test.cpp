@@ -270,6 +270,27 @@ TEST(SweepSearch, OfManyPartsThatFailByThemselvesFitsNoneTogetherAndHandsTheLast
   EXPECT_EQ(many.given_up, 1U);
 }
 
+// How many plans are calmer than others when all strips of each are refused, by their blades' shape or else.
+std::size_t calmer_ones(bool misshapen) {
+  std::size_t calmer = 0;
+  SweepJudges judges;
+  judges.together = [&](const SweptPlan& plan) -> SweepVerdict {
+    calmer += plan.way == SweepWay::kCalmer ? 1 : 0;
+    SweepVerdict verdict;
+    verdict.failed.assign(plan.strips.size(), true);
+    verdict.too_far.assign(plan.strips.size(), false);
+    verdict.misshapen.assign(plan.strips.size(), misshapen);
+    return verdict;
+  };
+  search_sweeps(patch_design(), back_of(), judges);
+  return calmer;
+}
+
+TEST(SweepSearch, FitsMoreCalmlyOnlyWhatItsBladesShapeRefuses) {
+  EXPECT_GT(calmer_ones(true), 0U);
+  EXPECT_EQ(calmer_ones(false), 0U);
+}
+
 TEST(SweepSearch, OfFewPartsLooksAtAllTogetherOnly) {
   Settings small = back_of();
   small.stock.max_size_mm = {420, 600, 300};
