@@ -25,7 +25,7 @@ struct JacobiFields {
   int index = 0;
 };
 
-// How exact an end is: to rounding, or to 1e-8 of the blade's length and of its turning, in half the time,
+// How exact an end is: to rounding, or to 1e-8 of the blade's length and of its turning, in 0.6 of the time,
 // for searches that ask for thousands.
 enum class Exactness { kRounding, kSearch };
 
