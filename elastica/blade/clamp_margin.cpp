@@ -84,6 +84,10 @@ class FoldSearch {
     chord_ = end.point.position();
     turn_ = end.point.theta;
     home_ = placed(fold_unknowns(e), end);
+    // Of a shallow blade curvatures and forces square to its chord are as small as the root of what the chord
+    // lacks.
+    constexpr double kSame = 0.02;
+    same_ = kSame * std::min(1.0, 2 * std::numbers::pi * std::sqrt(std::max(0.0, 1 - chord_.norm())));
   }
 
   // Leads the clamps straight in a direction of errors and starts the descent where, of some places on the
@@ -118,42 +122,57 @@ class FoldSearch {
     return follow_on(held_, clamps_at(error), search_walk(1)).status == FollowStatus::kFollowed;
   }
 
+  // Starts where a blade whose ends are turned parallel buckles, as a straight one does (Euler):
+  // theta = m (1 - cos 2 pi s) at lambda = 4 pi^2 along the chord. There the folds of both ways to bow meet
+  // in an edge, which no direction of errors leads to.
+  void look_where_parallel_ends_buckle() {
+    constexpr double kEuler = 4 * std::numbers::pi * std::numbers::pi / kForce;
+    const double turn = 0.5 * turn_, m = std::atan2(chord_.y(), chord_.x()) - turn;
+    if (const auto place = at({turn, 0, kEuler * std::cos(m), kEuler * std::sin(m)})) descend(*place);
+  }
+
   // Starts from a fold of a neighbouring pose.
   void look_near(const Elastica& shape) {
     if (const auto place = seen(shape)) descend(*place);
   }
 
-  // The error by which the fold comes nearest, and each error for itself.
-  [[nodiscard]] std::vector<Vector4d> directions() const {
-    std::vector<Vector4d> all{steepest(home_)};
-    for (Eigen::Index i = 0; i < 4; ++i) {
-      all.push_back(Vector4d::Unit(i));
-      all.push_back(-Vector4d::Unit(i));
-    }
-    // Both clamps turned alike, towards an S, and against each other, towards an arch: where the shape is
-    // nearly one of these, the errors by themselves are far from the nearest fold.
+  // Turns of the clamps: of each, of both alike, towards an S, and against each other, towards an arch. From
+  // what these lead to a descent finds the folds that changes of the chord lead to as well.
+  [[nodiscard]] static std::vector<Vector4d> directions() {
+    std::vector<Vector4d> all;
     for (const double turn : {1.0, -1.0}) {
+      all.emplace_back(0, 0, turn, 0);
+      all.emplace_back(0, 0, 0, turn);
       all.emplace_back(0, 0, turn, turn);
       all.emplace_back(0, 0, turn, -turn);
     }
     return all;
   }
 
-  // The minima that the shape can be led to along a straight way, the nearest first.
-  [[nodiscard]] std::vector<Fold> folds() {
-    std::vector<Place> held;
+  // Whether the shape can be led to a minimum along a straight way.
+  bool leads_to_a_fold() {
     // A shape lost on the way to a minimum shows another one, which is looked at in turn.
     constexpr std::size_t kMost = 16;
-    for (std::size_t i = 0; i < std::min(kMost, minima_.size()); ++i) {
-      const Place minimum = minima_[i];
-      if (reached(minimum)) held.push_back(minimum);
+    for (; looked_at_ < std::min(kMost, minima_.size()); ++looked_at_) {
+      const Place minimum = minima_[looked_at_];
+      if (reached(minimum)) reached_.push_back(minimum);
     }
-    std::sort(held.begin(), held.end(),
-              [](const Place& a, const Place& b) { return a.squared() < b.squared(); });
-    constexpr std::size_t kKept = 3;  // enough for those that change places between poses
-    held.resize(std::min(kKept, held.size()));
+    return !reached_.empty();
+  }
+
+  // Those minima, the nearest first.
+  [[nodiscard]] std::vector<Fold> folds() {
+    leads_to_a_fold();
     std::vector<Fold> folds;
-    for (const Place& p : held) folds.push_back({std::sqrt(p.squared()) * e_.length, shape_of(p)});
+    for (const Place& p : reached_) {
+      // At an edge a descent ends short of the nearest place of the pair.
+      const Elastica shape = shape_of(p);
+      folds.push_back({clamp_distance(clamps_, clamps_of(shape), weight_ * e_.length), shape});
+    }
+    std::sort(folds.begin(), folds.end(),
+              [](const Fold& a, const Fold& b) { return a.distance_mm < b.distance_mm; });
+    constexpr std::size_t kKept = 3;  // enough for those that change places between poses
+    folds.resize(std::min(kKept, folds.size()));
     return folds;
   }
 
@@ -227,13 +246,6 @@ class FoldSearch {
     return s;
   }
 
-  // The error that brings the fold nearest, to first order.
-  [[nodiscard]] Vector4d steepest(const Place& p) const {
-    const auto s = slopes(p);
-    if (!s) return Vector4d::Zero();
-    return -(p.fold < 0 ? -1.0 : 1.0) * p.slope.transpose().partialPivLu().solve(s->fold);
-  }
-
   // Onto the fold along its slope; nothing when that fails.
   [[nodiscard]] std::optional<Place> onto_fold(Place p, const Vector4d& slope) const {
     constexpr int kMostSteps = 8;
@@ -248,20 +260,44 @@ class FoldSearch {
     return {};
   }
 
-  // Onto a fold from anywhere: Newton's steps for its value, each the one that asks for the smallest change
-  // of the clamps.
+  // The change of the unknowns that makes a fold's value vanish, by its slope and what is known of its bend,
+  // and asks for the smallest change of the clamps; where none does, one that lowers it the most.
+  [[nodiscard]] static Vector4d step_to_fold(const Place& p, const Vector4d& slope, const Matrix4d& bend) {
+    // A floor for directions that no clamp feels: they are what a fold is left by.
+    constexpr double kFloor = 1e-5;
+    const Matrix4d metric = p.slope.transpose() * p.slope + kFloor * Matrix4d::Identity();
+    const auto left = [&](const Vector4d& d) {
+      return 1 + (slope.dot(d) + 0.5 * d.dot(bend * d)) / p.fold;  // of the value
+    };
+    const Vector4d steepest = solve_symmetric(metric, slope);
+    double multiplier = -p.fold / slope.dot(steepest);
+    Vector4d d = multiplier * steepest;
+    // Along a direction that no clamp feels the value has a least one beside an edge of folds, where steps by
+    // the slope alone go from side to side.
+    constexpr double kEnough = 0.25, kMostDoublings = 12;
+    double least = left(d);
+    for (int i = 0; i < kMostDoublings && least > kEnough; ++i) {
+      multiplier *= 2;
+      const Vector4d next = multiplier * (metric - multiplier * bend).partialPivLu().solve(slope);
+      const double rest = left(next);
+      if (!(rest < least) || !(next.norm() < kFurthest)) break;
+      least = rest;
+      d = next;
+    }
+    return d;
+  }
+
+  // Onto a fold from anywhere: Newton's steps for its value, its bend gathered by symmetric rank-one updates
+  // (Nocedal and Wright, Numerical Optimization, 6.2).
   [[nodiscard]] std::optional<Place> to_fold(Place p) const {
     constexpr int kMostSteps = 25, kMostHalvings = 6;
     // A way that has led three times too far hardly comes back.
-    constexpr double kFurthest = 1, kOn = 1e-3, kTooFar = 9, kHopeless = 36;
-    for (int i = 0; i < kMostSteps; ++i) {
-      const auto s = slopes(p);
-      if (!s) return {};
+    constexpr double kOn = 1e-3, kTooFar = 9, kHopeless = 36;
+    Matrix4d bend = Matrix4d::Zero();
+    auto s = slopes(p);
+    for (int i = 0; s && i < kMostSteps; ++i) {
       if (std::abs(p.fold) < kOn * std::abs(home_.fold)) return onto_fold(p, s->fold);
-      // A floor for directions that no clamp feels: they are what a fold is left by.
-      const Matrix4d metric = p.slope.transpose() * p.slope + 1e-5 * Matrix4d::Identity();
-      Vector4d d = solve_symmetric(metric, s->fold);
-      d *= -p.fold / s->fold.dot(d);
+      Vector4d d = step_to_fold(p, s->fold, bend);
       // The value falls with the square root of the way that is left: a step asks for twice the way at most.
       if ((p.slope * d).squaredNorm() > kHopeless * largest_ * largest_) return {};
       if (d.norm() > kFurthest) d *= kFurthest / d.norm();
@@ -271,11 +307,21 @@ class FoldSearch {
         if (next && std::abs(next->fold) < std::abs(p.fold)) break;
         next.reset();
       }
-      if (!next) return {};
+      if (!next || next->squared() > kTooFar * largest_ * largest_) return {};
+      const auto there = slopes(*next);
+      if (there) gather(bend, next->q - p.q, there->fold - s->fold);
       p = *next;
-      if (p.squared() > kTooFar * largest_ * largest_) return {};
+      s = there;
     }
     return {};
+  }
+
+  // What a change of the slope over a step tells of the second derivatives.
+  static void gather(Matrix4d& bend, const Vector4d& step, const Vector4d& change) {
+    constexpr double kTelling = 1e-8;
+    const Vector4d more = change - bend * step;
+    const double along = more.dot(step);
+    if (std::abs(along) > kTelling * more.norm() * step.norm()) bend += more * more.transpose() / along;
   }
 
   // Three directions square to v and to each other: the other columns of the reflection that turns v into an
@@ -311,7 +357,7 @@ class FoldSearch {
     if (!here) return;
     // A fold that another way has met already.
     for (const Vector4d& q : started_) {
-      if ((q - here->q).norm() < kSame) return;
+      if ((q - here->q).norm() < same_) return;
     }
     started_.push_back(here->q);
     constexpr int kMostSteps = 40, kMostHalvings = 12;
@@ -361,7 +407,7 @@ class FoldSearch {
 
   void keep(const Place& p) {
     const bool known = std::any_of(minima_.begin(), minima_.end(),
-                                   [&](const Place& m) { return (m.q - p.q).norm() < kSame; });
+                                   [&](const Place& m) { return (m.q - p.q).norm() < same_; });
     if (!known) minima_.push_back(p);
   }
 
@@ -403,12 +449,13 @@ class FoldSearch {
   ClampedShape held_;  // e_ with its end
   ClampPair clamps_;
   double weight_, largest_;
-  // Shapes this close in bending are one.
-  static constexpr double kSame = 0.02;
+  static constexpr double kFurthest = 1;  // of a step to a fold
+  double same_ = 0;                       // shapes this close in bending are one
   Vector2d chord_;
   double turn_ = 0;
   Place home_;
-  std::vector<Place> minima_;
+  std::vector<Place> minima_, reached_;
+  std::size_t looked_at_ = 0;  // of the minima
   std::vector<Vector4d> started_;
   bool from_home_ = false;  // a descent has started there
 };
@@ -456,14 +503,12 @@ ClampMargin clamp_margin(const Elastica& e, std::span<const Fold> near, const Cl
   ClampMarginOptions search_options = options;
   search_options.largest_mm = std::min(options.largest_mm, std::max(straight_mm(e, options), kLeastSlack));
   FoldSearch search(e, search_options);
+  search.look_where_parallel_ends_buckle();
   for (const Fold& fold : near) search.look_near(fold.shape);
-  std::vector<Fold> folds;
-  if (!options.all_directions) folds = search.folds();
-  if (folds.empty()) {
+  if (options.all_directions || near.empty() || !search.leads_to_a_fold()) {
     for (const Vector4d& direction : search.directions()) search.look_along(direction);
-    folds = search.folds();
   }
-  return nearest(e, std::move(folds), options);
+  return nearest(e, search.folds(), options);
 }
 
 double clamp_distance(const ClampPair& a, const ClampPair& b, double mm_per_rad) {

@@ -213,9 +213,9 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "{} ({}; von {} Möglichkeiten für Ort und Arme sind {} außer Reichweite, {} an Gelenkgrenzen, {} "
      "nahe an der Singularität, {} nicht frei, {} zu langsam für ein Gelenk; Zelle {})"},
     // warnings
-    {"{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide "
+    {"{}: blade nearly straight or taut at {} poses from {:.2f} s ({}) to {:.2f} s ({}): its clamps decide "
      "its shape to second order only, and their errors may move it by {:.1f} mm",
-     "{}: die Klinge ist fast gerade oder straff von {:.2f} s ({}) bis {:.2f} s ({}), {} Stellungen: ihre "
+     "{}: die Klinge ist fast gerade oder straff in {} Stellungen von {:.2f} s ({}) bis {:.2f} s ({}): ihre "
      "Klemmen bestimmen ihre Form nur in zweiter Ordnung, und deren Fehler können sie um {:.1f} mm bewegen"},
     {"{}: the blade goes at {:.3g} mm/s square to itself, slower than foam.band_mm_at_mm_s tells ({:.3g} "
      "mm/s): it melts more than the {:.3g} mm that are taken there",

@@ -79,7 +79,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
      "{} not clear, {} too slow a cut for a joint; cell {})"},
 
     {Saying::kNearlyStraight,
-     "{}: blade nearly straight or taut from {:.2f} s ({}) to {:.2f} s ({}), {} poses: its clamps decide its "
+     "{}: blade nearly straight or taut at {} poses from {:.2f} s ({}) to {:.2f} s ({}): its clamps decide "
+     "its "
      "shape to second order only, and their errors may move it by {:.1f} mm"},
     {Saying::kSlowMelt,
      "{}: the blade goes at {:.3g} mm/s square to itself, slower than foam.band_mm_at_mm_s tells ({:.3g} "

@@ -147,20 +147,24 @@ bool unheld(const BladePose& pose, const PoseMargin& margin, const Settings& set
   return margin.straight_mm < least || (margin.fold_mm < least && nearly_straight(pose, settings.machine));
 }
 
-// Names the times at which the blade is straight or taut, and what the clamps' errors may do there.
+// Names the times at which the blade is straight or taut, and what the clamps' errors may do there. In one
+// line: on the edge of what counts as held, a blade may go to and fro from pose to pose.
 void warn_of_straight_blades(const StripPlan& strip, const Settings& settings,
                              const std::vector<PoseMargin>& margins, BladeMotion& motion) {
   const auto& poses = motion.poses;
+  std::size_t first = poses.size(), last = 0, count = 0;
+  double moved_mm = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!unheld(poses[i], margins[i], settings)) continue;
-    const std::size_t first = i;
-    double moved = 0;
-    for (; i < poses.size() && unheld(poses[i], margins[i], settings); ++i)
-      moved = std::max(moved, clamp_error_mm(poses[i], margins[i].straight_mm, settings.machine));
-    motion.warnings.push_back(
-        say(Saying::kNearlyStraight, {strip.id, poses[first].t, name(poses[first].phase), poses[i - 1].t,
-                                      name(poses[i - 1].phase), i - first, moved}));
+    first = std::min(first, i);
+    last = i;
+    ++count;
+    moved_mm = std::max(moved_mm, clamp_error_mm(poses[i], margins[i].straight_mm, settings.machine));
   }
+  if (count == 0) return;
+  motion.warnings.push_back(
+      say(Saying::kNearlyStraight, {strip.id, count, poses[first].t, name(poses[first].phase), poses[last].t,
+                                    name(poses[last].phase), moved_mm}));
 }
 
 // Where `before` puts a pose first.

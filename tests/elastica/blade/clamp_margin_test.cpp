@@ -167,6 +167,65 @@ TEST(ClampMargin, OfANearlyStraightBladeIsTheWayToTheStraightOne) {
   EXPECT_NEAR(clamp_margin({5, 6, 0.3, 0, 0, 0, kLength}).margin_mm, 0, 1e-9);
 }
 
+// A shallow blade pulled by a force of `pull` over EI / length^2, its tangents turned from the chord, which
+// is along x, by `ramp` alike and by `arch` against each other. By the first order, theta = across + bent
+// cosh(k (s - 1/2)) + arch sinh(k (s - 1/2)) / sinh(k / 2).
+Elastica shallow(double ramp, double arch, double pull) {
+  const double k = std::sqrt(pull), l2 = kLength * kLength, mean = std::sinh(k / 2) * 2 / k;
+  const double bent = -ramp / (std::cosh(k / 2) - mean), across = -bent * mean;
+  const double kappa = (k * arch / std::tanh(k / 2) - k * bent * std::sinh(k / 2)) / kLength;
+  return {0, 0, -(ramp + arch), kappa, -pull * std::cos(across) / l2, -pull * std::sin(across) / l2, kLength};
+}
+
+// A straight blade buckles at 4 pi^2, and so does one held between parallel ends. The chord of such a shape:
+// theta = ramp cos 2 pi s, by its first order.
+double where_parallel_ends_buckle_mm(const Elastica& e, double ramp) {
+  const double euler = 4 * M_PI * M_PI / kLength / kLength;
+  const Elastica buckling{0, 0, -ramp, 0, euler, 0, kLength};
+  EXPECT_NEAR(stability_margin(buckling), 0, 0.05);
+  return clamp_distance(clamps_of(e), clamps_of(buckling), kWeight);
+}
+
+TEST(ClampMargin, IsNoMoreThanTheWayToWhereParallelEndsBuckle) {
+  for (const double ramp : {0.01, 0.03, 0.06}) {
+    for (const double arch : {0.0, 1e-4, 1e-3, 4e-3}) {
+      for (const double pull : {2.0, 20.0, 40.0}) {
+        const Elastica e = shallow(ramp, arch, pull);
+        const double way = where_parallel_ends_buckle_mm(e, ramp);
+        const ClampMargin margin = clamp_margin(e);
+        ASSERT_LT(1.5 * way, margin.straight_mm) << ramp << ' ' << arch << ' ' << pull;
+        EXPECT_LE(margin.margin_mm, 1.01 * way) << ramp << ' ' << arch << ' ' << pull;
+        EXPECT_GT(margin.margin_mm, 0);
+      }
+    }
+  }
+}
+
+// What the walk of a dense search snaps at on shallow blades, too, some of them bowed.
+TEST(ClampMargin, OfShallowBladesIsNoMoreThanADenseSearchFinds) {
+  std::mt19937_64 random(21);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int near = 0;
+  for (int i = 0; i < 24; ++i) {
+    const Elastica e = shallow(0.05 * unit(random), 0.02 * unit(random), 22 + 20 * unit(random));
+    const ClampMargin margin = clamp_margin(e, {20, 0});
+    EXPECT_LE(margin.margin_mm, 1.002 * dense_search_mm(e, 20, 40)) << i;
+    near += margin.fold_mm < 0.5 * margin.straight_mm ? 1 : 0;
+  }
+  EXPECT_GT(near, 5);
+}
+
+TEST(ClampMargin, OfAShallowBladeIsTheSameFromTheFoldsOfTheNeighbouringPose) {
+  const ClampMarginOptions options{200, 0};
+  ClampMargin near;
+  for (int i = 0; i < 30; ++i) {
+    const Elastica e = shallow(0.04 - 0.001 * i, 0.001 * (i - 15), 30 - 0.5 * i);
+    const ClampMargin full = clamp_margin(e, options);
+    near = clamp_margin(e, near.folds, options);
+    EXPECT_NEAR(near.margin_mm, full.margin_mm, 1e-3 * full.margin_mm) << i;
+  }
+}
+
 TEST(ClampMargin, DoesNotDependOnThePlaceOfThePair) {
   const Elastica e = arches().back();
   Elastica moved = e;
