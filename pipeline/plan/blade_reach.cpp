@@ -46,8 +46,15 @@ class Surroundings {
     for (const auto& t : triangles) {
       if (!near(t)) continue;
       const Vector3d &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
-      pieces_.push_back({t, (a + b + c) / 3, std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()})});
+      pieces_.push_back({t, (a + b + c) / 3, std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}), 0});
     }
+    for (const Piece& piece : pieces_) longest_ = std::max(longest_, piece.longest);
+    // In columns along x, by y in each: most lengths asked about are short beside `reach`.
+    constexpr double kColumns = 32;
+    column_mm_ = std::max(longest_, 2 * reach / kColumns);
+    for (Piece& piece : pieces_) piece.column = column_of(piece.middle.x());
+    std::sort(pieces_.begin(), pieces_.end(),
+              [](const Piece& a, const Piece& b) { return a.key() < b.key(); });
     std::vector<std::array<int, 3>> edges;  // as triangles without width
     for (const int corner : mesh.border()) {
       const auto& t = triangles[static_cast<std::size_t>(corner) / 3];
@@ -122,19 +129,13 @@ class Surroundings {
   [[nodiscard]] std::optional<std::vector<Vector3d>> ring(const Vector3d& p, double from_mm, double to_mm,
                                                           double spacing_mm) const {
     std::vector<Vector3d> points;
-    for (const Piece& piece : pieces_) {
-      const double off = (piece.middle - p).norm();
-      if (off > to_mm + piece.longest || off < from_mm - piece.longest) continue;
-      const Vector3d a = at(piece.corners[0]), b = at(piece.corners[1]) - a, c = at(piece.corners[2]) - a;
-      constexpr double kMostParts = 64;  // of an edge
-      if (piece.longest > kMostParts * spacing_mm) return std::nullopt;
-      const int parts = std::max(1, static_cast<int>(std::ceil(piece.longest / spacing_mm)));
-      for (int i = 0; i <= parts; ++i) {
-        for (int j = 0; i + j <= parts; ++j) {
-          const Vector3d q = a + b * i / parts + c * j / parts - p;
-          const double d = q.norm();
-          if (d >= from_mm && d <= to_mm) points.push_back(q);
-        }
+    const double farthest = to_mm + longest_;
+    const long last = column_of(p.x() + farthest);
+    for (long column = column_of(p.x() - farthest); column <= last; ++column) {
+      auto next = std::lower_bound(pieces_.begin(), pieces_.end(), std::pair(column, p.y() - farthest),
+                                   [](const Piece& piece, const auto& key) { return piece.key() < key; });
+      for (; next != pieces_.end() && next->key() <= std::pair(column, p.y() + farthest); ++next) {
+        if (!add_samples(*next, p, from_mm, to_mm, spacing_mm, points)) return std::nullopt;
       }
     }
     return points;
@@ -143,12 +144,36 @@ class Surroundings {
   struct Piece {
     std::array<int, 3> corners;
     Vector3d middle;
-    double longest;  // edge: no point of the triangle is farther from its middle
+    double longest;   // edge: no point of the triangle is farther from its middle
+    long column = 0;  // of the middle
+    [[nodiscard]] std::pair<long, double> key() const { return {column, middle.y()}; }
   };
+
+  [[nodiscard]] long column_of(double x) const { return std::lround(x / column_mm_); }
+
+  // Those of a piece; whether they are not too many.
+  [[nodiscard]] bool add_samples(const Piece& piece, const Vector3d& p, double from_mm, double to_mm,
+                                 double spacing_mm, std::vector<Vector3d>& points) const {
+    const double off = (piece.middle - p).norm();
+    if (off > to_mm + piece.longest || off < from_mm - piece.longest) return true;
+    const Vector3d a = at(piece.corners[0]), b = at(piece.corners[1]) - a, c = at(piece.corners[2]) - a;
+    constexpr double kMostParts = 64;  // of an edge
+    if (piece.longest > kMostParts * spacing_mm) return false;
+    const int parts = std::max(1, static_cast<int>(std::ceil(piece.longest / spacing_mm)));
+    for (int i = 0; i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        const Vector3d q = a + b * i / parts + c * j / parts - p;
+        const double d = q.norm();
+        if (d >= from_mm && d <= to_mm) points.push_back(q);
+      }
+    }
+    return true;
+  }
 
   std::span<const Vector3d> vertices_;
   CutLimits limits_;
-  std::vector<Piece> pieces_;
+  std::vector<Piece> pieces_;  // by their columns
+  double longest_ = 0, column_mm_ = 1;
   std::optional<gpu::MeshDistance> border_;
 };
 

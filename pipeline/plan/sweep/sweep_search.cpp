@@ -410,7 +410,7 @@ class Search {
     // of them; where blades were tried, as many say enough.
     constexpr int kTooLarge = 3, kTooHard = 3;
     // A design that takes more than twice the parts that its size asks for is no design for a blade.
-    const std::size_t most = 2 * tried.layout.parts.size() + 16;
+    const std::size_t most = 4 * tried.layout.parts.size() + 16;
     int too_large = 0, too_hard = 0;
     for (int round = 0; round < rounds;) {
       const bool planned = tried.any_planned();
@@ -418,7 +418,8 @@ class Search {
       std::optional<Tried> next = planned ? calmed(tried) : std::nullopt;
       const bool is_calmed = next.has_value();
       if (next) tried = std::move(*next);
-      const bool splits = tried.many ? tried.failing() > 0 : !is_calmed;
+      // What left the design too far may do so for a neighbour that is calmer now.
+      const bool splits = tried.many ? tried.failing() > 0 : !is_calmed || tried.fails_by_itself();
       if (!is_calmed && !splits) return tried;
       if (splits) {
         next = split(tried, most);

@@ -41,6 +41,13 @@ struct Tried {
   [[nodiscard]] std::size_t failing() const {
     return static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true));
   }
+  // Whether parts fail, each for a reason of its own.
+  [[nodiscard]] bool fails_by_itself() const {
+    for (std::size_t i = 0; i < failed.size(); ++i) {
+      if (failed[i] && too_far[i]) return false;
+    }
+    return failing() > 0;
+  }
   // Whether what failed was more than parts that no fit is tried for.
   [[nodiscard]] bool any_planned() const {
     for (std::size_t i = 0; i < failed.size(); ++i) {

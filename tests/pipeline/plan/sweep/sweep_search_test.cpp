@@ -291,6 +291,35 @@ TEST(SweepSearch, FitsMoreCalmlyOnlyWhatItsBladesShapeRefuses) {
   EXPECT_EQ(calmer_ones(false), 0U);
 }
 
+// How many plans are calmer, and how many split, when of the strips of each the first is refused by its
+// blade's shape, and the last by its motion or for leaving the design.
+std::pair<std::size_t, std::size_t> calmer_and_split(bool too_far) {
+  Settings small = back_of();
+  small.stock.max_size_mm = {420, 600, 300};
+  std::pair<std::size_t, std::size_t> ways;
+  SweepJudges judges;
+  judges.together = [&](const SweptPlan& plan) -> SweepVerdict {
+    ways.first += plan.way == SweepWay::kCalmer ? 1 : 0;
+    ways.second += plan.way == SweepWay::kSplit ? 1 : 0;
+    SweepVerdict verdict;
+    for (std::vector<bool>* of : {&verdict.failed, &verdict.too_far, &verdict.misshapen})
+      of->assign(plan.strips.size(), false);
+    if (plan.strips.size() < 2) return verdict;
+    verdict.failed.front() = verdict.failed.back() = verdict.misshapen.front() = true;
+    verdict.too_far.back() = too_far;
+    return verdict;
+  };
+  search_sweeps(patch_design(), small, judges);
+  return ways;
+}
+
+TEST(SweepSearch, SplitsAtOnceWhatItsNeighboursCalmerFitDoesNotHelp) {
+  const auto [calmer, split] = calmer_and_split(false);
+  EXPECT_EQ(calmer, 0U);
+  EXPECT_GT(split, 0U);
+  EXPECT_GT(calmer_and_split(true).first, 0U);
+}
+
 TEST(SweepSearch, OfFewPartsLooksAtAllTogetherOnly) {
   Settings small = back_of();
   small.stock.max_size_mm = {420, 600, 300};
