@@ -27,6 +27,19 @@ constexpr double kKept = 0.25;
 // More facets within kFarMm than any design has that a walk should see through.
 constexpr int kMostFacets = 10'000;
 
+// Square to the face, as long as twice its area.
+Vector3d across_face(const TriangleMesh& mesh, int face) {
+  const auto& [a, b, c] = mesh.triangles()[static_cast<std::size_t>(face)];
+  const auto at = [&](int v) -> const Vector3d& { return mesh.vertices()[static_cast<std::size_t>(v)]; };
+  return (at(b) - at(a)).cross(at(c) - at(a));
+}
+
+double turn_between(const TriangleMesh& mesh, int face, int other) {
+  const Vector3d m = across_face(mesh, face).stableNormalized(),
+                 n = across_face(mesh, other).stableNormalized();
+  return std::atan2(m.cross(n).norm(), m.dot(n));
+}
+
 class Creases {
  public:
   Creases(const TriangleMesh& mesh, const CreaseLimits& limits) : mesh_(mesh), limits_(limits) {
@@ -66,11 +79,7 @@ class Creases {
         found.push_back(corner);
     }
   }
-  // Square to the face, as long as twice its area.
-  [[nodiscard]] Vector3d across(int face) const {
-    const int corner = 3 * face;
-    return (at(corner + 1) - at(corner)).cross(at(corner + 2) - at(corner));
-  }
+  [[nodiscard]] Vector3d across(int face) const { return across_face(mesh_, face); }
   [[nodiscard]] Vector3d normal(int face) const { return across(face).stableNormalized(); }
 
   // Told without a root or an angle of nearly all edges of a smooth surface: their fold rounds off.
@@ -79,10 +88,7 @@ class Creases {
     return flat_ > 0 && cosine > 0 && squares > kLeastSquares && cosine * cosine > flat_ * flat_ * squares;
   }
 
-  [[nodiscard]] double turn(int face, int other) const {
-    const Vector3d m = normal(face), n = normal(other);
-    return std::atan2(m.cross(n).norm(), m.dot(n));
-  }
+  [[nodiscard]] double turn(int face, int other) const { return turn_between(mesh_, face, other); }
 
   [[nodiscard]] bool is_crease(int corner, int other) const {
     const double fold = turn(corner / 3, other / 3);
@@ -218,8 +224,23 @@ class Bridges {
     return border_[static_cast<std::size_t>(v)] || !creases_[static_cast<std::size_t>(v)].empty();
   }
 
-  // Straight on from a crease's end for as long as the crease itself is: what faded farther back is another
-  // one.
+  // Whether the surface still folds at an edge: by more than at the others of its two triangles.
+  [[nodiscard]] bool folds_at(int corner) const {
+    constexpr double kSharper = 2, kLeast_rad = 1e-3;  // far over the rounding of a flat place
+    const auto fold = [&](int c) {
+      const int other = mesh_.beyond(c);
+      return other == TriangleMesh::kNone ? 0.0 : turn_between(mesh_, c / 3, other / 3);
+    };
+    double beside = kLeast_rad;
+    for (const int own : {corner, mesh_.beyond(corner)}) {
+      if (own == TriangleMesh::kNone) return false;
+      for (int c = next_corner(own); c != own; c = next_corner(c)) beside = std::max(beside, fold(c));
+    }
+    return fold(corner) > kSharper * beside;
+  }
+
+  // Straight on from a crease's end as long as the surface folds there, and from there for as long as the
+  // crease itself is: what faded farther back is another one.
   [[nodiscard]] Way on_from(int end) const {
     constexpr int kLook = 3;        // edges that tell the crease's direction
     constexpr double kAhead = 0.7;  // cosine: edges within 45 degrees of it
@@ -237,7 +258,8 @@ class Bridges {
     Vector3d along = (at(end) - at(back)).stableNormalized();
     Way way;
     double gone = 0;
-    for (v = end; gone < length;) {
+    const std::size_t edges_in_all = mesh_.triangles().size() * 3;
+    for (v = end; gone < length && way.size() < edges_in_all;) {
       Step best;
       double ahead = kAhead;
       for (const Step& step : beside_[static_cast<std::size_t>(v)]) {
@@ -247,7 +269,7 @@ class Bridges {
         best = step;
       }
       if (!(ahead > kAhead)) break;
-      gone += (at(best.to) - at(v)).norm();
+      if (gone > 0 || !folds_at(best.corner)) gone += (at(best.to) - at(v)).norm();
       along = (along + kBend * (at(best.to) - at(v)).stableNormalized()).stableNormalized();
       way.push_back(best);
       v = best.to;

@@ -22,10 +22,10 @@ struct CreaseLimits {
 // a coarse arc's, is none. Throws std::logic_error where a limit is not above 0.
 [[nodiscard]] std::vector<int> creases(const TriangleMesh& mesh, const CreaseLimits& limits);
 
-// Returns the faces that creases part the mesh into, those led on that fade towards others (at most by their
-// own length, along the mesh's edges), each with the vertices and triangles of its own in their order, in the
-// order of their first triangles; the mesh alone where creases part nothing. `face_of_triangle`, where it is
-// given, is set to the face of each triangle.
+// Returns the faces that creases part the mesh into, those led on that fade towards others or a border (along
+// the mesh's edges, as far as it folds there and their own length more), each with the vertices and triangles
+// of its own in their order, in the order of their first triangles; the mesh alone where creases part
+// nothing. `face_of_triangle`, where it is given, is set to the face of each triangle.
 [[nodiscard]] std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
                                                      std::vector<int>* face_of_triangle = nullptr);
 

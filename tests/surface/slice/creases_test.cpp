@@ -177,13 +177,32 @@ TEST(Creases, ThatFadeTowardsACrownMeetThere) {
   }
 }
 
-// A slit that ends inside the surface parts nothing.
+// Four hypars that rise from the middle to a level border, so that their folds fade towards it, as those of
+// an umbrella do. The folds are sharp over a third of their length.
+TEST(Creases, ThatFadeTowardsABorderReachIt) {
+  for (const int n : {12, 40}) {
+    const TriangleMesh mesh(grid(2 * n, 2 * n, [](double u, double v) {
+      const double x = std::abs(2 * u - 1), y = std::abs(2 * v - 1);
+      return Vector3d(2400 * u, 2400 * v, 400 * (x + y - x * y));
+    }));
+    const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits);
+    ASSERT_EQ(faces.size(), 4U) << n;
+    for (const TriangleMesh& face : faces)
+      EXPECT_EQ(face.triangles().size(), mesh.triangles().size() / 4) << n;
+  }
+}
+
+// A slit that ends inside the surface parts nothing, but where folds meet in which it ends.
 TEST(Creases, ThatEndInsidePartNothing) {
-  const TriangleMesh dart(grid(60, 20, [](double u, double v) {
-    return Vector3d(600 * u, 400 * v, 300 * std::max(0.0, v - 0.5) * std::abs(u - 0.5));
-  }));
-  EXPECT_FALSE(creases(dart, {0.5, 110}).empty());
-  EXPECT_EQ(smooth_faces(dart, {0.5, 110}).size(), 1U);
+  const auto dart = [](const std::function<double(double)>& rise) {
+    return TriangleMesh(grid(60, 20, [&](double u, double v) {
+      return Vector3d(600 * u, 400 * v, 300 * rise(std::max(0.0, v - 0.5)) * std::abs(u - 0.5));
+    }));
+  };
+  const TriangleMesh smooth = dart([](double v) { return 2 * v * v; });
+  EXPECT_FALSE(creases(smooth, {0.5, 110}).empty());
+  EXPECT_EQ(smooth_faces(smooth, {0.5, 110}).size(), 1U);
+  EXPECT_EQ(smooth_faces(dart([](double v) { return v; }), {0.5, 110}).size(), 3U);
 }
 
 TEST(Creases, DoNotDependOnWhereTheMeshLiesOrHowItIsNumbered) {
