@@ -362,6 +362,7 @@ std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLim
   for (std::size_t f = 0; f < parted.of_triangle.size(); ++f)
     triangles[static_cast<std::size_t>(parted.of_triangle[f])].push_back(static_cast<int>(f));
   std::vector<TriangleMesh> faces;
+  faces.reserve(triangles.size());
   for (const std::vector<int>& own : triangles) faces.push_back(piece_of(mesh, own));
   return faces;
 }
