@@ -274,7 +274,8 @@ class FoldSearch {
     Vector4d d = multiplier * steepest;
     // Along a direction that no clamp feels the value has a least one beside an edge of folds, where steps by
     // the slope alone go from side to side.
-    constexpr double kEnough = 0.25, kMostDoublings = 12;
+    constexpr double kEnough = 0.25;  // of the value, that the bend leaves
+    constexpr int kMostDoublings = 12;
     double least = left(d);
     for (int i = 0; i < kMostDoublings && least > kEnough; ++i) {
       multiplier *= 2;

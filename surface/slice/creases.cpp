@@ -258,7 +258,7 @@ class Bridges {
     Vector3d along = (at(end) - at(back)).stableNormalized();
     Way way;
     double gone = 0;
-    const std::size_t edges_in_all = mesh_.triangles().size() * 3;
+    const std::size_t edges_in_all = mesh_.triangles().size() * 3;  // a way around a ring would go on
     for (v = end; gone < length && way.size() < edges_in_all;) {
       Step best;
       double ahead = kAhead;
