@@ -97,6 +97,11 @@ function(hotblade_test room)
   add_executable(${target} ${sources})
   # Tests of one room use the same short names each for themselves.
   set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+  if(HOTBLADE_UNITY)
+    target_precompile_headers(${target} REUSE_FROM hotblade_test_headers)
+  endif()
+  # What is tested is optimised in its own room.
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_link_libraries(${target} PRIVATE hotblade_options hotblade_test_paths ${ARG_LINK} GTest::gmock
     GTest::gtest_main)
   include(GoogleTest)

@@ -41,7 +41,7 @@ void explain_deviations(const surface::DesignSurface& design, const Settings& se
       unexplained.push_back(&refusal);
   }
   if (unexplained.empty()) return;
-  const surface::CreaseLimits limits = crease_limits(settings.design.tolerance_mm, settings.blade);
+  const surface::CreaseLimits limits = crease_limits(settings, settings.blade);
   const std::vector<surface::TriangleMesh> faces = surface::smooth_faces(design.mesh, limits);
   // A cut on the inner side of the bend is sharper than the blade.
   const double half_band_mm = 0.5 * settings.blade.band_mm(settings.motion.feed_mm_s);

@@ -347,10 +347,7 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   surface::TriangleMesh thin;
   Vector3d seen = Vector3d::Zero();
   surface::side_by_side(
-      [&] {
-        f.faces =
-            surface::smooth_faces(cut, crease_limits(settings.design.tolerance_mm, settings.blade)).size();
-      },
+      [&] { f.faces = surface::smooth_faces(cut, crease_limits(settings, settings.blade)).size(); },
       [&] {
         thin = thinned(
             cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));

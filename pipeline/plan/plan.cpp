@@ -1,9 +1,8 @@
 #include "pipeline/plan/plan.hpp"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,6 +11,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/deviation_reasons.hpp"
+#include "pipeline/plan/face_plans.hpp"
 #include "pipeline/plan/nearest_plan.hpp"
 #include "pipeline/plan/plan_progress.hpp"
 #include "pipeline/plan/stopwatch.hpp"
@@ -25,7 +25,6 @@
 #include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/design_faces.hpp"
-#include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -120,8 +119,7 @@ void judge(const Settings& settings, PlanResult& result) {
 
 // Ribs follow the facets of the file, not the surface that they stand for.
 void warn_of_facets(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
-  const double chord =
-      mesh_chord_mm(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade));
+  const double chord = mesh_chord_mm(design.mesh, crease_limits(settings, settings.blade));
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   if (chord <= allowed) return;
   result.warnings.push_back(say(Saying::kFacets, {chord, allowed}));
@@ -364,7 +362,8 @@ void take(PlanResult other, PlanResult& result) {
 // Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
 // looked at in full, `progress` of the rest. Returns the plan that is shown.
 SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
+                     PlanProgress& progress, Stopwatch& watch, PlanResult& result,
+                     std::size_t most_parts = kMostStrips) {
   std::optional<SweptPlan> taken;
   Nearest nearest;
   PlanLooks looks(design, settings, hooks, watch, result);
@@ -404,53 +403,13 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
     bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
   std::vector<PlanesTried> ranking;
   try {
-    ranking = search_sweeps(design, settings, judges, watched, bands);
+    ranking = search_sweeps(design, settings, judges, watched, bands, most_parts);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
   if (!taken) take(nearest.shown(design, settings, hooks, looks), result);
   result.ranking = std::move(ranking);
   return taken.value_or(nearest.swept());
-}
-
-// One face of a design as a design of its own.
-surface::DesignSurface face_of(const surface::DesignSurface& design, surface::TriangleMesh mesh) {
-  surface::DesignSurface face;
-  face.units = design.units;
-  face.scale_to_mm = design.scale_to_mm;
-  face.up = design.up;
-  face.health.vertices = mesh.vertices().size();
-  face.health.triangles = mesh.triangles().size();
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : mesh.vertices()) box.extend(p);
-  face.health.bbox_mm = {box.min(), box.max()};
-  const MeshView view{mesh.vertices(), mesh.triangles()};
-  for (std::size_t f = 0; f < mesh.triangles().size(); ++f)
-    face.health.area_mm2 += facet(view, static_cast<int>(f)).area();
-  face.mesh = std::move(mesh);
-  return face;
-}
-
-// A face's plan behind those of the faces before, its parts named on from theirs.
-void append(SweptPlan& whole, SweptPlan face) {
-  const std::size_t before = whole.fits.size();
-  const auto renamed = [&](const std::string& id) {
-    constexpr std::size_t kLetter = 1;
-    return fmt::format("S{:03}", before + std::stoul(id.substr(kLetter)));
-  };
-  if (before == 0) whole.planes = face.planes;
-  for (StripPlan& strip : face.strips) {
-    strip.id = renamed(strip.id);
-    whole.strips.push_back(std::move(strip));
-  }
-  for (Refusal& refusal : face.refusals) {
-    refusal.strip = renamed(refusal.strip);
-    whole.refusals.push_back(std::move(refusal));
-  }
-  whole.parts += face.parts;
-  whole.fits.insert(whole.fits.end(), face.fits.begin(), face.fits.end());
-  whole.deviation_mm = std::max(whole.deviation_mm, face.deviation_mm);
-  whole.sag_mm = std::max(whole.sag_mm, face.sag_mm);
 }
 
 // A design with creases: no blade goes over one within the tolerance, so each of the faces that meet there is
@@ -487,13 +446,48 @@ SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::T
   return whole;
 }
 
-void try_design(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
+// The faces of a design with its shallow folds crossed or parted, which settings and program say from then
+// on.
+std::vector<surface::TriangleMesh> faces_with(ShallowFolds folds, const surface::DesignSurface& design,
+                                              Settings& settings, PlanResult& result) {
+  settings.slice.shallow_folds = result.program.settings.slice.shallow_folds = folds;
+  return surface::smooth_faces(design.mesh, crease_limits(settings, settings.blade));
+}
+
+// A blade that is swept across a shallow fold rounds it, but none goes far to both sides of one. So where the
+// settings leave it open strips go over such folds where fewer of these serve than there are faces between
+// them. Returns the plan that is shown.
+SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
+                    PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
+  const auto plan_faces = [&](std::vector<surface::TriangleMesh> faces) {
+    return faces.size() == 1 ? try_sweeps(design, settings, hooks, progress, watch, result)
+                             : try_faces(design, std::move(faces), settings, hooks, progress, watch, result);
+  };
+  const ShallowFolds asked = settings.slice.shallow_folds;
+  if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result));
+  std::vector<surface::TriangleMesh> parted = faces_with(ShallowFolds::kParted, design, settings, result),
+                                     crossed = faces_with(ShallowFolds::kCrossed, design, settings, result);
+  if (parted.size() == crossed.size()) return plan_faces(std::move(crossed));
+  const std::size_t most = parted.size() - 1;
+  if (crossed.size() == 1 && strips_lower_bound(design.health.area_mm2, settings) <= most) {
+    PlanResult over;
+    over.program = result.program;
+    SweptPlan swept = try_sweeps(design, settings, hooks, progress, watch, over, most);
+    if (over.refusals.empty()) {
+      over.times = std::move(result.times);
+      result = std::move(over);
+      return swept;
+    }
+    result.decisions = std::move(over.decisions);
+    result.ranking = std::move(over.ranking);
+  }
+  (void)faces_with(ShallowFolds::kParted, design, settings, result);
+  return plan_faces(std::move(parted));
+}
+
+void try_design(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
                 PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
-  std::vector<surface::TriangleMesh> faces =
-      surface::smooth_faces(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade));
-  const SweptPlan shown = faces.size() == 1
-                              ? try_sweeps(design, settings, hooks, progress, watch, result)
-                              : try_faces(design, std::move(faces), settings, hooks, progress, watch, result);
+  const SweptPlan shown = try_folds(design, settings, hooks, progress, watch, result);
   if (!result.refusals.empty()) return;
   tbb::parallel_for(std::size_t{0}, result.strips.size(), [&](std::size_t i) {
     result.strips[i].blades = try_other_blades(shown.strips[i], settings);
@@ -532,7 +526,7 @@ std::string clamp_coordinate_name(std::size_t coordinate) {
 }
 
 PlanResult plan(const surface::DesignSurface& design, const Settings& given, const PlanHooks& hooks) {
-  const Settings settings = with_true_lengths(given);
+  Settings settings = with_true_lengths(given);
   PlanResult result;
   Program& program = result.program;
   program.created_by = "hotblade " + version();

@@ -19,8 +19,9 @@ using WritePiece = std::function<void(std::string_view)>;
 void write_file_atomically(const std::filesystem::path& path,
                            const std::function<void(const WritePiece&)>& produce, bool force);
 
-// Writes a file in two steps, for others that have to wait for it: the constructor writes and syncs it, and
-// place() puts it in its place. One that was not placed leaves nothing. Both throw as above.
+// Writes a file in two steps, for others that have to wait for it: the constructor writes it, and place()
+// syncs it and puts it in its place. What is written goes to the disk from then on, so that place() waits for
+// little of it. One that was not placed leaves nothing. Both throw as above.
 class StagedFile {
  public:
   StagedFile(const std::filesystem::path& path, const std::function<void(const WritePiece&)>& produce,

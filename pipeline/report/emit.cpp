@@ -1,5 +1,6 @@
 #include "pipeline/report/emit.hpp"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_group.h>
 
@@ -92,13 +93,13 @@ class ProgramWriter {
   ProgramWriter(const ProgramWriter&) = delete;
   ProgramWriter& operator=(const ProgramWriter&) = delete;
 
-  // Returns the SHA-256 of the program's text.
-  std::string place() {
+  // Waits for the program's text. Returns its SHA-256.
+  std::string sha256() {
     tasks_.wait();
     if (error_) std::rethrow_exception(error_);
-    staged_->place();
     return sha256_.hex();
   }
+  void place() { staged_->place(); }
 
  private:
   Sha256 sha256_;
@@ -163,14 +164,19 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   const ReportPictures pictures = take_pictures(result);
   if (program) {
     write_ribs(result.program, draft / "ribs");
-    emitted.program_sha256 = program->place();
-    write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+    emitted.program_sha256 = program->sha256();
   }
   if (!result.refusals.empty()) {
     write_file_atomically(draft / "refused.json",
                           to_json(RefusedPlan{refused_reasons(result, Words("en")), result.program}), false);
   }
-  write_reports(result, draft, facts, pictures, emitted.program_sha256);
+  tbb::parallel_invoke(
+      [&] {
+        if (!program) return;
+        write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+      },
+      [&] { write_reports(result, draft, facts, pictures, emitted.program_sha256); });
+  if (program) program->place();
   output.commit();
   return emitted;
 }

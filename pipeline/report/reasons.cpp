@@ -216,8 +216,8 @@ std::string split_reason(const PlanResult& result, const Words& w) {
 std::string creases_reason(const PlanResult& result, const Words& w) {
   if (result.faces.empty() || taken(result) == nullptr) return "";
   return w.format(
-             "The design has {} smooth faces that meet in creases, over which no blade goes within the "
-             "tolerance; each was planned as a design of its own.",
+             "The design has {} smooth faces that meet in creases, which no strip follows far to both sides "
+             "within the tolerance; each was planned as a design of its own.",
              result.faces.size()) +
          " " + cost_text(result.strips, w);
 }

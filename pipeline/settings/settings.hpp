@@ -20,12 +20,16 @@ namespace hotblade::pipeline {
 enum class Keep { kBelow, kAbove, kBack, kFront };
 // May one blade cut both sides of a window?
 enum class Gaps { kBridge, kApart };
+// May one blade go over a fold that it can round, but stands alone (surface/slice/creases.hpp)? What a plan
+// chose stands in its program.
+enum class ShallowFolds { kAuto, kCrossed, kParted };
 // What becomes of a plan whose error budget is over the tolerance.
 enum class OverBudget { kWarn, kRefuse };
 
 // Return the words that settings and programs have for them.
 [[nodiscard]] std::string_view name(Keep keep);
 [[nodiscard]] std::string_view name(Gaps gaps);
+[[nodiscard]] std::string_view name(ShallowFolds folds);
 [[nodiscard]] std::string_view name(OverBudget over_budget);
 
 struct DesignSettings {
@@ -49,6 +53,7 @@ struct SliceSettings {
   std::optional<std::array<double, 6>> fan_axis;
   double spacing_mm = 0;  // largest distance between the ribs of a strip; 0: as few ribs as the fit takes
   Gaps gaps = Gaps::kBridge;
+  ShallowFolds shallow_folds = ShallowFolds::kAuto;
 };
 
 struct FitSettings {

@@ -59,6 +59,11 @@ constexpr SettingField kFields[] = {
     {"slice", "gaps", "", 0, 0, kGapsWords,
      "Windows and notches: one strip across them where it serves both sides, or a block for each side",
      [](S& s) -> Place { return &s.slice.gaps; }},
+    {"slice", "shallow_folds", "", 0, 0, kShallowFoldsWords,
+     "Folds that a blade could round but no family follows far to both sides: strips across them, or a face "
+     "to "
+     "each side; auto: across where that takes fewer strips than there are faces",
+     [](S& s) -> Place { return &s.slice.shallow_folds; }},
 
     {"fit", "lambda_threshold", "", 0, 10, "",
      "Ribs with a larger lambda-residual are projected before the fit",
@@ -243,6 +248,10 @@ std::string_view name(Keep keep) {
 
 std::string_view name(Gaps gaps) {
   return word_at(kGapsWords, static_cast<std::size_t>(gaps));
+}
+
+std::string_view name(ShallowFolds folds) {
+  return word_at(kShallowFoldsWords, static_cast<std::size_t>(folds));
 }
 
 std::string_view name(OverBudget over_budget) {

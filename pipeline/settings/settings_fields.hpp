@@ -16,7 +16,7 @@ namespace hotblade::pipeline {
 
 // A place inside a Settings value.
 using SettingPlace =
-    std::variant<double*, int*, std::string*, Keep*, Gaps*, OverBudget*, std::vector<double>*,
+    std::variant<double*, int*, std::string*, Keep*, Gaps*, ShallowFolds*, OverBudget*, std::vector<double>*,
                  std::vector<std::array<double, 2>>*, std::vector<std::array<double, 3>>*,
                  std::array<double, 3>*, std::optional<std::array<double, 3>>*,
                  std::optional<std::array<double, 6>>*>;
@@ -26,6 +26,7 @@ inline constexpr std::string_view kAnyText = "*";
 
 // The words of each enum, in its order.
 inline constexpr std::string_view kKeepWords = "below|above|back|front", kGapsWords = "bridge|apart",
+                                  kShallowFoldsWords = "auto|crossed|parted",
                                   kOverBudgetWords = "warn|refuse";
 
 struct SettingField {

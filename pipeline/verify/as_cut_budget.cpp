@@ -237,8 +237,7 @@ AsCutBudget as_cut_budget(const Program& program, const std::vector<ExecutedStri
     add_motion_errors(program.strips[i], executed[i], program.settings.machine.clamps, motion);
   }
   const double joint = std::min(planned("joint_fit"), ribs.fit_mm);
-  budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh, crease_limits(program.settings.design.tolerance_mm,
-                                                                       program.blade))},
+  budget.lines_mm = {{"mesh", mesh_chord_mm(design.mesh, crease_limits(program.settings, program.blade))},
                      {"section", ribs.section_mm},
                      {"fit", ribs.fit_mm - joint},
                      {"joint_fit", joint},

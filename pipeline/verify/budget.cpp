@@ -75,8 +75,7 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
   for (const Strip& strip : program.strips) {
     for (const Rib& rib : strip.ribs) fit = std::max(fit, rib.design_deviation_mm);
   }
-  return {{"mesh",
-           mesh_chord_mm(design.mesh, crease_limits(program.settings.design.tolerance_mm, program.blade))},
+  return {{"mesh", mesh_chord_mm(design.mesh, crease_limits(program.settings, program.blade))},
           {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
           {"joint_fit", std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},

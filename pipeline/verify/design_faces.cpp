@@ -20,8 +20,9 @@ constexpr std::size_t kFeetAtOnce = 1024;
 
 }  // namespace
 
-surface::CreaseLimits crease_limits(double tolerance_mm, const robot::Blade& blade) {
-  return {tolerance_mm, 1 / robot::max_curvature_per_mm(blade)};
+surface::CreaseLimits crease_limits(const Settings& settings, const robot::Blade& blade) {
+  return {settings.design.tolerance_mm, 1 / robot::max_curvature_per_mm(blade),
+          settings.slice.shallow_folds == ShallowFolds::kParted};
 }
 
 DesignFaces::Face::Face(const surface::TriangleMesh& of, gpu::Backend backend)
@@ -30,9 +31,8 @@ DesignFaces::Face::Face(const surface::TriangleMesh& of, gpu::Backend backend)
 DesignFaces::DesignFaces(const surface::TriangleMesh& design, const Program& program, gpu::Backend backend)
     : face_of_strip_(program.strips.size(), 0) {
   std::vector<int> face_of_triangle;
-  const double tolerance_mm = program.settings.design.tolerance_mm;
   for (const surface::TriangleMesh& mesh :
-       surface::smooth_faces(design, crease_limits(tolerance_mm, program.blade), &face_of_triangle))
+       surface::smooth_faces(design, crease_limits(program.settings, program.blade), &face_of_triangle))
     faces_.emplace_back(mesh, backend);
   if (faces_.size() > 1) assign(design, face_of_triangle, program);
 }

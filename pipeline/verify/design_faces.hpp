@@ -16,8 +16,8 @@
 
 namespace hotblade::pipeline {
 
-// What counts as a crease of a design that is cut with this blade within this tolerance.
-[[nodiscard]] surface::CreaseLimits crease_limits(double tolerance_mm, const robot::Blade& blade);
+// What counts as a crease of a design that is cut with this blade; shallow folds where they are parted.
+[[nodiscard]] surface::CreaseLimits crease_limits(const Settings& settings, const robot::Blade& blade);
 
 class DesignFaces {
  public:

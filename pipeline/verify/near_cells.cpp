@@ -19,25 +19,33 @@ void keep_each_once(std::vector<Cell>& cells) {
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
+// Adds the cells before and behind along an axis.
+template <typename Cell>
+void widen(std::vector<Cell>& cells, std::size_t axis) {
+  const std::size_t count = cells.size();
+  cells.reserve(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const int side : {-1, 1}) {
+      cells.push_back(cells[i]);
+      cells.back()[axis] += side;
+    }
+  }
+  keep_each_once(cells);
+}
+
 }  // namespace
 
 NearCells::NearCells(std::span<const Eigen::Vector3d> points, double near_mm) : edge_mm_(near_mm) {
   if (!(near_mm > 0)) throw std::logic_error("NearCells: near_mm must be positive");
-  std::vector<Cell> held;
   for (const Eigen::Vector3d& p : points) {
     const Cell c = cell(p);
     // Points come in rows, so most lie in the cell of the one before.
-    if (held.empty() || held.back() != c) held.push_back(c);
-  }
-  keep_each_once(held);
-  for (const Cell& c : held) {
-    for (std::int64_t i = -1; i <= 1; ++i) {
-      for (std::int64_t j = -1; j <= 1; ++j) {
-        for (std::int64_t k = -1; k <= 1; ++k) cells_.push_back({c[0] + i, c[1] + j, c[2] + k});
-      }
-    }
+    if (cells_.empty() || cells_.back() != c) cells_.push_back(c);
   }
   keep_each_once(cells_);
+  // Axis by axis: all 27 around each at once are several times as many as there are.
+  for (std::size_t axis = 0; axis < 3; ++axis) widen(cells_, axis);
+  cells_.shrink_to_fit();
 }
 
 NearCells::Cell NearCells::cell(const Eigen::Vector3d& p) const {

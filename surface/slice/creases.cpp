@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -43,10 +44,14 @@ double turn_between(const TriangleMesh& mesh, int face, int other) {
 class Creases {
  public:
   Creases(const TriangleMesh& mesh, const CreaseLimits& limits) : mesh_(mesh), limits_(limits) {
-    // rounded_mm() of a fold is over the tolerance where the cosine of half of it is below this.
+    // A fold is rounded off within the tolerance where the cosine of half of it is above this.
     const double half = 1 / (1 + 2 * limits_.tolerance_mm / limits_.least_radius_mm);
     constexpr double kMargin = 1e-9;  // far over the rounding of a cosine, and of no fold that matters
-    flat_ = 2 * half * half - 1 + kMargin;
+    // What folds less stands alone only if sides are seen through for longer than walks are.
+    const double alone = std::cos(std::min(wide_rad_mm() / kFarMm, std::numbers::pi));
+    flat_ = 2 * half * half - 1;
+    if (limits_.shallow) flat_ = std::max(flat_, alone);
+    flat_ += kMargin;
   }
 
   [[nodiscard]] std::vector<int> run() const {
@@ -90,33 +95,64 @@ class Creases {
 
   [[nodiscard]] double turn(int face, int other) const { return turn_between(mesh_, face, other); }
 
+  // A chord's height over an arc that turns by the fold: on less than this, divided by the fold, to both
+  // sides an edge may stand for a bend. On more no elastica follows both: the best even function with three
+  // coefficients misses what is straight but for a fold in its middle by a thirtieth of a side times the
+  // fold, here a tolerance.
+  [[nodiscard]] double wide_rad_mm() const { return 8 * kChords * limits_.tolerance_mm; }
+
   [[nodiscard]] bool is_crease(int corner, int other) const {
-    const double fold = turn(corner / 3, other / 3);
+    const double fold = turn(corner / 3, other / 3), wide_mm = wide_rad_mm() / fold;
     // The arc that is tangent to both sides misses the edge by this; a fit shares it out to both sides.
     const double rounded_mm = 0.5 * limits_.least_radius_mm * (1 / std::cos(0.5 * fold) - 1);
-    if (!(rounded_mm > limits_.tolerance_mm)) return false;
-    // A chord's height over an arc that turns by the fold: below it an edge may stand for a bend.
-    const double wide_mm = 8 * kChords * limits_.tolerance_mm / fold;
+    const bool rounds = !(rounded_mm > limits_.tolerance_mm);
+    if (rounds && !(limits_.shallow && wide_mm < kFarMm)) return false;
     return kept_mm(corner, kKept * fold, wide_mm) > wide_mm &&
-           kept_mm(other, kKept * fold, wide_mm) > wide_mm;
+           kept_mm(other, kKept * fold, wide_mm) > wide_mm &&
+           (!rounds || (stands_alone(corner, fold, wide_mm) && stands_alone(other, fold, wide_mm)));
+  }
+
+  // Whether the surface goes on for `wide_mm` from an edge, and nowhere until it ends, or as far as walks go,
+  // folds at once by a share of what it does at the edge: those of coarse facets are many.
+  [[nodiscard]] bool stands_alone(int corner, double fold, double wide_mm) const {
+    bool alone = true;
+    const Walk walked = walk(corner, [&](double passed_mm, int face, int next) {
+      alone = turn(face, next) <= kKept * fold;
+      return alone && passed_mm <= kFarMm;
+    });
+    return alone && walked.way_mm > wide_mm;
   }
 
   // How far the surface goes on from an edge into its triangle, square to it, and turns by less than
   // `most_rad`; followed to beyond `enough_mm` only. Infinity where the surface ends before it turns.
   [[nodiscard]] double kept_mm(int corner, double most_rad, double enough_mm) const {
-    const int first = corner / 3;
+    const Walk walked = walk(corner, [&](double passed_mm, int, int next) {
+      return passed_mm <= std::min(enough_mm, kFarMm) && turn(corner / 3, next) <= most_rad;
+    });
+    return walked.to_border ? std::numeric_limits<double>::infinity() : walked.way_mm;
+  }
+
+  struct Walk {
+    double way_mm = 0;
+    bool to_border = false;
+  };
+
+  // Walks from an edge into its triangle, square to it, and straight on over edges for as long as `goes_on`,
+  // asked at each of these with the way so far, the face before it and the one behind it, says so.
+  template <typename GoesOn>
+  [[nodiscard]] Walk walk(int corner, const GoesOn& goes_on) const {
     const Vector3d edge = at(next_corner(corner)) - at(corner);
-    Vector3d from = at(corner) + 0.5 * edge, along = normal(first).cross(edge).stableNormalized();
-    double passed = 0;
+    Vector3d from = at(corner) + 0.5 * edge, along = normal(corner / 3).cross(edge).stableNormalized();
+    Walk walked;
     int entered = corner;
-    for (int facet = 0; facet < kMostFacets && passed <= std::min(enough_mm, kFarMm); ++facet) {
+    for (int facet = 0; facet < kMostFacets; ++facet) {
       const auto [exit, way] = leaves(entered, from, along);
-      if (exit == TriangleMesh::kNone) return passed;
-      passed += way;
+      if (exit == TriangleMesh::kNone) break;
+      walked.way_mm += way;
       from += way * along;
       const int next = mesh_.beyond(exit);
-      if (next == TriangleMesh::kNone) return std::numeric_limits<double>::infinity();
-      if (turn(first, next / 3) > most_rad) return passed;
+      walked.to_border = next == TriangleMesh::kNone;
+      if (walked.to_border || !goes_on(walked.way_mm, entered / 3, next / 3)) break;
       // Straight on over the edge: the same along it, and into the next triangle.
       const Vector3d over = (at(next_corner(next)) - at(next)).stableNormalized(),
                      inward = normal(next / 3).cross(over);
@@ -124,7 +160,7 @@ class Creases {
       along = share * over + std::sqrt(1 - share * share) * inward;
       entered = next;
     }
-    return passed;
+    return walked;
   }
 
   struct Exit {

@@ -14,12 +14,15 @@ struct CreaseLimits {
   double tolerance_mm = 1;
   // The smallest radius that a cut can have: it rounds a fold of less within the tolerance.
   double least_radius_mm = 100;
+  // Folds that such a radius rounds are creases too where they stand alone.
+  bool shallow = false;
 };
 
 // Returns the corners, ascending and one for each edge, whose edge is a crease: both faces keep their
 // directions for so far to its sides that a smooth surface through them would be off by more than four
-// tolerances, and no rounding by the least radius stays within one. A fold that goes on at the next edges, as
-// a coarse arc's, is none. Throws std::logic_error where a limit is not above 0.
+// tolerances, and no rounding by the least radius stays within one; or, with `shallow`, it stands alone: no
+// edge within 400 mm to its sides folds by a quarter of it. A fold that goes on at the next edges, as a
+// coarse arc's, is none. Throws std::logic_error where a limit is not above 0.
 [[nodiscard]] std::vector<int> creases(const TriangleMesh& mesh, const CreaseLimits& limits);
 
 // Returns the faces that creases part the mesh into, those led on that fade towards others or a border (along

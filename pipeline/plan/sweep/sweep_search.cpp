@@ -23,11 +23,13 @@ using Eigen::Vector3d;
 class Search {
  public:
   Search(const surface::DesignSurface& design, double waste_side, const Settings& settings,
-         const SweepJudges& judges, const WatchSweeps& watch, const BandsOfSweep& bands)
+         const SweepJudges& judges, const WatchSweeps& watch, const BandsOfSweep& bands,
+         std::size_t most_parts)
       : mesh_(design.mesh),
         settings_(settings),
         judges_(judges),
         bands_(bands),
+        most_parts_(most_parts),
         fitter_(settings, watch),
         layouts_(design.mesh, waste_surface(design.mesh, waste_side),
                  sweep_planes(design.mesh, settings.slice), settings, fitter_) {}
@@ -36,17 +38,13 @@ class Search {
 
   // Layouts in the order of their parts and costs, each attempted until one is taken.
   void run() {
-    // A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
-    constexpr std::size_t kMostStrips = 2000;
     const std::size_t fewest = layouts_.fewest_parts();
     if (fewest > kMostStrips) {
       refuse(first_try({}, SweepWay::kEven),
              {"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
               say(Saying::kUnitOrParts, {settings_.design.units})});
-    } else if (fewest > kMostEven) {
-      run_rows();
-    } else {
-      run_even(fewest);
+    } else if (fewest <= most_parts_) {
+      fewest > kMostEven ? run_rows() : run_even(fewest);
     }
   }
 
@@ -77,7 +75,8 @@ class Search {
     std::size_t tries = 0;
     Tried nearest, first;
     std::vector<Tried> open;  // what parted() has not split yet
-    for (std::size_t parts = fewest; parts <= kMostEven && tries < kMostTries; ++parts) {
+    const std::size_t most_even = std::min(kMostEven, most_parts_);
+    for (std::size_t parts = fewest; parts <= most_even && tries < kMostTries; ++parts) {
       // One failing strip split costs no more strips than even parts do.
       if (nearest.layout.parts.size() + 1 == parts && nearest.failing() == 1)
         nearest = settled(std::move(nearest), 1);
@@ -140,7 +139,7 @@ class Search {
       }
       const int vain = !tried.halves.empty() && tried.fruitless() ? tried.vain + 1 : 0;
       if (vain >= kVain) continue;
-      if (std::optional<Tried> more = split(tried, kMostParted)) {
+      if (std::optional<Tried> more = split(tried, std::min(kMostParted, most_parts_))) {
         more->way = SweepWay::kParted;
         more->vain = vain;
         open.push_back(std::move(*more));
@@ -410,7 +409,7 @@ class Search {
     // of them; where blades were tried, as many say enough.
     constexpr int kTooLarge = 3, kTooHard = 3;
     // A design that takes more than twice the parts that its size asks for is no design for a blade.
-    const std::size_t most = 4 * tried.layout.parts.size() + 16;
+    const std::size_t most = std::min(4 * tried.layout.parts.size() + 16, most_parts_);
     int too_large = 0, too_hard = 0;
     for (int round = 0; round < rounds;) {
       const bool planned = tried.any_planned();
@@ -555,6 +554,7 @@ class Search {
   const Settings& settings_;
   const SweepJudges& judges_;
   const BandsOfSweep& bands_;
+  std::size_t most_parts_;
   std::vector<PlanesTried> tried_planes_;
   PartFitter fitter_;
   SweepLayouts layouts_;
@@ -588,10 +588,10 @@ const char* name(SweepWay way) {
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
                                        const SweepJudges& judges, const WatchSweeps& watch,
-                                       const BandsOfSweep& bands) {
+                                       const BandsOfSweep& bands, std::size_t most_parts) {
   const double side = waste_side(design.mesh, settings.design.keep);
   if (side == 0) return {};
-  Search search(design, side, settings, judges, watch, bands);
+  Search search(design, side, settings, judges, watch, bands, most_parts);
   search.run();
   return search.tried_planes();
 }

@@ -80,13 +80,18 @@ struct SweepJudges {
 // none where its blade does not move.
 using BandsOfSweep = std::function<std::vector<std::shared_ptr<const SweptBands>>(const SweptPlan&)>;
 
+// A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
+inline constexpr std::size_t kMostStrips = 2000;
+
 // Hands plans over until one is taken together, or all are left: fewer parts first, then smaller deviations.
 // Those with parts that have no strip are handed over with the reasons, and are not to be taken. Returns the
 // planes that were ranked on the way. The same input gives the same plans, whatever the number of threads.
 // Throws surface::FanError where `slice.fan_axis` does not go with the design. With `bands`, strips are
 // fitted anew until the speeds that they lead to melt what they were offset by, before they are handed over.
+// No layout has more than `most_parts`.
 std::vector<PlanesTried> search_sweeps(
     const surface::DesignSurface& design, const Settings& settings, const SweepJudges& judges,
-    const WatchSweeps& watch = [] {}, const BandsOfSweep& bands = nullptr);
+    const WatchSweeps& watch = [] {}, const BandsOfSweep& bands = nullptr,
+    std::size_t most_parts = kMostStrips);
 
 }  // namespace hotblade::pipeline

@@ -33,6 +33,13 @@ surface::DesignSurface fold(double slope, double at = 0.5) {
   });
 }
 
+// Four plates that fall by this slope from the two folds in which they meet, and which cross.
+surface::DesignSurface crossed_folds(double edge, double slope) {
+  return grid_design("crossed", 20, 20, [&](double u, double v) {
+    return Vector3d(edge * u, edge * v, -slope * edge * (std::abs(u - 0.5) + std::abs(v - 0.5)));
+  });
+}
+
 // A row of arcs, each with its crown in the middle.
 surface::DesignSurface scallops(double bent) {
   return grid_design("scallops", 60, 20, [&](double u, double v) {
@@ -41,8 +48,7 @@ surface::DesignSurface scallops(double bent) {
 }
 
 std::size_t faces_of(const surface::DesignSurface& design, const Settings& settings) {
-  return surface::smooth_faces(design.mesh, crease_limits(settings.design.tolerance_mm, settings.blade))
-      .size();
+  return surface::smooth_faces(design.mesh, crease_limits(settings, settings.blade)).size();
 }
 
 void expect_passes(const PlanResult& result, std::size_t strips, double most_mm) {
@@ -91,6 +97,44 @@ TEST(PlanCreases, FoldedPlatesAreAStripEach) {
       return line.find("facets") != std::string::npos;
     }));
   }
+}
+
+// A blade rounds a fold of 14 degrees, but none is swept across two that cross.
+TEST(PlanCreases, FoldsThatCrossPartADesignHoweverShallow) {
+  const surface::DesignSurface design = crossed_folds(700, 0.12);
+  ASSERT_EQ(faces_of(design, back()), 1U);
+  const PlanResult result = plan(design, back(), {});
+  expect_passes(result, 4, 0.01);
+  EXPECT_EQ(result.faces.size(), 4U);
+  EXPECT_EQ(result.decisions.back().way, SweepWay::kFaces);
+  // The program says what counts as a crease, to those who measure it alone.
+  EXPECT_EQ(result.program.settings.slice.shallow_folds, ShallowFolds::kParted);
+  EXPECT_EQ(verify(result.program, design, {}).deviation.max, result.verification.deviation.max);
+}
+
+TEST(PlanCreases, AShallowFoldIsCrossedWhereThatTakesFewerStrips) {
+  const surface::DesignSurface design = fold(0.0875);
+  const PlanResult result = plan(design, back(), {});
+  expect_passes(result, 1, 1);
+  EXPECT_TRUE(result.faces.empty());
+  EXPECT_EQ(result.program.settings.slice.shallow_folds, ShallowFolds::kCrossed);
+  Settings parted = back();
+  parted.slice.shallow_folds = ShallowFolds::kParted;
+  const PlanResult apart = plan(design, parted, {});
+  expect_passes(apart, 2, 0.01);
+  EXPECT_EQ(apart.faces.size(), 2U);
+}
+
+// One strip comes within 0.1 mm of neither side, and two are no fewer than the faces.
+TEST(PlanCreases, AShallowFoldIsPartedWhereCrossingTakesAsManyStrips) {
+  Settings settings = back();
+  settings.design.tolerance_mm = 0.3;
+  const PlanResult result = plan(fold(0.0875), settings, {});
+  expect_passes(result, 2, 0.01);
+  EXPECT_EQ(result.program.settings.slice.shallow_folds, ShallowFolds::kParted);
+  EXPECT_FALSE(result.decisions.front().way == SweepWay::kFaces);
+  settings.slice.shallow_folds = ShallowFolds::kCrossed;
+  EXPECT_TRUE(plan(fold(0.0875), settings, {}).faces.empty());
 }
 
 TEST(PlanCreases, AnUprightCornerIsTwoWalls) {
@@ -185,8 +229,12 @@ TEST(DesignFaces, OfTheSamplesAndPanelsAreOneEach) {
   for (const char* name : {"barrel_vault", "s_wall", "hypar", "bump", "saddle", "vase", "window", "branch",
                            "ragged", "wave_wall", "corner", "petal"}) {
     const std::string base = hotblade::testing::source_dir() + "/samples/" + name;
-    const Settings settings = resolve({{base + ".toml"}, {}, {}});
-    EXPECT_EQ(faces_of(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings), 1U) << name;
+    Settings settings = resolve({{base + ".toml"}, {}, {}});
+    for (const ShallowFolds folds : {ShallowFolds::kAuto, ShallowFolds::kParted}) {
+      settings.slice.shallow_folds = folds;
+      EXPECT_EQ(faces_of(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings), 1U)
+          << name;
+    }
   }
 }
 

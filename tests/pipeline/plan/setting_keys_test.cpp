@@ -52,7 +52,7 @@ class DesignFile {
   int first_ = 1;
 };
 
-enum class Design { kVault, kTorn, kWindow, kBump, kDome, kGroups, kStep, kQuartic };
+enum class Design { kVault, kTorn, kWindow, kBump, kDome, kGroups, kStep, kQuartic, kFold };
 
 std::filesystem::path write(Design design, const std::filesystem::path& directory) {
   const std::filesystem::path path = directory / "design.obj";
@@ -76,6 +76,9 @@ std::filesystem::path write(Design design, const std::filesystem::path& director
       break;
     case Design::kQuartic:  // that one strip does not follow
       file.patch(0, 120, [](double, double y) { return -25 * std::pow(std::abs(y) / 120, 4); });
+      break;
+    case Design::kFold:  // of 20 degrees
+      file.patch(0, 120, [](double, double y) { return -0.176 * std::abs(y); });
       break;
     case Design::kStep:  // with a wall down at its end, square to x, which no rib plane meets
       file.patch(0, 120, [](double, double) { return 0.0; });
@@ -140,6 +143,7 @@ const std::vector<Change>& changes() {
       {"slice.fan_axis", "[60, 0, -400, 0, 1, 0]"},
       {"slice.spacing_mm", "5", {kAlongX}},
       {"slice.gaps", "apart", {kAlongX}, Design::kWindow},
+      {"slice.shallow_folds", "parted", {"slice.direction=[0, 1, 0]"}, Design::kFold},
       {"fit.lambda_threshold", "0", {kAlongX}},
       {"fit.deviation_share", "0.01", {kAlongX}, Design::kBump},
       {"fit.max_splits", "0", {kAlongX, "design.tolerance_mm=0.5"}, Design::kQuartic},

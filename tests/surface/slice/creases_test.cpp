@@ -80,6 +80,23 @@ TEST(Creases, AreNoneWhereABladeRoundsThem) {
   EXPECT_EQ(smooth_faces(TriangleMesh(folded(0.5)), {40, 110}).size(), 1U);
 }
 
+// But no family of elastica goes far to both sides of one.
+TEST(Creases, AreShallowFoldsThatStandAloneWhereTheseAreAskedFor) {
+  constexpr CreaseLimits kShallow{1, 110, true};
+  for (const int columns : {2, 6, 60, 600}) {
+    EXPECT_EQ(creases(TriangleMesh(folded(0.15, columns)), kShallow).size(), 20U) << columns;
+    EXPECT_EQ(smooth_faces(TriangleMesh(folded(0.15, columns)), kShallow).size(), 2U) << columns;
+  }
+  // On so little to its sides a smooth surface goes through: 32 mm by the fold of 0.06 rad.
+  EXPECT_TRUE(creases(TriangleMesh(folded(0.03)), kShallow).empty());
+  EXPECT_TRUE(creases(TriangleMesh(folded(0.15, 60, 0.1)), kShallow).empty());
+  // Facets fold at all of their edges, and so do steps.
+  const TriangleMesh steps(grid(12, 20, [](double u, double v) {
+    return Vector3d(1800 * u, 400 * v, 0.15 * 150 * std::abs(std::remainder(12 * u, 2.0)));
+  }));
+  EXPECT_TRUE(creases(steps, kShallow).empty());
+}
+
 // A mesh of a smooth surface folds at all of its edges.
 TEST(Creases, AreNotTheChordsOfArcs) {
   for (const int columns : {8, 16, 60, 400}) {
