@@ -27,6 +27,15 @@ long() {
   return "$failed"
 }
 
+# Every header alone, with nothing read before it.
+headers() {
+  cmake --preset release -DHOTBLADE_BARE_HEADERS=ON > /dev/null &&
+    cmake --build --preset release --target hotblade_headers_alone
+  local failed=$?
+  cmake --preset release -DHOTBLADE_BARE_HEADERS=OFF > /dev/null
+  return "$failed"
+}
+
 sanitize() { ./run sanitize; }
 
 threads() { ./run sanitize threads; }
@@ -63,7 +72,7 @@ samples() { ./run samples; }
 
 pip() { ./run test-pip; }
 
-readonly all=(tests long units sanitize threads tidy fuzz panels verdicts meshes samples pip)
+readonly all=(tests headers long units sanitize threads tidy fuzz panels verdicts meshes samples pip)
 steps=("$@")
 ((${#steps[@]})) || steps=("${all[@]}")
 for step in "${steps[@]}"; do
