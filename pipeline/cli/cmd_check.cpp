@@ -92,6 +92,11 @@ std::string keep_text(const Forecast& f) {
 std::string forecast_table(const Forecast& f) {
   std::string text;
   if (f.faces > 1) text += row("faces", fmt::format("{} that meet in creases, planned one by one", f.faces));
+  if (f.faces_between_folds > f.faces) {
+    text += row("shallow folds", fmt::format("{} faces between them, planned one by one where strips across "
+                                             "are as many or do not serve",
+                                             f.faces_between_folds));
+  }
   text += row("smallest radius", bend_text(f.surface, f.blade_radius_mm));
   text += row("flattest rib planes", "normal " + vector_text(f.planes));
   text += row("radius in them", bend_text(f.sections, f.blade_radius_mm));
@@ -164,6 +169,7 @@ Json forecast_json(const Forecast& f) {
   Json json;
   json["blade_radius_mm"] = f.blade_radius_mm;
   json["faces"] = f.faces;
+  json["faces_between_folds"] = f.faces_between_folds;
   json["surface"] = bend_json(f.surface);
   json["planes"] = point_json(f.planes);
   json["sections"] = bend_json(f.sections);

@@ -347,7 +347,16 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   surface::TriangleMesh thin;
   Vector3d seen = Vector3d::Zero();
   surface::side_by_side(
-      [&] { f.faces = surface::smooth_faces(cut, crease_limits(settings, settings.blade)).size(); },
+      [&] {
+        const auto faces = [&](const Settings& with) {
+          return surface::smooth_faces(cut, crease_limits(with, with.blade)).size();
+        };
+        f.faces = f.faces_between_folds = faces(settings);
+        if (settings.slice.shallow_folds != ShallowFolds::kAuto) return;
+        Settings parted = settings;
+        parted.slice.shallow_folds = ShallowFolds::kParted;
+        f.faces_between_folds = faces(parted);
+      },
       [&] {
         thin = thinned(
             cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));

@@ -28,7 +28,9 @@ struct Bending {
 struct Forecast {
   double blade_radius_mm = 0;  // the smallest that the blade may have
   std::size_t faces = 1;       // smooth ones, that meet in creases and are planned each of its own
-  Bending surface;             // in any direction
+  // Those between shallow folds too, where it is left open whether strips go over these; else as many.
+  std::size_t faces_between_folds = 1;
+  Bending surface;  // in any direction
   // Of the rib planes that suit most of the area, by their normal: their sections' bend, and the share of the
   // area that is steeper against them than a blade forms.
   Eigen::Vector3d planes{0, 0, 0};

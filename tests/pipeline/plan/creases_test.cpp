@@ -241,6 +241,13 @@ TEST(DesignFaces, OfTheSamplesAndPanelsAreOneEach) {
 TEST(Forecast, TellsTheFacesThatCreasesPart) {
   EXPECT_EQ(forecast(fold(0.5), back()).faces, 2U);
   EXPECT_EQ(forecast(fold(0.05), back()).faces, 1U);
+  EXPECT_EQ(forecast(fold(0.05), back()).faces_between_folds, 1U);
+  const Forecast shallow = forecast(crossed_folds(700, 0.12), back());
+  EXPECT_EQ(shallow.faces, 1U);
+  EXPECT_EQ(shallow.faces_between_folds, 4U);
+  Settings crossed = back();
+  crossed.slice.shallow_folds = ShallowFolds::kCrossed;
+  EXPECT_EQ(forecast(crossed_folds(700, 0.12), crossed).faces_between_folds, 1U);
 }
 
 }  // namespace
