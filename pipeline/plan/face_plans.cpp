@@ -11,7 +11,7 @@
 
 namespace hotblade::pipeline {
 
-surface::DesignSurface face_of(const surface::DesignSurface& design, surface::TriangleMesh mesh) {
+surface::DesignSurface face_of(const surface::DesignSurface& design, const surface::TriangleMesh& mesh) {
   surface::DesignSurface face;
   face.units = design.units;
   face.scale_to_mm = design.scale_to_mm;
@@ -24,7 +24,7 @@ surface::DesignSurface face_of(const surface::DesignSurface& design, surface::Tr
   const MeshView view{mesh.vertices(), mesh.triangles()};
   for (std::size_t f = 0; f < mesh.triangles().size(); ++f)
     face.health.area_mm2 += facet(view, static_cast<int>(f)).area();
-  face.mesh = std::move(mesh);
+  face.mesh = mesh;
   return face;
 }
 

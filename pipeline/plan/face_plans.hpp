@@ -9,7 +9,7 @@ namespace hotblade::pipeline {
 
 // Returns a face of a design, in its units.
 [[nodiscard]] surface::DesignSurface face_of(const surface::DesignSurface& design,
-                                             surface::TriangleMesh mesh);
+                                             const surface::TriangleMesh& mesh);
 
 // Puts a face's plan behind those of the faces before, its parts named on from theirs.
 void append(SweptPlan& whole, SweptPlan face);

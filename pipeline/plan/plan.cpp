@@ -414,7 +414,7 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
 
 // A design with creases: no blade goes over one within the tolerance, so each of the faces that meet there is
 // planned as a design of its own, and the whole is measured then.
-SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::TriangleMesh> meshes,
+SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surface::TriangleMesh>& meshes,
                     const Settings& settings, const PlanHooks& hooks, PlanProgress& progress,
                     Stopwatch& watch, PlanResult& result) {
   Settings own = settings;
@@ -423,10 +423,10 @@ SweptPlan try_faces(const surface::DesignSurface& design, std::vector<surface::T
     own.design.keep = side > 0 ? Keep::kBack : Keep::kFront;
   SweptPlan whole;
   whole.way = SweepWay::kFaces;
-  for (surface::TriangleMesh& mesh : meshes) {
+  for (const surface::TriangleMesh& mesh : meshes) {
     PlanResult face;
     face.program = result.program;
-    const surface::DesignSurface alone = face_of(design, std::move(mesh));
+    const surface::DesignSurface alone = face_of(design, mesh);
     const std::size_t strips = whole.strips.size();
     append(whole, try_sweeps(alone, own, hooks, progress, watch, face));
     result.faces.push_back({{strips, whole.strips.size() - strips},
@@ -459,21 +459,21 @@ std::vector<surface::TriangleMesh> faces_with(ShallowFolds folds, const surface:
 // them. Returns the plan that is shown.
 SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
-  const auto plan_faces = [&](std::vector<surface::TriangleMesh> faces) {
+  const auto plan_faces = [&](const std::vector<surface::TriangleMesh>& faces) {
     return faces.size() == 1 ? try_sweeps(design, settings, hooks, progress, watch, result)
-                             : try_faces(design, std::move(faces), settings, hooks, progress, watch, result);
+                             : try_faces(design, faces, settings, hooks, progress, watch, result);
   };
   const ShallowFolds asked = settings.slice.shallow_folds;
   if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result));
-  std::vector<surface::TriangleMesh> parted = faces_with(ShallowFolds::kParted, design, settings, result),
-                                     crossed = faces_with(ShallowFolds::kCrossed, design, settings, result);
-  if (parted.size() == crossed.size()) return plan_faces(std::move(crossed));
+  const auto parted = faces_with(ShallowFolds::kParted, design, settings, result);
+  const auto crossed = faces_with(ShallowFolds::kCrossed, design, settings, result);
+  if (parted.size() == crossed.size()) return plan_faces(crossed);
   const std::size_t most = parted.size() - 1;
   if (crossed.size() == 1 && strips_lower_bound(design.health.area_mm2, settings) <= most) {
     PlanResult over;
     over.program = result.program;
     SweptPlan swept = try_sweeps(design, settings, hooks, progress, watch, over, most);
-    if (over.refusals.empty()) {
+    if (over.refusals.empty() && !over.program.strips.empty()) {
       over.times = std::move(result.times);
       result = std::move(over);
       return swept;
@@ -482,7 +482,7 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
     result.ranking = std::move(over.ranking);
   }
   (void)faces_with(ShallowFolds::kParted, design, settings, result);
-  return plan_faces(std::move(parted));
+  return plan_faces(parted);
 }
 
 void try_design(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
