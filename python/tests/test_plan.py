@@ -1,6 +1,7 @@
 import ctypes
 import gc
 import json
+import math
 import os
 import re
 import shutil
@@ -173,18 +174,35 @@ def in_metres(samples, tmp_path):
     return file
 
 
+def cylinder(tmp_path):
+    """Part of a cylinder along x: radius 400 mm, 300 mm long, 0.6 rad wide."""
+    file = tmp_path / "cylinder.obj"
+    turns = [0.6 * (j / 24 - 0.5) for j in range(25)]
+    with open(file, "w") as out:
+        for x in (0, 300):
+            out.writelines(f"v {x} {400 * math.sin(t)!r} {400 * math.cos(t)!r}\n" for t in turns)
+        out.writelines(f"f {j} {j + 25} {j + 26} {j + 1}\n" for j in range(1, 25))
+    return file
+
+
 def test_remedies_are_the_commands(samples, program, tmp_path):
     file = in_metres(samples, tmp_path)
     settings = hb.Settings.load(samples / "bump.toml", {"design.units": "mm"})
     design = hb.read(file, settings=settings)
-    for word, option in (("shape", []), ("all", ["--advise"])):
+    short = cylinder(tmp_path)
+    one_blade = {"design.units": "mm", "slice.direction": [1, 0, 0], "blade.free_lengths_mm": [100]}
+    (tmp_path / "one_blade.toml").write_text("slice.direction = [1, 0, 0]\nblade.free_lengths_mm = [100]\n")
+    for word, option, job, config, read, given, change in (
+            ("shape", [], file, samples / "bump.toml", design, settings, "design.units=m"),
+            ("all", ["--advise"], short, tmp_path / "one_blade.toml", hb.read(short, settings=hb.Settings(one_blade)),
+             hb.Settings(one_blade), None)):
         cut = tmp_path / word
-        program("plan", file, "--config", samples / "bump.toml", "--units", "mm", "--pictures", "none", "-q", *option, "-o", cut,
-                code=4)
+        program("plan", job, "--config", config, "--units", "mm", "--pictures", "none", "-q", *option, "-o", cut, code=4)
         told = []
-        result = hb.plan(design, settings, remedies=word, progress=lambda stage, share: told.append(share))
+        result = hb.plan(read, given, remedies=word, progress=lambda stage, share: told.append(share))
         assert result.report == json.loads((cut / "report.json").read_text())
-        assert result.remedies == result.report["remedies"] and ["design.units=m"] in [r["set"] for r in result.remedies]
+        assert result.remedies == result.report["remedies"] and result.remedies
+        assert change is None or [change] in [r["set"] for r in result.remedies]
         assert told == sorted(told) and told[-1] == 1
     assert hb.plan(design, settings, remedies="none").remedies == []
     with pytest.raises(hb.UsageError, match="remedies .\"some\", must be one of none, shape, all"):

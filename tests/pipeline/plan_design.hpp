@@ -54,4 +54,11 @@ inline Settings along_x() {
   return settings;
 }
 
+inline Settings back_kept() {
+  Settings settings;
+  settings.design.units = "mm";
+  settings.design.keep = Keep::kBack;
+  return settings;
+}
+
 }  // namespace hotblade::pipeline

@@ -22,17 +22,17 @@ std::size_t cubics_to_check() {
   return wanted ? std::stoul(wanted) : 1000;
 }
 
-struct Case {
+struct Judged {
   Bezier bezier;
   LambdaResidual residual;
   double truth = 0;  // 0 without a value
 };
 
-const std::vector<Case>& cases() {
-  static const std::vector<Case> all = [] {
+const std::vector<Judged>& cases() {
+  static const std::vector<Judged> all = [] {
     RandomCubics cubics(11);
-    std::vector<Case> cases(cubics_to_check());
-    for (Case& c : cases) {
+    std::vector<Judged> cases(cubics_to_check());
+    for (Judged& c : cases) {
       c.bezier = cubics.next();
       c.residual = lambda_residual(c.bezier);
       if (c.residual.status == ResidualStatus::kOk) c.truth = ResidualOracle(c.bezier).value();
@@ -62,7 +62,7 @@ std::string shown(const Bezier& b) {
 TEST(LambdaResidualBound, IsNeverExceeded) {
   std::vector<double> bounds, errors;
   double worst = 0;
-  for (const Case& c : cases()) {
+  for (const Judged& c : cases()) {
     if (c.residual.status != ResidualStatus::kOk) continue;
     const double error = std::abs(c.residual.value - c.truth);
     EXPECT_LE(error, c.residual.bound) << c.truth << ", " << shown(c.bezier);
@@ -143,7 +143,7 @@ INSTANTIATE_TEST_SUITE_P(, ResidualBoundOnEverySimd,
 
 TEST_P(ResidualBoundOnEverySimd, IsNeverExceededInABatch) {
   std::array<std::vector<double>, 8> columns;
-  for (const Case& c : cases()) {
+  for (const Judged& c : cases()) {
     for (std::size_t k = 0; k < 8; ++k) columns[k].push_back(c.bezier[k / 2][static_cast<int>(k % 2)]);
   }
   const std::size_t n = cases().size();
@@ -154,7 +154,7 @@ TEST_P(ResidualBoundOnEverySimd, IsNeverExceededInABatch) {
       {e, status, bound}, GetParam());
   double worst = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const Case& c = cases()[i];
+    const Judged& c = cases()[i];
     EXPECT_EQ(status[i], c.residual.status) << shown(c.bezier);
     EXPECT_LE(std::abs(e[i] - c.truth), bound[i]) << c.truth << ", " << shown(c.bezier);
     if (bound[i] > 0) worst = std::max(worst, std::abs(e[i] - c.truth) / bound[i]);

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kLength = 800, kWeight = 0.5 * kLength;
+constexpr double kBlade_mm = 800, kWeight = 0.5 * kBlade_mm;
 
 // Both clamps moved by six errors: positions in mm, turns as mm of kWeight.
 ClampPair erring(const Elastica& e, const VectorXd& d) {
@@ -70,10 +70,10 @@ Elastica random_blade(std::mt19937_64& random) {
     const Elastica e{30,
                      -20,
                      0.4,
-                     8 * unit(random) / kLength,
-                     50 * unit(random) / kLength / kLength,
-                     50 * unit(random) / kLength / kLength,
-                     kLength};
+                     8 * unit(random) / kBlade_mm,
+                     50 * unit(random) / kBlade_mm / kBlade_mm,
+                     50 * unit(random) / kBlade_mm / kBlade_mm,
+                     kBlade_mm};
     if (end_map(e).index != 0) continue;
     const double margin = stability_margin(e);
     if (margin > 0.3 && margin < 8) return e;
@@ -119,7 +119,7 @@ TEST(ClampMargin, NamesFoldsThatTheShapeHoldsUpTo) {
 
 // Arches turned over towards their snap.
 std::vector<Elastica> arches() {
-  const Elastica arc{0, 0, 0.6, -1.2 / kLength, 0, 0, kLength};
+  const Elastica arc{0, 0, 0.6, -1.2 / kBlade_mm, 0, 0, kBlade_mm};
   const FollowReport up = follow(arc, {{0, 0, 0.6}, {740, 0, -0.6}});
   const FollowReport lost = follow(up.shape.elastica, {{0, 0, -0.6}, {740, 0, 0.6}});
   EXPECT_EQ(lost.status, FollowStatus::kSnapped);
@@ -156,32 +156,34 @@ TEST(ClampMargin, IsTheSameFromTheFoldsOfTheNeighbouringPose) {
 TEST(ClampMargin, OfANearlyStraightBladeIsTheWayToTheStraightOne) {
   // Tangents along the chord: half the slack by either clamp. A flat arc: both tangents turned by u.
   const double slack = 0.5;
-  const Elastica bowed{0, 0, 0, 0.05 * 2 * M_PI / kLength, 4 * M_PI * M_PI / kLength / kLength, 0, kLength};
-  const auto blade = solve_clamped(bowed, {{0, 0, 0}, {kLength - slack, 0, 0}});
+  const Elastica bowed{0, 0,        0, 0.05 * 2 * M_PI / kBlade_mm, 4 * M_PI * M_PI / kBlade_mm / kBlade_mm,
+                       0, kBlade_mm};
+  const auto blade = solve_clamped(bowed, {{0, 0, 0}, {kBlade_mm - slack, 0, 0}});
   ASSERT_TRUE(blade);
   EXPECT_NEAR(clamp_margin(blade->elastica).margin_mm, slack / std::sqrt(2.0), 1e-6);
   const double u = 0.01;
-  const ClampMargin arc = clamp_margin({5, 6, 0.3, 2 * u / kLength, 0, 0, kLength});
+  const ClampMargin arc = clamp_margin({5, 6, 0.3, 2 * u / kBlade_mm, 0, 0, kBlade_mm});
   EXPECT_NEAR(arc.margin_mm, std::sqrt(2.0) * kWeight * u, 0.01);
   EXPECT_EQ(arc.margin_mm, arc.straight_mm);
-  EXPECT_NEAR(clamp_margin({5, 6, 0.3, 0, 0, 0, kLength}).margin_mm, 0, 1e-9);
+  EXPECT_NEAR(clamp_margin({5, 6, 0.3, 0, 0, 0, kBlade_mm}).margin_mm, 0, 1e-9);
 }
 
 // A shallow blade pulled by a force of `pull` over EI / length^2, its tangents turned from the chord, which
 // is along x, by `ramp` alike and by `arch` against each other. By the first order, theta = across + bent
 // cosh(k (s - 1/2)) + arch sinh(k (s - 1/2)) / sinh(k / 2).
 Elastica shallow(double ramp, double arch, double pull) {
-  const double k = std::sqrt(pull), l2 = kLength * kLength, mean = std::sinh(k / 2) * 2 / k;
+  const double k = std::sqrt(pull), l2 = kBlade_mm * kBlade_mm, mean = std::sinh(k / 2) * 2 / k;
   const double bent = -ramp / (std::cosh(k / 2) - mean), across = -bent * mean;
-  const double kappa = (k * arch / std::tanh(k / 2) - k * bent * std::sinh(k / 2)) / kLength;
-  return {0, 0, -(ramp + arch), kappa, -pull * std::cos(across) / l2, -pull * std::sin(across) / l2, kLength};
+  const double kappa = (k * arch / std::tanh(k / 2) - k * bent * std::sinh(k / 2)) / kBlade_mm;
+  return {0,        0, -(ramp + arch), kappa, -pull * std::cos(across) / l2, -pull * std::sin(across) / l2,
+          kBlade_mm};
 }
 
 // A straight blade buckles at 4 pi^2, and so does one held between parallel ends. The chord of such a shape:
 // theta = ramp cos 2 pi s, by its first order.
 double where_parallel_ends_buckle_mm(const Elastica& e, double ramp) {
-  const double euler = 4 * M_PI * M_PI / kLength / kLength;
-  const Elastica buckling{0, 0, -ramp, 0, euler, 0, kLength};
+  const double euler = 4 * M_PI * M_PI / kBlade_mm / kBlade_mm;
+  const Elastica buckling{0, 0, -ramp, 0, euler, 0, kBlade_mm};
   EXPECT_NEAR(stability_margin(buckling), 0, 0.05);
   return clamp_distance(clamps_of(e), clamps_of(buckling), kWeight);
 }
@@ -240,11 +242,11 @@ TEST(ClampMargin, DoesNotDependOnThePlaceOfThePair) {
 
 TEST(ClampMargin, IsNoneForAnUnstableShapeAndTheLimitForARelaxedOne) {
   EXPECT_EQ(clamp_margin({0, 0, 0.3, -20, 400, 0, 1}).margin_mm, 0);
-  EXPECT_EQ(clamp_margin({0, 0, 0.3, -0.6 / kLength, 0, 0, kLength}, {2, 0}).margin_mm, 2);
+  EXPECT_EQ(clamp_margin({0, 0, 0.3, -0.6 / kBlade_mm, 0, 0, kBlade_mm}, {2, 0}).margin_mm, 2);
 }
 
 TEST(ClampMargin, RefusesNonsense) {
-  const Elastica e{0, 0, 0.3, -0.6 / kLength, 0, 0, kLength};
+  const Elastica e{0, 0, 0.3, -0.6 / kBlade_mm, 0, 0, kBlade_mm};
   EXPECT_THROW((void)clamp_margin(e, {0, 0}), std::logic_error);
   EXPECT_THROW((void)clamp_margin(e, {1, -1}), std::logic_error);
   EXPECT_THROW((void)clamp_margin(e, {1, NAN}), std::logic_error);

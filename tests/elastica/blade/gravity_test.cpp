@@ -11,11 +11,11 @@
 namespace hotblade::elastica {
 namespace {
 
-using testing::HeavyRod;
-using testing::RodStiffness;
+using hotblade::testing::HeavyRod;
+using hotblade::testing::RodStiffness;
 
 // A strip 16 times as wide as thick, of steel.
-constexpr StiffnessRatios kStrip{256, 1.54};
+constexpr StiffnessRatios kFlatStrip{256, 1.54};
 
 // Stable shapes: a shallow and a deep arc, an arch under load, an S, and one with both forces.
 std::vector<Elastica> shapes() {
@@ -91,9 +91,9 @@ TEST(Droop, MatchesADiscreteHeavyRodInSpace) {
   for (const Elastica& e : shapes()) {
     constexpr int n = 60;
     constexpr double load = -0.01;
-    HeavyRod rod(e, n, {kStrip.torsion, kStrip.upright, 1});
+    HeavyRod rod(e, n, {kFlatStrip.torsion, kFlatStrip.upright, 1});
     const auto loaded = rod.relax({0, 0, load});
-    const Droop d = droop(e, load, kStrip);
+    const Droop d = droop(e, load, kFlatStrip);
     ASSERT_TRUE(d.stable);
     for (std::size_t i = 0; i <= n; i += 5) {
       const double at = static_cast<double>(i) * kGravityCells / n;
@@ -106,8 +106,8 @@ TEST(Droop, MatchesADiscreteHeavyRodInSpace) {
 }
 
 TEST(Droop, OfAStraightBladeIsTheClampedBeams) {
-  const Droop d = droop({0, 0, 0.4, 0, 0, 0, 800}, 1e-9, kStrip);
-  EXPECT_NEAR(d.largest, 1e-9 * std::pow(800.0, 4) / (384 * kStrip.upright), 1e-4 * d.largest);
+  const Droop d = droop({0, 0, 0.4, 0, 0, 0, 800}, 1e-9, kFlatStrip);
+  EXPECT_NEAR(d.largest, 1e-9 * std::pow(800.0, 4) / (384 * kFlatStrip.upright), 1e-4 * d.largest);
   EXPECT_GT(d.shift[kGravityCells / 2], 0);
   EXPECT_EQ(d.largest_twist, 0);
 }
@@ -115,8 +115,8 @@ TEST(Droop, OfAStraightBladeIsTheClampedBeams) {
 TEST(Droop, OfACurvedBladeIsRuledByItsTwist) {
   // The same length and weight, bent to 1.2 rad: it sags several times as far as the straight one, because
   // the strip twists more easily than it bends upright.
-  const double straight = droop({0, 0, 0, 0, 0, 0, 1}, 1, kStrip).largest;
-  EXPECT_GT(droop({0, 0, 0, 1.2, 0, 0, 1}, 1, kStrip).largest, 2 * straight);
+  const double straight = droop({0, 0, 0, 0, 0, 0, 1}, 1, kFlatStrip).largest;
+  EXPECT_GT(droop({0, 0, 0, 1.2, 0, 0, 1}, 1, kFlatStrip).largest, 2 * straight);
 }
 
 TEST(Droop, SaysWhenTheBladeTipsOutOfItsPlane) {
@@ -124,15 +124,15 @@ TEST(Droop, SaysWhenTheBladeTipsOutOfItsPlane) {
   // one wave of psi makes negative on a coil of more than a turn when the twist is soft enough.
   const Elastica coil{0, 0, 0, 3 * std::numbers::pi, 0, 0, 1};
   EXPECT_FALSE(droop(coil, 0, {256, 0.02}).stable);
-  EXPECT_TRUE(droop(coil, 0, kStrip).stable);
-  EXPECT_TRUE(droop({0, 0, 0, 1, 0, 0, 1}, 0, kStrip).stable);
+  EXPECT_TRUE(droop(coil, 0, kFlatStrip).stable);
+  EXPECT_TRUE(droop({0, 0, 0, 1, 0, 0, 1}, 0, kFlatStrip).stable);
 }
 
 TEST(TurnedEnds, OfAStraightBladeAreABeamsAndAShafts) {
   constexpr double kLength = 700, kTurn = 0.01;
   const Elastica straight{0, 0, 0, 0, 0, 0, kLength};
-  const Droop bent = turned_ends(straight, {0, kTurn, 0, 0}, kStrip),
-              twisted = turned_ends(straight, {0, 0, kTurn, 0}, kStrip);
+  const Droop bent = turned_ends(straight, {0, kTurn, 0, 0}, kFlatStrip),
+              twisted = turned_ends(straight, {0, 0, kTurn, 0}, kFlatStrip);
   ASSERT_TRUE(bent.stable);
   for (std::size_t i = 0; i <= kGravityCells; i += 16) {
     const double u = static_cast<double>(i) / kGravityCells;
@@ -154,7 +154,7 @@ TEST(TurnedEnds, AllOfABladeTurnsAboutItsChordWithBothClamps) {
     };
     const auto [phi_a, psi_a] = turn(first);
     const auto [phi_b, psi_b] = turn(last);
-    const Droop turned = turned_ends(e, {phi_a, psi_a, phi_b, psi_b}, kStrip);
+    const Droop turned = turned_ends(e, {phi_a, psi_a, phi_b, psi_b}, kFlatStrip);
     for (std::size_t i = 0; i <= kGravityCells; i += 32) {
       const CurvePoint p = curve.at(e.length * static_cast<double>(i) / kGravityCells);
       const Eigen::Vector2d from = p.position() - first.position();
@@ -176,7 +176,7 @@ TEST(TurnedEnds, MatchADiscreteRodWhoseClampsTurnApart) {
       const auto free = rod.relax(Eigen::Vector3d::Zero());
       rod.turn_ends({by[0], by[1], 0}, {by[2], by[3], 0});
       const auto moved = rod.relax(Eigen::Vector3d::Zero());
-      const Droop turned = turned_ends(e, {by[0], by[1], by[2], by[3]}, kStrip);
+      const Droop turned = turned_ends(e, {by[0], by[1], by[2], by[3]}, kFlatStrip);
       for (std::size_t i = 0; i <= n; i += 5) {
         EXPECT_NEAR(turned.shift[i * kGravityCells / n], (moved[i] - free[i]).z(), 0.03 * turned.largest)
             << e.kappa << " " << which << " " << i;
@@ -205,7 +205,7 @@ TEST(LateralMargin, OfAStraightBladeIsThatOfItsSofterMode) {
 TEST(Gravity, RefusesNumbersThatAreNotFinite) {
   const double nan = std::nan("");
   EXPECT_THROW((void)plane_shift({0, 0, 0, 0, 0, 0, 1}, {nan, 0}), std::logic_error);
-  EXPECT_THROW((void)droop({0, 0, 0, nan, 0, 0, 1}, 1, kStrip), std::logic_error);
+  EXPECT_THROW((void)droop({0, 0, 0, nan, 0, 0, 1}, 1, kFlatStrip), std::logic_error);
   EXPECT_THROW((void)droop({0, 0, 0, 1, 0, 0, 1}, 1, {0, 1}), std::logic_error);
 }
 

@@ -55,7 +55,7 @@ TEST(ElasticaCurve, LinesAndCirclesAreExact) {
   }
 }
 
-Elastica random_elastica(std::mt19937_64& random) {
+Elastica random_short_elastica(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-1, 1);
   return {100 * u(random), 100 * u(random), 3 * u(random),  3 * u(random),
           20 * u(random),  20 * u(random),  1.5 + u(random)};
@@ -64,7 +64,7 @@ Elastica random_elastica(std::mt19937_64& random) {
 TEST(ElasticaCurve, CurvatureIsAffineInPositionAndIsTheTangentsRate) {
   std::mt19937_64 random(2);
   for (int trial = 0; trial < 300; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_short_elastica(random);
     const ElasticaCurve curve(e);
     const double s = e.length * 0.7, h = 1e-5;
     const CurvePoint p = curve.at(s), before = curve.at(s - h), after = curve.at(s + h);
@@ -77,7 +77,7 @@ TEST(ElasticaCurve, CurvatureIsAffineInPositionAndIsTheTangentsRate) {
 TEST(Segment, ExtendsBothWaysAlongTheSameCurve) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 300; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_short_elastica(random);
     const Elastica longer = segment(e, -0.3, e.length + 0.4);
     const ElasticaCurve a(e), b(longer);
     for (double u : {0.0, 0.3, 1.0}) {
@@ -92,7 +92,7 @@ TEST(Segment, ExtendsBothWaysAlongTheSameCurve) {
 TEST(Reversed, RunsTheSamePointsBackwards) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 300; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_short_elastica(random);
     const ElasticaCurve a(e), b(reversed(e));
     for (double u : {0.0, 0.25, 0.9}) {
       EXPECT_LT((a.at(u * e.length).position() - b.at((1 - u) * e.length).position()).norm(), 1e-11);
@@ -103,7 +103,7 @@ TEST(Reversed, RunsTheSamePointsBackwards) {
 TEST(MaxAbsCurvature, MatchesDenseSampling) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 200; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_short_elastica(random);
     double dense = 0;
     for (const CurvePoint& p : sample(e, 4001)) dense = std::max(dense, std::abs(p.kappa));
     const double exact = ElasticaCurve(e).max_abs_curvature();

@@ -11,7 +11,7 @@
 namespace hotblade::elastica {
 namespace {
 
-Elastica random_elastica(std::mt19937_64& random) {
+Elastica random_turning_elastica(std::mt19937_64& random) {
   std::uniform_real_distribution<double> u(-1, 1);
   return {10 * u(random),
           10 * u(random),
@@ -44,7 +44,7 @@ TEST(Inflections, AreWhereTheSampledCurvatureChangesSign) {
   std::mt19937_64 random(1);
   std::size_t seen = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    Elastica e = random_elastica(random);
+    Elastica e = random_turning_elastica(random);
     if (trial % 4 == 0) e.length *= 0.02;
     const std::vector<double> exact = inflections(e);
     expect_same(exact, sign_changes(e, [](const CurvePoint& p) { return p.kappa; }), 1e-5 * e.length);
@@ -58,7 +58,7 @@ TEST(Vertices, AreWhereTheSampledCurvaturesSlopeChangesSign) {
   std::mt19937_64 random(2);
   std::size_t seen = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    Elastica e = random_elastica(random);
+    Elastica e = random_turning_elastica(random);
     if (trial % 4 == 0) e.length *= 0.02;
     const auto slope = [&](const CurvePoint& p) {
       return e.lambda2 * std::cos(p.theta) - e.lambda1 * std::sin(p.theta);
@@ -74,7 +74,7 @@ TEST(Vertices, AreWhereTheSampledCurvaturesSlopeChangesSign) {
 TEST(Features, OfASegmentCutAtThemLieAtItsEnds) {
   std::mt19937_64 random(3);
   for (int trial = 0; trial < 100; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_turning_elastica(random);
     const std::vector<double> v = vertices(e);
     if (v.size() < 2) continue;
     const std::vector<double> again = vertices(segment(e, v[0], v[1]));
@@ -96,7 +96,7 @@ TEST(Features, LinesAndCirclesHaveNone) {
 TEST(CurvaturePeriod, IsTheDistanceOfEveryOtherVertexAndRepeatsTheCurvature) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 100; ++trial) {
-    Elastica e = random_elastica(random);
+    Elastica e = random_turning_elastica(random);
     const double p = *curvature_period(e);
     e.length = 3.01 * p;
     const std::vector<double> v = vertices(e);
@@ -132,7 +132,7 @@ TEST(SelfIntersections, AreThoseOfAFinePolyline) {
   std::mt19937_64 random(5);
   std::size_t seen = 0;
   for (int trial = 0; trial < 120; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_turning_elastica(random);
     const std::vector<Crossing> exact = self_intersections(e), sampled = polyline_crossings(e, 700);
     ASSERT_EQ(exact.size(), sampled.size()) << trial;
     for (const Crossing& c : exact) {
@@ -161,7 +161,7 @@ TEST(SelfIntersections, OfTheSeparatrixAreItsOneLoop) {
 TEST(Split, GivesPiecesThatRunOn) {
   std::mt19937_64 random(6);
   for (int trial = 0; trial < 50; ++trial) {
-    const Elastica e = random_elastica(random);
+    const Elastica e = random_turning_elastica(random);
     const std::vector<double> at{0.2 * e.length, 0.5 * e.length, 0.9 * e.length};
     const std::vector<Elastica> pieces = split(e, at);
     ASSERT_EQ(pieces.size(), 4U);
@@ -180,7 +180,7 @@ TEST(Split, GivesPiecesThatRunOn) {
 TEST(Transformed, MapsEveryPointOfTheCurve) {
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 200; ++trial) {
-    Elastica e = random_elastica(random);
+    Elastica e = random_turning_elastica(random);
     e.length = std::min(e.length, 3.0);
     for (const bool mirrored : {false, true}) {
       const Similarity map{2.5, 0.7 + trial, mirrored, -3, 8};

@@ -6,27 +6,10 @@
 #include <random>
 
 #include "elastica/fit/fit_bezier.hpp"
+#include "tests/elastica/fit/ribs.hpp"
 
 namespace hotblade::elastica {
 namespace {
-
-std::vector<Eigen::Vector2d> positions(const Elastica& e, int n) {
-  std::vector<Eigen::Vector2d> q;
-  for (const CurvePoint& p : sample(e, n)) q.push_back(p.position());
-  return q;
-}
-
-Elastica random_rib(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> u(-1, 1);
-  const double n = 750 + 450 * u(random);
-  return {500 * u(random),
-          500 * u(random),
-          3 * u(random),
-          2 * u(random) / n,
-          8 * u(random) / (n * n),
-          8 * u(random) / (n * n),
-          n};
-}
 
 ClampedEnds ends_of(const Elastica& e) {
   const CurvePoint p = ElasticaCurve(e).at(e.length);
@@ -39,8 +22,6 @@ double rms(const std::vector<Eigen::Vector2d>& q, const Elastica& e) {
   for (std::size_t i = 0; i < q.size(); ++i) sum += (p[i] - q[i]).squaredNorm();
   return std::sqrt(sum / static_cast<double>(q.size()));
 }
-
-constexpr FitOptions kNoPull{0, nullptr, 0};
 
 TEST(FitClamped, RecoversASegmentFromItsOwnSamplesAndEnds) {
   std::mt19937_64 random(1);

@@ -9,28 +9,10 @@
 
 #include "elastica/bezier/bezier.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
+#include "tests/elastica/fit/ribs.hpp"
 
 namespace hotblade::elastica {
 namespace {
-
-std::vector<Eigen::Vector2d> positions(const Elastica& e, int n) {
-  std::vector<Eigen::Vector2d> q;
-  for (const CurvePoint& p : sample(e, n)) q.push_back(p.position());
-  return q;
-}
-
-// Ribs as blades cut them: up to 2 rad of turning, with and without an inflection, 300 to 1200 mm.
-Elastica random_rib(std::mt19937_64& random) {
-  std::uniform_real_distribution<double> u(-1, 1);
-  const double length = 750 + 450 * u(random);
-  return {500 * u(random),
-          500 * u(random),
-          3 * u(random),
-          2 * u(random) / length,
-          8 * u(random) / (length * length),
-          8 * u(random) / (length * length),
-          length};
-}
 
 TEST(MidState, RoundTrips) {
   std::mt19937_64 random(1);
@@ -52,8 +34,6 @@ double apart(const Elastica& a, const Elastica& b) {
   }
   return worst;
 }
-
-constexpr FitOptions kNoPull{0, nullptr, 0};
 
 TEST(FitElastica, RecoversASegmentFromThePointsThatCount) {
   std::mt19937_64 random(21);

@@ -17,13 +17,13 @@ namespace hotblade::gpu {
 namespace {
 
 using Eigen::Vector2d;
-using Curve = std::array<Vector2d, 4>;
+using Controls = std::array<Vector2d, 4>;
 
-std::vector<Curve> random_curves(std::size_t n, unsigned seed) {
+std::vector<Controls> random_curves(std::size_t n, unsigned seed) {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> u(-1, 1);
-  std::vector<Curve> curves(n);
-  for (Curve& c : curves) {
+  std::vector<Controls> curves(n);
+  for (Controls& c : curves) {
     const Vector2d at(500 * u(rng), 500 * u(rng));
     const double scale = std::pow(10, 4 * u(rng));
     for (Vector2d& p : c) {
@@ -34,13 +34,13 @@ std::vector<Curve> random_curves(std::size_t n, unsigned seed) {
   return curves;
 }
 
-struct Answers {
+struct Residuals {
   std::vector<double> e;
   std::vector<ResidualStatus> status;
-  bool operator==(const Answers&) const = default;
+  bool operator==(const Residuals&) const = default;
 };
-Answers ask(const LambdaResiduals& residuals, const std::vector<Curve>& curves) {
-  Answers answers{std::vector<double>(curves.size()), std::vector<ResidualStatus>(curves.size())};
+Residuals ask(const LambdaResiduals& residuals, const std::vector<Controls>& curves) {
+  Residuals answers{std::vector<double>(curves.size()), std::vector<ResidualStatus>(curves.size())};
   residuals.query(curves, answers.e, answers.status);
   return answers;
 }
@@ -58,7 +58,7 @@ TEST_P(LambdaResidualsOnEachBackend, MatchTheOneByOneRoutine) {
   const LambdaResiduals residuals(GetParam());
   for (const std::size_t n : {1, 7, 8, 2500}) {
     const auto curves = random_curves(n, static_cast<unsigned>(n));
-    const Answers answers = ask(residuals, curves);
+    const Residuals answers = ask(residuals, curves);
     for (std::size_t i = 0; i < n; ++i) {
       const elastica::LambdaResidual expected = elastica::lambda_residual(curves[i]);
       EXPECT_EQ(static_cast<int>(answers.status[i]), static_cast<int>(expected.status)) << i;
@@ -70,8 +70,8 @@ TEST_P(LambdaResidualsOnEachBackend, MatchTheOneByOneRoutine) {
 
 TEST_P(LambdaResidualsOnEachBackend, AreWithinTheirBoundsNearCuspsToo) {
   elastica::RandomCubics cubics(5);
-  std::vector<Curve> curves(400);
-  for (Curve& c : curves) c = cubics.next();
+  std::vector<Controls> curves(400);
+  for (Controls& c : curves) c = cubics.next();
   std::vector<double> e(curves.size()), bound(curves.size());
   std::vector<ResidualStatus> status(curves.size());
   LambdaResiduals(GetParam()).query(curves, e, status, bound);
@@ -89,12 +89,12 @@ TEST_P(LambdaResidualsOnEachBackend, AreWithinTheirBoundsNearCuspsToo) {
 
 TEST_P(LambdaResidualsOnEachBackend, TellCurvesThatHaveNoResidual) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<Curve> curves{
+  const std::vector<Controls> curves{
       {{{0, 0}, {1, 0}, {2, 0}, {3, 0}}},   {{{0, 0}, {1, 1}, {0, 1}, {1, 0}}},
       {{{0, 0}, {0, 0}, {1, 1}, {2, 0}}},   {{{1, 1}, {1, 1}, {1, 1}, {1, 1}}},
       {{{0, 0}, {1, nan}, {2, 1}, {3, 0}}}, {{{0, 0}, {1, 1e150}, {2, 1}, {3, 0}}},
       {{{0, 0}, {1, 1}, {2, 1}, {3, 0}}}};
-  const Answers answers = ask(LambdaResiduals(GetParam()), curves);
+  const Residuals answers = ask(LambdaResiduals(GetParam()), curves);
   using enum ResidualStatus;
   EXPECT_EQ(answers.status, (std::vector{kStraight, kCusp, kCusp, kCusp, kNotFinite, kNotFinite, kOk}));
   for (std::size_t i = 0; i + 1 < curves.size(); ++i) EXPECT_EQ(answers.e[i], 0);
@@ -107,7 +107,7 @@ TEST_P(LambdaResidualsOnEachBackend, DoNotDependOnTheNumberOfThreads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return ask(LambdaResiduals(GetParam()), curves);
   };
-  const Answers one = on(1);
+  const Residuals one = on(1);
   EXPECT_TRUE(on(2) == one);
 }
 

@@ -14,8 +14,8 @@ namespace hotblade::gpu {
 namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
-using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
+using KernelTriangles = std::vector<Kernel::Triangle_3>;
+using Primitive = CGAL::AABB_triangle_primitive<Kernel, KernelTriangles::const_iterator>;
 using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
 
 // A height field with n x n cells over a square of the given side.
@@ -38,7 +38,7 @@ test::Soup height_field(int n, double side) {
 }
 
 void expect_matches_cgal(const test::Soup& soup, const std::vector<Eigen::Vector3d>& points, double bound) {
-  Triangles triangles;
+  KernelTriangles triangles;
   for (const auto& t : soup.triangles) {
     const auto corner = [&](std::size_t k) {
       const Eigen::Vector3d& v = soup.vertices[static_cast<std::size_t>(t[k])];

@@ -210,7 +210,7 @@ TEST(Batch, ContinuedLinesCommentsAndCarriageReturnsAreNoPartOfAPanel) {
   const std::vector<PanelText> panels = split(text, SplitBy::kGroup);
   ASSERT_THAT(names(panels), ElementsAre("p"));
   EXPECT_EQ(faces_of(panels[0].text), faces_of(text));
-  EXPECT_THAT(panels[0].text, testing::StartsWith("v 0 0 0\nv 1 0 \\\r\n0\nv 0 1 0\nf 1 2 3\n"));
+  EXPECT_THAT(panels[0].text, ::testing::StartsWith("v 0 0 0\nv 1 0 \\\r\n0\nv 0 1 0\nf 1 2 3\n"));
 }
 
 TEST(Batch, AFaceOfAPanelHasItsLineInTheFile) {

@@ -13,11 +13,6 @@
 namespace hotblade::pipeline {
 namespace {
 
-const Program& panel_program() {
-  static const Program program = plan(testing::crooked_panel(), testing::panel_settings(), {}).program;
-  return program;
-}
-
 MeasuredCut scan_of(const Program& program, const ErrorVector& errors, const ScanRehearsal& how = {}) {
   return {0, "scan.csv", rehearsed_scan(program, 0, errors, how).points};
 }
@@ -35,14 +30,14 @@ std::string refusal(const Program& program, const MeasuredCut& scan,
 }
 
 TEST(Calibration, ItsFileIsTheSettingsThatItFound) {
-  const ErrorVector truth = testing::hidden_errors(panel_program(), 5);
+  const ErrorVector truth = testing::hidden_errors(testing::panel_program(), 5);
   const Calibration found =
-      calibrate(panel_program(), {scan_of(panel_program(), truth)}, ScanPlacement::kSearch);
+      calibrate(testing::panel_program(), {scan_of(testing::panel_program(), truth)}, ScanPlacement::kSearch);
   EXPECT_LT(found.estimate.after.rms_mm, 0.25);
   const testing::TemporaryDirectory directory;
-  std::ofstream(directory / "calibration.toml") << calibration_toml(panel_program(), found);
+  std::ofstream(directory / "calibration.toml") << calibration_toml(testing::panel_program(), found);
   const Settings is = resolve({{directory / "calibration.toml"}, {}, {}}),
-                 should = calibrated(panel_program(), found);
+                 should = calibrated(testing::panel_program(), found);
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(is.machine.clamps.a.shift_mm[k], should.machine.clamps.a.shift_mm[k], 1e-4);
     EXPECT_NEAR(is.machine.clamps.b.turn_rad[k], should.machine.clamps.b.turn_rad[k], 1e-6);
@@ -60,7 +55,8 @@ TEST(Calibration, AScanOfHalfTheCutDoesToo) {
   how.seen = 0.5;
   how.seed = 3;
   const Calibration found =
-      calibrate(panel_program(), {scan_of(panel_program(), testing::hidden_errors(panel_program(), 3), how)},
+      calibrate(testing::panel_program(),
+                {scan_of(testing::panel_program(), testing::hidden_errors(testing::panel_program(), 3), how)},
                 ScanPlacement::kSearch);
   EXPECT_LT(found.estimate.after.rms_mm, 0.25);
   EXPECT_GE(found.estimate.told, 3U);
@@ -89,11 +85,11 @@ TEST(Calibration, TheTimesThatWereExecutedTellTheBand) {
 }
 
 TEST(Calibration, AWrongUnitIsNamed) {
-  MeasuredCut scan = scan_of(panel_program(), planned_errors(panel_program()));
+  MeasuredCut scan = scan_of(testing::panel_program(), planned_errors(testing::panel_program()));
   const auto scaled = [&](double by) {
     MeasuredCut wrong = scan;
     for (Eigen::Vector3d& p : wrong.points) p *= by;
-    return refusal(panel_program(), wrong);
+    return refusal(testing::panel_program(), wrong);
   };
   EXPECT_NE(scaled(1e-3).find("say --units m"), std::string::npos);
   EXPECT_NE(scaled(1 / 25.4).find("say --units in"), std::string::npos);
@@ -107,7 +103,7 @@ TEST(Calibration, SomethingElseDoesNotFit) {
     const double z = 2 * (i + 0.5) / 3000 - 1, turn = 2.399963 * i, r = std::sqrt(1 - z * z);
     ball.points.emplace_back(300 * r * std::cos(turn), 300 * r * std::sin(turn), 300 * z);
   }
-  const std::string said = refusal(panel_program(), ball);
+  const std::string said = refusal(testing::panel_program(), ball);
   EXPECT_NE(said.find("fit"), std::string::npos) << said;
 }
 
@@ -130,7 +126,7 @@ TEST(Calibration, AStraightBladeIsRefused) {
            along_x(), {})
           .program;
   ASSERT_FALSE(flat.strips.empty());
-  MeasuredCut scan = scan_of(panel_program(), planned_errors(panel_program()));
+  MeasuredCut scan = scan_of(testing::panel_program(), planned_errors(testing::panel_program()));
   EXPECT_NE(refusal(flat, scan).find("nearly straight"), std::string::npos);
 }
 
@@ -140,8 +136,8 @@ TEST(Calibration, AScanThatTellsNothingWritesNothing) {
   how.points = 400;
   how.seen = 0.05;
   how.moved = false;
-  const MeasuredCut scan = scan_of(panel_program(), planned_errors(panel_program()), how);
-  const std::string said = refusal(panel_program(), scan, ScanPlacement::kNear);
+  const MeasuredCut scan = scan_of(testing::panel_program(), planned_errors(testing::panel_program()), how);
+  const std::string said = refusal(testing::panel_program(), scan, ScanPlacement::kNear);
   EXPECT_NE(said.find("tells nothing"), std::string::npos) << said;
 }
 

@@ -8,11 +8,6 @@
 namespace hotblade::pipeline {
 namespace {
 
-const Program& panel_program() {
-  static const Program program = plan(testing::crooked_panel(), testing::panel_settings(), {}).program;
-  return program;
-}
-
 Eigen::Index at(CellError error, Eigen::Index k = 0) {
   return static_cast<Eigen::Index>(error) + k;
 }
@@ -20,16 +15,16 @@ Eigen::Index at(CellError error, Eigen::Index k = 0) {
 // What a scan in the design's frame says of a cell.
 Estimate estimate_of(const ErrorVector& truth, ScanRehearsal how, bool fixed) {
   how.moved = false;
-  const RehearsedScan scan = rehearsed_scan(panel_program(), 0, truth, how);
+  const RehearsedScan scan = rehearsed_scan(testing::panel_program(), 0, truth, how);
   return estimate(
-      {{thinned_to(panel_program(), 0, kCutSampleMm), scan.points, Eigen::Isometry3d::Identity()}},
+      {{thinned_to(testing::panel_program(), 0, kCutSampleMm), scan.points, Eigen::Isometry3d::Identity()}},
       {.fixed = fixed});
 }
 
 TEST(CutWith, PlannedErrorsIsThePlannedSurface) {
-  const Program thinned = thinned_to(panel_program(), 0, kCutSampleMm);
+  const Program thinned = thinned_to(testing::panel_program(), 0, kCutSampleMm);
   const SweptSurface is = cut_with(thinned, planned_errors(thinned), kCutSampleMm);
-  const CutMesh planned(swept_surface(panel_program(), 2.5));
+  const CutMesh planned(swept_surface(testing::panel_program(), 2.5));
   double worst = 0;
   for (const Foot& foot : planned.feet(is.vertices)) worst = std::max(worst, std::abs(foot.height_mm));
   EXPECT_LT(worst, 0.02) << "facets of 10 mm, whose borders know their slope from one side only; a scan's "
@@ -37,7 +32,7 @@ TEST(CutWith, PlannedErrorsIsThePlannedSurface) {
 }
 
 TEST(CutWith, ABladeThatIsLongerBowsOutAndAWiderBandGoesDeeper) {
-  const Program thinned = thinned_to(panel_program(), 0, kCutSampleMm);
+  const Program thinned = thinned_to(testing::panel_program(), 0, kCutSampleMm);
   const ErrorVector planned = planned_errors(thinned);
   ErrorVector longer = planned, wider = planned;
   longer[at(CellError::kLength)] += 1;
@@ -54,7 +49,7 @@ TEST(CutWith, ABladeThatIsLongerBowsOutAndAWiderBandGoesDeeper) {
 }
 
 TEST(Estimate, OfAPerfectScanOfAFixedBlockIsTheTruth) {
-  ErrorVector truth = planned_errors(panel_program());
+  ErrorVector truth = planned_errors(testing::panel_program());
   truth[at(CellError::kShiftA, 1)] = 0.7;
   truth[at(CellError::kTurnB, 2)] = 0.003;
   truth[at(CellError::kBand)] += 0.2;
@@ -67,7 +62,7 @@ TEST(Estimate, OfAPerfectScanOfAFixedBlockIsTheTruth) {
 }
 
 TEST(Estimate, DownToTheNoiseAndSaysWhatItCannotTell) {
-  const ErrorVector truth = testing::hidden_errors(panel_program(), 7);
+  const ErrorVector truth = testing::hidden_errors(testing::panel_program(), 7);
   ScanRehearsal how;
   how.outliers = 0.05;
   const Estimate e = estimate_of(truth, how, false);
@@ -89,7 +84,7 @@ TEST(Estimate, DownToTheNoiseAndSaysWhatItCannotTell) {
 }
 
 TEST(Estimate, OfAScanInTheDesignsFrameTellsWhereTheCutStands) {
-  ErrorVector truth = planned_errors(panel_program());
+  ErrorVector truth = planned_errors(testing::panel_program());
   truth[at(CellError::kShiftA, 2)] = truth[at(CellError::kShiftB, 2)] = 0.8;
   truth[at(CellError::kShiftA, 1)] = truth[at(CellError::kShiftB, 1)] = -0.6;
   const Estimate placed = estimate_of(truth, {}, true), anywhere = estimate_of(truth, {}, false);
@@ -103,7 +98,7 @@ TEST(Estimate, OfNoiseAloneTellsNothing) {
   how.noise_mm = 4;
   how.points = 400;
   how.seen = 0.05;
-  const Estimate e = estimate_of(planned_errors(panel_program()), how, false);
+  const Estimate e = estimate_of(planned_errors(testing::panel_program()), how, false);
   EXPECT_TRUE(e.tells_nothing()) << e.told;
   for (std::size_t i = 0; i < kCellErrors; ++i) EXPECT_FALSE(e.told_alone(i));
 }

@@ -27,6 +27,11 @@ inline Settings panel_settings() {
   return settings;
 }
 
+inline const Program& panel_program() {
+  static const Program program = plan(crooked_panel(), panel_settings(), {}).program;
+  return program;
+}
+
 // Errors of a cell drawn within what is expected: normal, one standard deviation times `scale`, of each of
 // the numbers.
 inline ErrorVector hidden_errors(const Program& program, unsigned seed, double scale = 1) {

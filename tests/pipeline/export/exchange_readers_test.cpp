@@ -26,10 +26,6 @@ constexpr double kSample_mm = 10;
 // Six decimals in the file; OpenMesh and assimp read in single precision.
 constexpr double kSingle_mm = 1e-4;
 
-Program two_strips() {
-  return testing::vault_program({.strips = 2});
-}
-
 void expect_same_points(const std::vector<Eigen::Vector3d>& read,
                         const std::vector<Eigen::Vector3d>& written) {
   ASSERT_EQ(read.size(), written.size());
@@ -39,14 +35,14 @@ void expect_same_points(const std::vector<Eigen::Vector3d>& read,
 class SurfaceFile : public ::testing::TestWithParam<const char*> {
  protected:
   std::string write() const {
-    const Program program = two_strips();
+    const Program program = testing::vault_program({.strips = 2});
     const ExportedFile file =
         std::string(GetParam()) == "obj" ? as_cut_obj(program, kSample_mm) : as_cut_ply(program, kSample_mm);
     std::ofstream(directory_ / file.name) << file.text;
     return (directory_ / file.name).string();
   }
   testing::TemporaryDirectory directory_;
-  SweptSurface swept_ = swept_surface(two_strips(), kSample_mm);
+  SweptSurface swept_ = swept_surface(testing::vault_program({.strips = 2}), kSample_mm);
 };
 
 TEST_P(SurfaceFile, IsReadByOpenMeshVertexByVertexAndFaceByFace) {
@@ -127,7 +123,8 @@ void collect_textured(const aiScene& scene, const aiNode& node, Box& box, int& f
 
 TEST(GltfScene, IsReadByAssimpInMetresWithYUpAndItsColours) {
   const testing::TemporaryDirectory directory;
-  preview::Scene scene = preview::scene_of(two_strips(), nullptr, {preview::Color::kCurvature, {}, {}});
+  preview::Scene scene =
+      preview::scene_of(testing::vault_program({.strips = 2}), nullptr, {preview::Color::kCurvature, {}, {}});
   const auto file = directory / "scene.gltf";
   std::ofstream(file) << preview::gltf_of(scene);
   Assimp::Importer importer;

@@ -27,12 +27,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-Program two_strips() {
-  testing::VaultOptions options;
-  options.strips = 2;
-  return testing::vault_program(options);
-}
-
 std::vector<double> numbers_in(const std::string& text) {
   static const std::regex number("-?[0-9]+\\.[0-9]+");
   std::vector<double> all;
@@ -91,7 +85,7 @@ TEST(JointsCsv, HoldsEveryJointInDegrees) {
 }
 
 TEST(JointsCsv, NeedsAProgramWithJoints) {
-  EXPECT_THROW((void)joints_csv(two_strips()), Error);
+  EXPECT_THROW((void)joints_csv(testing::vault_program({.strips = 2})), Error);
 }
 
 TEST(KukaAngles, TurnBackToTheOrientationAlsoWhereAxesFallTogether) {
@@ -121,7 +115,7 @@ std::vector<std::string> moves_of(const std::vector<ExportedFile>& files, const 
 }
 
 TEST(Rapid, ReadsBackToTheWaypointsWithTheSameMoveNumbersInBothArms) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const std::vector<ExportedFile> files = rapid_programs(program, nullptr, RobotMoves::kCartesian);
   ASSERT_EQ(files.size(), 6u) << "a file a strip and one that calls them, for two arms";
   for (const Strip& strip : program.strips) {
@@ -147,7 +141,7 @@ TEST(Rapid, ReadsBackToTheWaypointsWithTheSameMoveNumbersInBothArms) {
 }
 
 TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const std::vector<ExportedFile> files = krl_programs(program, nullptr, RobotMoves::kCartesian);
   ASSERT_EQ(files.size(), 6u);
   for (const Strip& strip : program.strips) {
@@ -179,7 +173,7 @@ TEST(Krl, ReadsBackToTheWaypointsAndItsTimesAddUp) {
 }
 
 TEST(RobotPrograms, SwitchTheHeatOnTheFirstArmAloneWhereItStopsAndOffAtTheEnd) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   for (const ExportedFile& file : rapid_programs(program, nullptr, RobotMoves::kCartesian)) {
     const auto lines = lines_with(file.text, "SetDO");
     if (file.name.find("_a.mod") == std::string::npos || file.name.find("main") != std::string::npos) {
@@ -208,7 +202,7 @@ TEST(RobotPrograms, SwitchTheHeatOnTheFirstArmAloneWhereItStopsAndOffAtTheEnd) {
 }
 
 TEST(RobotPrograms, AreAsciiAndSplitLongStrips) {
-  Program program = two_strips();
+  Program program = testing::vault_program({.strips = 2});
   program.design.file = "Gew\xC3\xB6lbe \"A\".obj";
   for (const auto& files : {rapid_programs(program, nullptr, RobotMoves::kCartesian),
                             krl_programs(program, nullptr, RobotMoves::kCartesian)}) {
@@ -227,7 +221,7 @@ TEST(RobotPrograms, AreAsciiAndSplitLongStrips) {
 }
 
 TEST(RobotPrograms, PutTheStraightBladeInBeforeTheyBendIt) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const auto tasks = robot_tasks(program, nullptr);
   for (std::size_t s = 0; s < program.strips.size(); ++s) {
     const RobotJob &a = tasks[0].jobs[s], &b = tasks[1].jobs[s];
@@ -250,7 +244,7 @@ TEST(RobotPrograms, PutTheStraightBladeInBeforeTheyBendIt) {
 }
 
 TEST(WaypointCsv, HoldsEveryWaypoint) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const std::vector<ExportedFile> files = waypoint_csv(program);
   ASSERT_EQ(files.size(), 2u);
   for (std::size_t s = 0; s < 2; ++s) {
@@ -276,7 +270,7 @@ TEST(WaypointCsv, HoldsEveryWaypoint) {
 }
 
 TEST(WaypointCompas, FramesAreOrthonormalAndLieOnTheClamps) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const auto job = nlohmann::json::parse(waypoint_compas(program).at(1).text);
   const std::vector<robot::Waypoint> path = waypoints(program.strips[1]);
   ASSERT_EQ(job["clamp_b"].size(), path.size());
@@ -294,7 +288,7 @@ TEST(WaypointCompas, FramesAreOrthonormalAndLieOnTheClamps) {
 }
 
 TEST(AsCutObj, ReadsBackAsTheSweptSurface) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const testing::TemporaryDirectory directory;
   const ExportedFile file = as_cut_obj(program, 5);
   std::ofstream(directory / file.name) << file.text;
@@ -309,7 +303,7 @@ TEST(AsCutObj, ReadsBackAsTheSweptSurface) {
 }
 
 TEST(AsCutPly, SaysAsManyVerticesAndFacesAsItHolds) {
-  const Program program = two_strips();
+  const Program program = testing::vault_program({.strips = 2});
   const std::string text = as_cut_ply(program, 5).text;
   const SweptSurface swept = swept_surface(program, 5);
   EXPECT_THAT(text, HasSubstr("element vertex " + std::to_string(swept.vertices.size()) + "\n"));

@@ -25,8 +25,8 @@ Vector3d cap(double radius, double half_rad, double u, double v) {
   return radius * Vector3d(std::sin(a) * std::cos(b), std::sin(b), std::cos(a) * std::cos(b));
 }
 
-surface::DesignSurface dome(double radius, double half_rad, int n = 40) {
-  return grid_design("dome", n, n, [=](double u, double v) { return cap(radius, half_rad, u, v); });
+surface::DesignSurface cap(double radius, double half_rad, int n = 40) {
+  return grid_design("cap", n, n, [=](double u, double v) { return cap(radius, half_rad, u, v); });
 }
 
 // A bowl that opens to the side.
@@ -47,7 +47,7 @@ Settings followed(const Forecast& f, std::size_t which = 0) {
 }
 
 TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
-  const Forecast round = forecast(dome(300, 0.7), in("mm")), tube = forecast(cylinder_design(), in("mm"));
+  const Forecast round = forecast(cap(300, 0.7), in("mm")), tube = forecast(cylinder_design(), in("mm"));
   EXPECT_NEAR(round.surface.radius_mm, 300, 0.1 * 300);
   EXPECT_NEAR(tube.surface.radius_mm, 400, 0.05 * 400);
   EXPECT_EQ(round.surface.sharper_share, 0);
@@ -62,7 +62,7 @@ TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
 }
 
 TEST(Forecast, SaysThatABallBendsMoreSharplyThanTheBladeAllOver) {
-  const Forecast f = forecast(dome(40, 0.7), in("mm"));
+  const Forecast f = forecast(cap(40, 0.7), in("mm"));
   EXPECT_GT(f.surface.sharper_share, 0.95);
   // Whatever the planes, what is not too steep for them is too sharp.
   EXPECT_GT(f.steep_share + f.sections.sharper_share, 0.95);
@@ -70,8 +70,8 @@ TEST(Forecast, SaysThatABallBendsMoreSharplyThanTheBladeAllOver) {
 }
 
 TEST(Forecast, SaysTheSameOfAFinerMesh) {
-  const Forecast coarse = forecast(dome(300, 0.7, 30), in("mm")),
-                 fine = forecast(dome(300, 0.7, 240), in("mm"));
+  const Forecast coarse = forecast(cap(300, 0.7, 30), in("mm")),
+                 fine = forecast(cap(300, 0.7, 240), in("mm"));
   EXPECT_NEAR(fine.surface.radius_mm, coarse.surface.radius_mm, 0.1 * 300);
   EXPECT_NEAR(fine.sections.radius_mm, coarse.sections.radius_mm, 0.15 * coarse.sections.radius_mm);
 }
@@ -267,7 +267,7 @@ TEST(OddSize, OfARoofIsAskedAboutOnlyWhereHardlyAnythingCouldBeCut) {
 }
 
 TEST(Thinned, LeavesACoarseMeshAndHoldsAFineOnesShape) {
-  const surface::DesignSurface coarse = dome(300, 0.7, 10), fine = dome(300, 0.7, 200);
+  const surface::DesignSurface coarse = cap(300, 0.7, 10), fine = cap(300, 0.7, 200);
   EXPECT_EQ(thinned(coarse.mesh, 5).triangles().size(), coarse.mesh.triangles().size());
   const surface::TriangleMesh thin = thinned(fine.mesh, 10);
   EXPECT_LT(thin.vertices().size(), fine.mesh.vertices().size() / 10);

@@ -18,7 +18,7 @@ using namespace pipeline::testing;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-constexpr PictureSize kSmall{320, 180};
+constexpr PictureSize kLittle{320, 180};
 
 TEST(MomentAt, IsTheLastPoseAtOrBeforeATime) {
   const ViewModel model = view_model(vault_program({.strips = 2, .poses = 40}), nullptr, {});
@@ -159,15 +159,15 @@ std::vector<unsigned char> painted(Painter& painter) {
   vtkNew<vtkImageData> image;
   painter.paint(*image);
   const auto* bytes = static_cast<const unsigned char*>(image->GetScalarPointer());
-  return {bytes, bytes + 3L * kSmall.width * kSmall.height};
+  return {bytes, bytes + 3L * kLittle.width * kLittle.height};
 }
 
 TEST(Stage, EveryKeyThatChangesTheViewChangesThePictureAndGoingBackRestoresIt) {
   const auto design = vault_design(1);
   const ViewModel model = view_model(vault_program({.bulge_mm = 1.4}), &design, {});
   const ViewState first = first_state(model, {}, View::kBest);
-  Painter painter(kSmall);
-  Stage stage(model, painter.renderer(), kSmall, Painter::kZoom);
+  Painter painter(kLittle);
+  Stage stage(model, painter.renderer(), kLittle, Painter::kZoom);
   stage.show(first);
   const auto before = painted(painter);
   for (const char* key : {"c", "r", "b", "k", "g", "p", "l", "2", "3", "x", "u", "Tab", "h", "Next"}) {
@@ -184,7 +184,7 @@ TEST(Stage, EveryKeyThatChangesTheViewChangesThePictureAndGoingBackRestoresIt) {
 TEST(StagePng, ShowsADesignAlone) {
   const ViewModel model = view_model(vault_design(1));
   const ViewState first = first_state(model, {}, View::kBest);
-  EXPECT_NE(png_of(model, after_key(first, model.facts, "t"), kSmall), png_of(model, first, kSmall));
+  EXPECT_NE(png_of(model, after_key(first, model.facts, "t"), kLittle), png_of(model, first, kLittle));
 }
 
 }  // namespace

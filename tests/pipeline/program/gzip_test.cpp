@@ -23,7 +23,7 @@ using testing::TemporaryDirectory;
 using testing::vault_program;
 
 // The message that bytes are refused with; empty: they are taken.
-std::string refusal(const std::string& bytes) {
+std::string refusal_to_unpack(const std::string& bytes) {
   try {
     (void)unpacked(bytes, "job.json.gz");
     return "";
@@ -72,11 +72,11 @@ TEST(Gzip, IsWhatOtherProgramsRead) {
 
 TEST(Gzip, ThatIsCutOffAtAnyByteIsRefused) {
   const std::string bytes = packed(random_text(2000, 10));
-  EXPECT_THAT(refusal(""), HasSubstr("is no gzip file"));
-  EXPECT_THAT(refusal(bytes.substr(0, 1)), HasSubstr("is no gzip file"));
+  EXPECT_THAT(refusal_to_unpack(""), HasSubstr("is no gzip file"));
+  EXPECT_THAT(refusal_to_unpack(bytes.substr(0, 1)), HasSubstr("is no gzip file"));
   for (std::size_t size = 2; size < bytes.size(); ++size)
-    ASSERT_THAT(refusal(bytes.substr(0, size)), HasSubstr("is cut off")) << size;
-  EXPECT_EQ(refusal(bytes), "");
+    ASSERT_THAT(refusal_to_unpack(bytes.substr(0, size)), HasSubstr("is cut off")) << size;
+  EXPECT_EQ(refusal_to_unpack(bytes), "");
 }
 
 TEST(Gzip, WithAnyByteChangedIsRefusedOrHasTheSameText) {
@@ -97,14 +97,14 @@ TEST(Gzip, WithAnyByteChangedIsRefusedOrHasTheSameText) {
 
 TEST(Gzip, WithSomethingBehindItIsRefused) {
   const std::string bytes = packed("text");
-  EXPECT_THAT(refusal(bytes + "x"), HasSubstr("goes on after its end"));
-  EXPECT_THAT(refusal(bytes + bytes.substr(0, 7)), HasSubstr("is cut off"));
+  EXPECT_THAT(refusal_to_unpack(bytes + "x"), HasSubstr("goes on after its end"));
+  EXPECT_THAT(refusal_to_unpack(bytes + bytes.substr(0, 7)), HasSubstr("is cut off"));
 }
 
 TEST(Gzip, MadeToFillTheMemoryIsRefused) {
   const std::string bytes = packed(std::string(std::size_t{65} << 20, '0'));
   EXPECT_LT(bytes.size(), 400'000U);
-  EXPECT_THAT(refusal(bytes), HasSubstr("unpacks to more than 200 times its size"));
+  EXPECT_THAT(refusal_to_unpack(bytes), HasSubstr("unpacks to more than 200 times its size"));
 }
 
 // ---- programs ----

@@ -19,7 +19,7 @@ using ::testing::Not;
 const Words kEnglish("en");
 
 // A cylinder in several blocks, its planes given.
-const PlanResult& planned() {
+const PlanResult& planned_with_list() {
   static const PlanResult result = [] {
     Settings settings = along_x();
     settings.stock.max_size_mm = {200, 120, 120};
@@ -35,7 +35,7 @@ PlanesTried ranked(const Eigen::Vector3d& normal, std::size_t parts, std::option
 
 // One whose planes were searched.
 PlanResult searched() {
-  PlanResult result = planned();
+  PlanResult result = planned_with_list();
   result.program.settings.slice.direction.reset();
   result.ranking = {ranked({1, 0, 0}, 2, 0.125), ranked({0.99, 0.1, 0}, 2, 0.1), ranked({0, 1, 0}, 3, {}),
                     ranked({0, 0, 1}, 1, 7.5)};
@@ -43,7 +43,7 @@ PlanResult searched() {
 }
 
 TEST(Reasons, SayThatPlanesWereGiven) {
-  EXPECT_EQ(direction_reason(planned(), kEnglish), "The planes were given by slice.direction.");
+  EXPECT_EQ(direction_reason(planned_with_list(), kEnglish), "The planes were given by slice.direction.");
 }
 
 TEST(Reasons, TellWhatTheNextDirectionWouldTake) {
@@ -69,7 +69,7 @@ TEST(Reasons, TellByWhatAnotherDirectionFailedThatWasTriedInFull) {
 }
 
 TEST(Reasons, TellByWhatFewerStripsFailed) {
-  PlanResult result = planned();
+  PlanResult result = planned_with_list();
   const std::size_t count = result.strips.size();
   ASSERT_GT(count, 1u);
   result.strips_lower_bound = count;
@@ -95,8 +95,8 @@ TEST(Reasons, TellByWhatFewerStripsFailed) {
 }
 
 TEST(Reasons, OfABladeAreTheLimitOfTheShorterAndTheWeightOfTheLonger) {
-  const std::vector<double>& lengths = planned().program.settings.blade.free_lengths_mm;
-  for (const StripFacts& f : planned().strips) {
+  const std::vector<double>& lengths = planned_with_list().program.settings.blade.free_lengths_mm;
+  for (const StripFacts& f : planned_with_list().strips) {
     ASSERT_TRUE(f.blades && f.blades->shorter && f.blades->longer);
     const auto own = std::find(lengths.begin(), lengths.end(), f.blade_length_mm);
     EXPECT_EQ(f.blades->chosen.length_mm, *own);
@@ -112,7 +112,7 @@ TEST(Reasons, OfABladeAreTheLimitOfTheShorterAndTheWeightOfTheLonger) {
 }
 
 TEST(Reasons, OfASteadierBladeAreWhatTheClampsErrorsMovedTheShorterOne) {
-  PlanResult result = planned();
+  PlanResult result = planned_with_list();
   SweptFit& fit = result.decisions.back().fits.front();
   fit.clamps_mm = 0.45;
   fit.before = SweptFit::Before{400, 0.1, 6.5};
@@ -121,10 +121,10 @@ TEST(Reasons, OfASteadierBladeAreWhatTheClampsErrorsMovedTheShorterOne) {
 }
 
 TEST(Reasons, HaveARowForEachStripThatTheViewFinds) {
-  const std::string html = reasons_section(planned(), kEnglish);
-  for (const Strip& strip : planned().program.strips)
+  const std::string html = reasons_section(planned_with_list(), kEnglish);
+  for (const Strip& strip : planned_with_list().program.strips)
     EXPECT_THAT(html, HasSubstr("<tr id=\"why-" + strip.id + "\" data-strip=\"" + strip.id + "\">"));
-  PlanResult turned = planned();
+  PlanResult turned = planned_with_list();
   for (Rib& rib : turned.program.strips[1].ribs)
     rib.frame = {rib.frame.origin, Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()};
   EXPECT_THAT(reasons_section(turned, kEnglish), HasSubstr("turned by 90 degrees from the plan's"));
@@ -175,8 +175,8 @@ TEST(Reasons, OfADesignWithCreasesAreToldOfEachFace) {
   // Its blades are straight, which no error of 0.1 mm moves by kilometres.
   EXPECT_THAT(page, HasSubstr("<td class=\"n\">straight</td>"));
   // One without creases has none of this.
-  EXPECT_EQ(creases_reason(planned(), kEnglish), "");
-  EXPECT_THAT(report_html(planned(), {}, "none"), Not(HasSubstr("face 1")));
+  EXPECT_EQ(creases_reason(planned_with_list(), kEnglish), "");
+  EXPECT_THAT(report_html(planned_with_list(), {}, "none"), Not(HasSubstr("face 1")));
 }
 
 TEST(Reasons, AreNotGivenOfWhatWasRefused) {

@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using testing::Bytes;
 
-constexpr std::uint32_t kResponse_ms = 200;
+constexpr std::uint32_t kLinkResponse_ms = 200;
 constexpr std::array<std::uint16_t, 3> kWritten{0x1234, 0xABCD, 7};
 constexpr std::array<std::uint16_t, 2> kRead{0xCAFE, 0x0102};
 
@@ -89,7 +89,7 @@ struct Exchange {
 };
 
 Exchange exchange(const ScriptedPeer& peer) {
-  ModbusLink link("127.0.0.1", peer.port(), kResponse_ms);
+  ModbusLink link("127.0.0.1", peer.port(), kLinkResponse_ms);
   Exchange result{LinkOutcome::kLost, {}, {}};
   if (!link.connect()) return result;
   result.outcome = link.write_read(0x200, kWritten, 0x40, result.read);
@@ -136,7 +136,7 @@ TEST(ModbusLink, ARefusalIsAnExceptionAndTheConnectionStays) {
     Bytes again(300);
     if (::recv(fd, again.data(), again.size(), 0) > 0) send(fd, answer_to(again, kGoodPdu));
   });
-  ModbusLink link("127.0.0.1", peer.port(), kResponse_ms);
+  ModbusLink link("127.0.0.1", peer.port(), kLinkResponse_ms);
   ASSERT_TRUE(link.connect());
   std::array<std::uint16_t, 2> read{};
   EXPECT_EQ(link.write_read(0x200, kWritten, 0x40, read), LinkOutcome::kException);
@@ -169,7 +169,7 @@ TEST(ModbusLink, BytesAfterAnAnswerAreNeverTakenForTheNext) {
     Bytes next(300);
     if (::recv(fd, next.data(), next.size(), 0) > 0) send(fd, answer_to(next, kGoodPdu));
   });
-  ModbusLink link("127.0.0.1", peer.port(), kResponse_ms);
+  ModbusLink link("127.0.0.1", peer.port(), kLinkResponse_ms);
   ASSERT_TRUE(link.connect());
   std::array<std::uint16_t, 2> read{};
   EXPECT_EQ(link.write_read(0x200, kWritten, 0x40, read), LinkOutcome::kOk);
@@ -192,7 +192,7 @@ TEST(ModbusLink, NoSpoiltBitOfAnAnswerGoesUnseen) {
       spoil(answer);
       send(fd, answer);
     });
-    ModbusLink link("127.0.0.1", peer.port(), kResponse_ms);
+    ModbusLink link("127.0.0.1", peer.port(), kLinkResponse_ms);
     std::array<std::uint16_t, protocol::kStatusSize> got{};
     const bool taken = link.connect() && link.write_read(0x200, kWritten, 0x40, got) == LinkOutcome::kOk;
     return taken && protocol::block_intact(got) ? std::optional(got) : std::nullopt;
@@ -231,13 +231,13 @@ TEST(ModbusLink, SilenceAndATrickleAreGivenUpInTime) {
     EXPECT_EQ(got.outcome, LinkOutcome::kLost) << pieces;
     EXPECT_EQ(got.error, "Connection timed out") << pieces;
     // The system counts such times in ticks of some ms.
-    EXPECT_GE(steady_clock::now() - begin, milliseconds(kResponse_ms / 2)) << pieces;
+    EXPECT_GE(steady_clock::now() - begin, milliseconds(kLinkResponse_ms / 2)) << pieces;
   }
 }
 
 TEST(ModbusLink, MoreRegistersThanFunction23HoldsAreRefused) {
   const ScriptedPeer peer([](int, const Bytes&) {});
-  ModbusLink link("127.0.0.1", peer.port(), kResponse_ms);
+  ModbusLink link("127.0.0.1", peer.port(), kLinkResponse_ms);
   ASSERT_TRUE(link.connect());
   const std::vector<std::uint16_t> many(122);
   std::array<std::uint16_t, 2> read{};

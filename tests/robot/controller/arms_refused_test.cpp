@@ -21,7 +21,7 @@ using testing::declared;
 using testing::planned_joints;
 using testing::sample_cell;
 
-constexpr std::size_t kWaypoints = 240;
+constexpr std::size_t kJobWaypoints = 240;
 
 // A clamp that holds the blade turned is one whose jaw is turned, told where it holds the blade: the same
 // joints hold the same blade, as far from the other arm.
@@ -31,9 +31,9 @@ TEST_F(ArmCheckTest, TheBladeLiesWhereAClampThatIsOffHoldsIt) {
   at_b.arms[0].tool.shapes.clear();
   at_b.table_mm.reset();
   at_b.clearances.others_mm = 400;
-  const Job as_held = testing::sample_job(kWaypoints);
+  const Job as_held = testing::sample_job(kJobWaypoints);
   offsets.a = {{1, -2, 3}, {0, 0.05, 0.1}};
-  std::vector<Waypoint> told_waypoints = testing::sample_waypoints(kWaypoints);
+  std::vector<Waypoint> told_waypoints = testing::sample_waypoints(kJobWaypoints);
   for (Waypoint& w : told_waypoints) w.a = told(w.a, offsets.a);
   use(at_b, make_job(sha256({}), "S001", told_waypoints, testing::sample_blade()));
   ASSERT_EQ(refused(), Limit::kArmClearance);
@@ -61,7 +61,7 @@ TEST_F(ArmCheckTest, TheBladeLiesWhereAClampThatIsOffHoldsIt) {
 
 // The STATE of a START that comes too early is none of the arms' any more.
 TEST_F(ArmCheckTest, TheRightArmsTakeBackWhatWasSaidOfTheWrong) {
-  use(sample_cell(), testing::sample_job(kWaypoints));
+  use(sample_cell(), testing::sample_job(kJobWaypoints));
   ASSERT_EQ(push(), Result::kOk);
   ASSERT_EQ(command(Op::kStart, token), Result::kState);
   ASSERT_EQ(limit_of_code(controller->status().fault_detail), Limit::kCell);
@@ -101,7 +101,7 @@ class ArmsDeclaredLate : public ArmCheckTest {
 };
 
 TEST_F(ArmsDeclaredLate, NameTheWaypointThatBreaksALimit) {
-  use(sample_cell(), testing::sample_job(kWaypoints));
+  use(sample_cell(), testing::sample_job(kJobWaypoints));
   double highest = -10;
   std::uint32_t at = 0;
   JointAngles low, high;

@@ -46,4 +46,12 @@ inline EvenSections even_sections(const TriangleSoup& mesh, const FanAxis& axis,
   return even_sections(whole, fan_about(whole, axis), spacing_mm, inset_mm);
 }
 
+// Lengths of a section's pieces, shortest first.
+inline std::vector<double> lengths(const Section& section) {
+  std::vector<double> all;
+  for (const SectionPiece& piece : section.pieces) all.push_back(piece.length_mm);
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
 }  // namespace hotblade::surface

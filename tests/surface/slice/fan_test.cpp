@@ -59,13 +59,6 @@ TEST(PlaneFamily, RefusesAxesThatAreNone) {
   EXPECT_THROW((void)PlaneFamily::fan({{0, 0, 0}, {0, 0, 1}}, {1, 0, 0}, 0), std::logic_error);
 }
 
-std::vector<double> lengths(const Section& section) {
-  std::vector<double> all;
-  for (const SectionPiece& piece : section.pieces) all.push_back(piece.length_mm);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
 TEST(SliceFan, SectionsOfATorusAreItsTubesCircles) {
   const int around = 360;
   const EvenSections g = even_sections(pipe_bend(1.2, 240, around), FanAxis{{0, 0, 0}, {0, 0, 1}}, 40);

@@ -37,13 +37,6 @@ double height(const EvenSections& cut, const Section& section) {
   return section.offset_mm + cut.planes.normal(0).dot(cut.planes.centre());
 }
 
-std::vector<double> lengths(const Section& section) {
-  std::vector<double> all;
-  for (const SectionPiece& piece : section.pieces) all.push_back(piece.length_mm);
-  std::sort(all.begin(), all.end());
-  return all;
-}
-
 double distance_to_edges(const TriangleSoup& mesh, const Vector3d& p) {
   double best = std::numeric_limits<double>::infinity();
   for (const auto& t : mesh.triangles) {

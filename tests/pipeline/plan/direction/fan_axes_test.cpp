@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 using surface::FanAxis;
 
-Eigen::Isometry3d placement() {
+Eigen::Isometry3d turned_about() {
   Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
   t.rotate(Eigen::AngleAxisd(1.3, Vector3d(-1, 2, 0.4).normalized()));
   t.translation() = Vector3d(-900, 5000, 320);
@@ -63,7 +63,7 @@ surface::DesignSurface bend(const Eigen::Isometry3d& placed) {
 }
 
 TEST(BorderRuns, AreTheSidesBetweenCorners) {
-  const auto runs = border_runs(cone(placement(), 0.9).mesh);
+  const auto runs = border_runs(cone(turned_about(), 0.9).mesh);
   ASSERT_EQ(runs.size(), 4u);
   EXPECT_NEAR(runs[0].length_mm, 0.9 * 500, 0.01);  // chords of 48 cells
   EXPECT_NEAR(runs[1].length_mm, std::hypot(200, 250), 1e-9);
@@ -88,7 +88,7 @@ TEST(BorderRuns, ABorderWithoutCornersIsOneClosedRun) {
 TEST(CircleAxis, IsExactForPointsOfAnArc) {
   for (const double turn : {0.12, 0.5, 1.5, 3.0, 6.0}) {
     BorderRun run;
-    const Eigen::Isometry3d placed = placement();
+    const Eigen::Isometry3d placed = turned_about();
     for (int i = 0; i <= 40; ++i) {
       const double a = turn * i / 40;
       run.points.push_back(placed * Vector3d(700 * std::cos(a), 700 * std::sin(a), 12));
@@ -119,7 +119,7 @@ TEST(CircleAxis, AParabolaOrAStraightLineHasNone) {
 }
 
 TEST(RevolutionAxes, FindTheAxisOfAConeFromItsNormalsAlone) {
-  const Eigen::Isometry3d placed = placement();
+  const Eigen::Isometry3d placed = turned_about();
   const auto design = cone(placed, 0.9);
   const auto axes = revolution_axes(design.mesh, body_axes(design.mesh));
   ASSERT_FALSE(axes.empty());
@@ -141,13 +141,13 @@ TEST(RevolutionAxes, OfAPatchOfASphereAreTheBodysOwn) {
       return placed * (600 * d.normalized());
     });
   };
-  const auto here = sphere(Eigen::Isometry3d::Identity()), there = sphere(placement());
+  const auto here = sphere(Eigen::Isometry3d::Identity()), there = sphere(turned_about());
   const auto a = revolution_axes(here.mesh, body_axes(here.mesh)),
              b = revolution_axes(there.mesh, body_axes(there.mesh));
   ASSERT_FALSE(a.empty());
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    const Miss m = miss(b[i], placement() * a[i].point, placement().linear() * a[i].direction);
+    const Miss m = miss(b[i], turned_about() * a[i].point, turned_about().linear() * a[i].direction);
     EXPECT_LT(m.angle_rad, 1e-6);
     EXPECT_LT(m.distance_mm, 1e-3);
     // Through the centre, but for facets of 15 mm, whose normals' lines pass it by up to a third of that.
@@ -156,7 +156,7 @@ TEST(RevolutionAxes, OfAPatchOfASphereAreTheBodysOwn) {
 }
 
 TEST(FanAxes, AConesCircularBordersHaveItsAxis) {
-  const Eigen::Isometry3d placed = placement();
+  const Eigen::Isometry3d placed = turned_about();
   for (const double turn : {0.3, 0.9, 2.5}) {
     const Miss m =
         nearest(axes_of(cone(placed, turn)), placed * Vector3d::Zero(), placed.linear() * Vector3d::UnitZ());
@@ -167,7 +167,7 @@ TEST(FanAxes, AConesCircularBordersHaveItsAxis) {
 
 TEST(FanAxes, AConesStraightBordersMeetInItsAxis) {
   // Cut off by waves instead of circles: only the straight borders and the normals tell.
-  const Eigen::Isometry3d placed = placement();
+  const Eigen::Isometry3d placed = turned_about();
   const double turn = 0.9;
   const auto design = grid_design("cut", 48, 8, [&](double u, double v) -> Vector3d {
     const double a = turn * u, out = 300 + 200 * v + 25 * (2 * v - 1) * std::sin(19 * u);
@@ -181,7 +181,7 @@ TEST(FanAxes, AConesStraightBordersMeetInItsAxis) {
 }
 
 TEST(FanAxes, PlaneEndsOfABendMeetInItsAxis) {
-  const Eigen::Isometry3d placed = placement();
+  const Eigen::Isometry3d placed = turned_about();
   const auto design = bend(placed);
   const Miss m = nearest(axes_of(design), placed * Vector3d::Zero(), placed.linear() * Vector3d::UnitZ());
   EXPECT_LT(m.angle_rad, 1e-9);
@@ -189,12 +189,12 @@ TEST(FanAxes, PlaneEndsOfABendMeetInItsAxis) {
 }
 
 TEST(FanAxes, TurnAndMoveWithTheDesign) {
-  const auto here = bend(Eigen::Isometry3d::Identity()), there = bend(placement());
+  const auto here = bend(Eigen::Isometry3d::Identity()), there = bend(turned_about());
   const auto a = axes_of(here), b = axes_of(there);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    EXPECT_LT((placement() * a[i].point - b[i].point).norm(), 1e-5) << i;
-    EXPECT_LT((placement().linear() * a[i].direction).cross(b[i].direction).norm(), 1e-8) << i;
+    EXPECT_LT((turned_about() * a[i].point - b[i].point).norm(), 1e-5) << i;
+    EXPECT_LT((turned_about().linear() * a[i].direction).cross(b[i].direction).norm(), 1e-8) << i;
   }
 }
 

@@ -20,10 +20,10 @@ std::vector<PathSample> path(int n, const std::function<Eigen::Vector3d(double)>
   return samples;
 }
 
-Eigen::Vector3d line(double u) {
+Eigen::Vector3d straight_line(double u) {
   return {300 * u, 0, 0};
 }
-Eigen::Vector3d wave(double u) {
+Eigen::Vector3d waved_line(double u) {
   return {300 * u, 20 * std::sin(12 * u), 0};
 }
 
@@ -33,7 +33,7 @@ TimeLaw law_of(const std::vector<PathSample>& samples, const MotionSettings& lim
 
 TEST(FastestTimeLaw, TakesTheTrapezoidsTimeOnALine) {
   MotionSettings limits;
-  const TimeLaw law = law_of(path(600, line, false), limits);
+  const TimeLaw law = law_of(path(600, straight_line, false), limits);
   // Shares of the limits that the law uses in air: 98% of the speed, 60% of the acceleration.
   const double v = 0.98 * limits.travel_mm_s, a = 0.6 * limits.accel_mm_s2;
   EXPECT_NEAR(law.duration_s, 300 / v + v / a, 0.02);
@@ -44,7 +44,7 @@ TEST(FastestTimeLaw, TakesTheTrapezoidsTimeOnALine) {
 
 TEST(FastestTimeLaw, HoldsTheFeedAtTheFastestPointInFoam) {
   MotionSettings limits;
-  const TimeLaw law = law_of(path(600, line, true), limits);
+  const TimeLaw law = law_of(path(600, straight_line, true), limits);
   double fastest = 0;
   for (std::size_t i = 1; i < law.sigma.size(); ++i) {
     fastest = std::max(fastest, 600 * (law.sigma[i] - law.sigma[i - 1]) / law.step_s);
@@ -55,12 +55,12 @@ TEST(FastestTimeLaw, HoldsTheFeedAtTheFastestPointInFoam) {
 
 TEST(FastestTimeLaw, WaypointsKeepSpeedAndAccelerationOnACurvedPath) {
   MotionSettings limits;
-  const TimeLaw law = law_of(path(1000, wave, false), limits);
+  const TimeLaw law = law_of(path(1000, waved_line, false), limits);
   Eigen::Vector3d v = Eigen::Vector3d::Zero();
   double speed = 0, accel = 0;
   for (std::size_t i = 1; i <= law.sigma.size(); ++i) {
     const double to = law.sigma[std::min(i, law.sigma.size() - 1)];
-    const Eigen::Vector3d v1 = (wave(to) - wave(law.sigma[i - 1])) / law.step_s;
+    const Eigen::Vector3d v1 = (waved_line(to) - waved_line(law.sigma[i - 1])) / law.step_s;
     speed = std::max(speed, v1.norm());
     accel = std::max(accel, (v1 - v).norm() / law.step_s);
     v = v1;
@@ -117,7 +117,7 @@ TEST(FastestTimeLaw, StepsAreWholeMicrosecondsThatAControllerTakes) {
     limits.waypoint_s = waypoint_s;
     for (const double travel : {1.0, 9.9, 100.0}) {
       limits.travel_mm_s = travel;
-      const TimeLaw law = law_of(path(300, wave, false), limits);
+      const TimeLaw law = law_of(path(300, waved_line, false), limits);
       EXPECT_GE(law.step_s, 0.005 - 1e-12);
       EXPECT_LE(law.step_s, waypoint_s + 1e-9);
       EXPECT_NEAR(law.step_s * 1e6, std::round(law.step_s * 1e6), 1e-6);
@@ -136,7 +136,7 @@ TEST(FastestTimeLaw, GivesAPathThatHardlyMovesTheShortestStep) {
 
 TEST(FastestTimeLaw, SlowsByTheSharesGivenAndOnlyWhereTheyAre) {
   const MotionSettings limits;
-  const auto samples = path(1000, line, false);
+  const auto samples = path(1000, straight_line, false);
   LawShares shares = first_shares(samples);
   for (std::size_t i = 450; i <= 550; ++i) shares.rate2[i] *= 0.25;
   const TimeLaw slowed = fastest_time_law(samples, limits, shares), usual = law_of(samples, limits);

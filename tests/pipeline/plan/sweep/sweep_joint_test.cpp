@@ -27,17 +27,10 @@ Vector3d wave(double u, double v) {
   return {x, y, 25 * std::sin(2 * M_PI * u) * (1 + 0.4 * v) + 30 * std::cos(2.5 * v) * u + 40 * v * v};
 }
 
-Settings back_of() {
-  Settings settings;
-  settings.design.units = "mm";
-  settings.design.keep = Keep::kBack;
-  return settings;
-}
-
 // The wave in two parts, each fitted on its own and both together.
 struct Halves {
   explicit Halves(const Vector3d& seam_normal, const Eigen::Isometry3d& turn = Eigen::Isometry3d::Identity())
-      : settings(back_of()),
+      : settings(back_kept()),
         design(
             grid_design("wave", 60, 60, [&](double u, double v) -> Vector3d { return turn * wave(u, v); })),
         surface(waste_surface(design.mesh, 1)),

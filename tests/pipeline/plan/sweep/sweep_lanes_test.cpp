@@ -15,15 +15,15 @@ namespace {
 using Eigen::Vector2d;
 using elastica::Simd;
 
-class SweepLanes : public testing::TestWithParam<Simd> {
+class SweepLanes : public ::testing::TestWithParam<Simd> {
  protected:
   void SetUp() override {
     if (!supported(GetParam())) GTEST_SKIP() << "not on this machine";
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Every, SweepLanes, testing::Values(Simd::kBaseline, Simd::kAvx2, Simd::kAvx512),
-                         [](const testing::TestParamInfo<Simd>& simd) {
+INSTANTIATE_TEST_SUITE_P(Every, SweepLanes, ::testing::Values(Simd::kBaseline, Simd::kAvx2, Simd::kAvx512),
+                         [](const ::testing::TestParamInfo<Simd>& simd) {
                            return std::string(elastica::name(simd.param));
                          });
 

@@ -29,13 +29,6 @@ surface::DesignSurface patch_design(const Eigen::Isometry3d& turn = Eigen::Isome
   return grid_design("patch", 48, 40, [&](double u, double v) -> Vector3d { return turn * patch(u, v); });
 }
 
-Settings back_of() {
-  Settings settings;
-  settings.design.units = "mm";
-  settings.design.keep = Keep::kBack;
-  return settings;
-}
-
 SweptPlan first_plan(const surface::DesignSurface& design, const Settings& settings) {
   SweptPlan found;
   const auto judge = [&](const SweptPlan& plan) -> SweepVerdict {
@@ -160,7 +153,7 @@ double largest_distance(const SweptPlan& plan, const Eigen::Isometry3d& turn) {
 }
 
 TEST(SweepSearch, FollowsTheTrueSurfaceAsCloselyAsItSays) {
-  const SweptPlan plan = first_plan(patch_design(), back_of());
+  const SweptPlan plan = first_plan(patch_design(), back_kept());
   ASSERT_EQ(plan.strips.size(), 1U);
   EXPECT_LT(plan.deviation_mm, 0.3);
   // Facets of the file and points 0.3 mm apart on the blades.
@@ -168,18 +161,18 @@ TEST(SweepSearch, FollowsTheTrueSurfaceAsCloselyAsItSays) {
 }
 
 TEST(SweepSearch, DoesNotDependOnHowTheDesignLies) {
-  const SweptPlan as_it_is = first_plan(patch_design(), back_of());
+  const SweptPlan as_it_is = first_plan(patch_design(), back_kept());
   Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
   turn.rotate(Eigen::AngleAxisd(1.1, Vector3d(0.3, -0.5, 0.8).normalized()));
   turn.pretranslate(Vector3d(4000, -2500, 900));
-  const SweptPlan turned = first_plan(patch_design(turn), back_of());
+  const SweptPlan turned = first_plan(patch_design(turn), back_kept());
   ASSERT_EQ(turned.strips.size(), as_it_is.strips.size());
   EXPECT_NEAR(turned.deviation_mm, as_it_is.deviation_mm, 0.02);
   EXPECT_LT(largest_distance(turned, turn), turned.deviation_mm + 0.1);
 }
 
 TEST(SweepSearch, GivesTheSameStripsEachTime) {
-  const SweptPlan a = first_plan(patch_design(), back_of()), b = first_plan(patch_design(), back_of());
+  const SweptPlan a = first_plan(patch_design(), back_kept()), b = first_plan(patch_design(), back_kept());
   ASSERT_EQ(a.strips.size(), b.strips.size());
   EXPECT_EQ(a.planes.normal(0), b.planes.normal(0));
   for (std::size_t i = 0; i < a.strips[0].ribs.size(); ++i)
@@ -187,7 +180,7 @@ TEST(SweepSearch, GivesTheSameStripsEachTime) {
 }
 
 TEST(SweepSearch, SplitsWhatNoBlockHolds) {
-  Settings small = back_of();
+  Settings small = back_kept();
   small.stock.max_size_mm = {420, 600, 300};
   const SweptPlan plan = first_plan(patch_design(), small);
   ASSERT_GE(plan.strips.size(), 2U);
@@ -212,7 +205,7 @@ struct ManyParts {
 
   // `near`: looks tell that strips are 0.2 mm off, S001 0.95; else nothing is told of it.
   ManyParts(const std::string& fails, bool always, bool near = false) {
-    Settings small = back_of();
+    Settings small = back_kept();
     small.stock.max_size_mm = {300, 300, 300};
     const auto told = [&](const SweptPlan& plan, bool alone) {
       Look& look = looks.emplace_back();
@@ -282,7 +275,7 @@ std::size_t calmer_ones(bool misshapen) {
     verdict.misshapen.assign(plan.strips.size(), misshapen);
     return verdict;
   };
-  search_sweeps(patch_design(), back_of(), judges);
+  search_sweeps(patch_design(), back_kept(), judges);
   return calmer;
 }
 
@@ -294,7 +287,7 @@ TEST(SweepSearch, FitsMoreCalmlyOnlyWhatItsBladesShapeRefuses) {
 // How many plans are calmer, and how many split, when of the strips of each the first is refused by its
 // blade's shape, and the last by its motion or for leaving the design.
 std::pair<std::size_t, std::size_t> calmer_and_split(bool too_far) {
-  Settings small = back_of();
+  Settings small = back_kept();
   small.stock.max_size_mm = {420, 600, 300};
   std::pair<std::size_t, std::size_t> ways;
   SweepJudges judges;
@@ -321,7 +314,7 @@ TEST(SweepSearch, SplitsAtOnceWhatItsNeighboursCalmerFitDoesNotHelp) {
 }
 
 TEST(SweepSearch, OfFewPartsLooksAtAllTogetherOnly) {
-  Settings small = back_of();
+  Settings small = back_kept();
   small.stock.max_size_mm = {420, 600, 300};
   bool alone = false;
   search_sweeps(patch_design(), small,
