@@ -9,7 +9,7 @@
 #include "pipeline/plan/blade_reach.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/design_faces.hpp"
-#include "surface/slice/creases.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 

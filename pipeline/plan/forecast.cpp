@@ -18,6 +18,7 @@
 #include "pipeline/verify/design_faces.hpp"
 #include "robot/blade/blade_section.hpp"
 #include "surface/read/blocks.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 

@@ -28,7 +28,7 @@
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/verdict.hpp"
 #include "robot/blade/blade_section.hpp"
-#include "surface/slice/creases.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 
@@ -459,30 +459,50 @@ std::vector<surface::TriangleMesh> faces_with(ShallowFolds folds, const surface:
 // them. Returns the plan that is shown.
 SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
-  const auto plan_faces = [&](const std::vector<surface::TriangleMesh>& faces) {
-    return faces.size() == 1 ? try_sweeps(design, settings, hooks, progress, watch, result)
-                             : try_faces(design, faces, settings, hooks, progress, watch, result);
+  const auto plan_faces = [&](const std::vector<surface::TriangleMesh>& faces, PlanResult& planned,
+                              std::size_t most = kMostStrips) {
+    return faces.size() == 1 ? try_sweeps(design, settings, hooks, progress, watch, planned, most)
+                             : try_faces(design, faces, settings, hooks, progress, watch, planned);
   };
   const ShallowFolds asked = settings.slice.shallow_folds;
-  if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result));
+  if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result), result);
   const auto parted = faces_with(ShallowFolds::kParted, design, settings, result);
   const auto crossed = faces_with(ShallowFolds::kCrossed, design, settings, result);
-  if (parted.size() == crossed.size()) return plan_faces(crossed);
+  if (parted.size() == crossed.size()) return plan_faces(crossed, result);
+  const Program blank = result.program;
+  const auto passes = [](const PlanResult& planned) {
+    return planned.refusals.empty() && !planned.program.strips.empty();
+  };
+  // Plans over the folds, beside what there is; absent where that does not pass.
+  const auto over_folds = [&](std::size_t most) -> std::optional<SweptPlan> {
+    PlanResult over;
+    over.program = blank;
+    SweptPlan swept = plan_faces(crossed, over, most);
+    if (!passes(over)) {
+      result.decisions.insert(result.decisions.end(), over.decisions.begin(), over.decisions.end());
+      if (result.ranking.empty()) result.ranking = std::move(over.ranking);
+      return std::nullopt;
+    }
+    over.times = std::move(result.times);
+    over.decisions.insert(over.decisions.begin(), result.decisions.begin(), result.decisions.end());
+    result = std::move(over);
+    return swept;
+  };
   const std::size_t most = parted.size() - 1;
   if (crossed.size() == 1 && strips_lower_bound(design.health.area_mm2, settings) <= most) {
-    PlanResult over;
-    over.program = result.program;
-    SweptPlan swept = try_sweeps(design, settings, hooks, progress, watch, over, most);
-    if (over.refusals.empty() && !over.program.strips.empty()) {
-      over.times = std::move(result.times);
-      result = std::move(over);
-      return swept;
-    }
-    result.decisions = std::move(over.decisions);
-    result.ranking = std::move(over.ranking);
+    if (std::optional<SweptPlan> swept = over_folds(most)) return std::move(*swept);
   }
   (void)faces_with(ShallowFolds::kParted, design, settings, result);
-  return plan_faces(parted);
+  SweptPlan apart = plan_faces(parted, result);
+  const auto creases = surface::creases(design.mesh, crease_limits(settings, settings.blade));
+  const bool filleted =
+      std::any_of(creases.begin(), creases.end(), [](const surface::Crease& c) { return c.band_mm > 0; });
+  if (passes(result) || !filleted) return apart;
+  // Strips that follow a fillet come nearer to it than the corner does that its sides make.
+  settings.slice.shallow_folds = ShallowFolds::kCrossed;
+  if (std::optional<SweptPlan> swept = over_folds(kMostStrips)) return std::move(*swept);
+  settings.slice.shallow_folds = ShallowFolds::kParted;
+  return apart;
 }
 
 void try_design(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,

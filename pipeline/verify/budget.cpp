@@ -6,6 +6,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/verify/design_faces.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 
@@ -39,7 +40,10 @@ double interpolation_mm(const Program& program) {
 }  // namespace
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits) {
-  const std::vector<int> folds = surface::creases(mesh, limits);
+  std::vector<int> folds, face_of;
+  (void)surface::smooth_faces(mesh, limits, &face_of);
+  for (const surface::Crease& crease : surface::with_bands(mesh, surface::creases(mesh, limits)))
+    folds.push_back(crease.corner);
   // The face of a corner, seen from the corner's edge.
   const auto side = [&](std::size_t corner) -> Side {
     const auto& t = mesh.triangles()[corner / 3];
@@ -55,6 +59,8 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLim
     gpu::stop_point();
     const int beyond = mesh.beyond(c);
     if (beyond < c) continue;  // none, or met from the other face
+    const int face = face_of[static_cast<std::size_t>(c / 3)];
+    if (face < 0 || face != face_of[static_cast<std::size_t>(beyond / 3)]) continue;
     if (std::binary_search(folds.begin(), folds.end(), c)) continue;
     const Side p = side(static_cast<std::size_t>(c)), q = side(static_cast<std::size_t>(beyond));
     if (!(p.height > 0) || !(q.height > 0)) continue;

@@ -10,6 +10,7 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/verify/mesh_view.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -52,8 +53,10 @@ void DesignFaces::assign(const surface::TriangleMesh& design, const std::vector<
       }
     }
     std::vector<std::size_t> votes(faces_.size(), 0);
-    for (const gpu::Nearest& nearest : to_design.query(points))
-      ++votes[static_cast<std::size_t>(face_of_triangle[static_cast<std::size_t>(nearest.triangle)])];
+    for (const gpu::Nearest& nearest : to_design.query(points)) {
+      const int face = face_of_triangle[static_cast<std::size_t>(nearest.triangle)];
+      if (face >= 0) ++votes[static_cast<std::size_t>(face)];
+    }
     face_of_strip_[s] =
         static_cast<std::size_t>(std::max_element(votes.begin(), votes.end()) - votes.begin());
   }

@@ -8,9 +8,10 @@
 
 #include "pipeline/plan/forecast.hpp"
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/verify.hpp"
-#include "surface/slice/creases.hpp"
+#include "surface/slice/smooth_faces.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -135,6 +136,32 @@ TEST(PlanCreases, AShallowFoldIsPartedWhereCrossingTakesAsManyStrips) {
   EXPECT_FALSE(result.decisions.front().way == SweepWay::kFaces);
   settings.slice.shallow_folds = ShallowFolds::kCrossed;
   EXPECT_TRUE(plan(fold(0.0875), settings, {}).faces.empty());
+}
+
+// Two plates of 300 by 400 mm that meet in a fold, with a chamfer of this width along it.
+surface::DesignSurface chamfered(double fold_rad, double chamfer_mm) {
+  constexpr int kAlong = 10, kPlate = 15;
+  return grid_design("chamfered", 2 * kPlate + 1, kAlong, [&](double u, double v) {
+    const auto i = std::lround(u * (2 * kPlate + 1));
+    const double side = i <= kPlate ? -1 : 1;
+    const double way_mm = 20.0 * static_cast<double>(i <= kPlate ? kPlate - i : i - kPlate - 1);
+    return Vector3d(side * (0.5 * chamfer_mm + way_mm * std::cos(fold_rad / 2)), 400 * v,
+                    -way_mm * std::sin(fold_rad / 2));
+  });
+}
+
+// No blade forms a chamfer. Two strips meet in the corner that it stands for, and pass its middle by what it
+// is off them.
+TEST(PlanCreases, PlatesWithAChamferBetweenThemAreAStripEach) {
+  const double fold_rad = 1.0, chamfer_mm = 2.5, off_mm = 0.5 * chamfer_mm * std::sin(fold_rad / 2);
+  const surface::DesignSurface design = chamfered(fold_rad, chamfer_mm);
+  const PlanResult result = plan(design, back(), {});
+  expect_passes(result, 2, 1.001 * off_mm);
+  EXPECT_GE(result.verification.deviation.max, 0.999 * off_mm);
+  EXPECT_EQ(result.faces.size(), 2U);
+  const auto settings = result.program.settings;
+  EXPECT_LT(mesh_chord_mm(design.mesh, crease_limits(settings, settings.blade)), 1e-9);
+  EXPECT_EQ(faces_of(design, settings), 2U);
 }
 
 TEST(PlanCreases, AnUprightCornerIsTwoWalls) {

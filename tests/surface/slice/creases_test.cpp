@@ -1,4 +1,4 @@
-#include "surface/slice/creases.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 
 constexpr CreaseLimits kLimits{1, 110};
 
-// A grid of cells over [0, 1] x [0, 1], each of two triangles.
-TriangleSoup grid(int columns, int rows, const std::function<Vector3d(double, double)>& at) {
+// A sheet of cells over [0, 1] x [0, 1], each of two triangles.
+TriangleSoup sheet(int columns, int rows, const std::function<Vector3d(double, double)>& at) {
   TriangleSoup soup;
   for (int i = 0; i <= columns; ++i)
     for (int j = 0; j <= rows; ++j)
@@ -37,7 +37,7 @@ TriangleSoup grid(int columns, int rows, const std::function<Vector3d(double, do
 
 // Two plates that meet at x = 600 `share`, each rising by `slope` away from it.
 TriangleSoup folded(double slope, int columns = 60, double share = 0.5) {
-  return grid(columns, 20, [&](double u, double v) {
+  return sheet(columns, 20, [&](double u, double v) {
     return Vector3d(600 * u, 400 * v, slope * 600 * std::abs(u - share));
   });
 }
@@ -91,21 +91,101 @@ TEST(Creases, AreShallowFoldsThatStandAloneWhereTheseAreAskedFor) {
   EXPECT_TRUE(creases(TriangleMesh(folded(0.03)), kShallow).empty());
   EXPECT_TRUE(creases(TriangleMesh(folded(0.15, 60, 0.1)), kShallow).empty());
   // Facets fold at all of their edges, and so do steps.
-  const TriangleMesh steps(grid(12, 20, [](double u, double v) {
+  const TriangleMesh steps(sheet(12, 20, [](double u, double v) {
     return Vector3d(1800 * u, 400 * v, 0.15 * 150 * std::abs(std::remainder(12 * u, 2.0)));
   }));
   EXPECT_TRUE(creases(steps, kShallow).empty());
 }
 
+// Two plates of 300 mm that meet in a fold, with an arc of so many facets along it, or a chamfer of one.
+TriangleSoup filleted(double fold, double radius, int facets, int columns = 30) {
+  std::vector<Eigen::Vector2d> line;
+  const double flat = radius * std::tan(fold / 2);
+  for (int i = columns; i >= 1; --i) {
+    const double way = flat + (300 - flat) * i / columns;
+    line.emplace_back(-way * std::cos(fold / 2), -way * std::sin(fold / 2));
+  }
+  for (int i = 0; i <= facets; ++i) {
+    const double angle = fold * (static_cast<double>(i) / facets - 0.5);
+    line.emplace_back(radius * std::sin(angle), radius * (std::cos(angle) - 1 / std::cos(fold / 2)));
+  }
+  for (int i = columns - 1; i >= 0; --i) {
+    const Eigen::Vector2d p = line[static_cast<std::size_t>(i)];
+    line.emplace_back(-p.x(), p.y());
+  }
+  return sheet(static_cast<int>(line.size()) - 1, 20, [&](double u, double v) {
+    const auto& p = line[static_cast<std::size_t>(std::lround(u * static_cast<double>(line.size() - 1)))];
+    return Vector3d(p.x(), 400 * v, p.y());
+  });
+}
+
+// A fillet misses the corner by r (1 / cos(fold / 2) - 1): as long as that is within the tolerance and the
+// band is narrow the design is parted there.
+TEST(Creases, AreTheMiddlesOfChamfersAndFilletsThatACornerStandsFor) {
+  for (const double fold : {0.7, 1.05, 1.57, 2.2}) {
+    for (const int facets : {1, 2, 3, 6, 7, 40}) {
+      const double middle = facets % 2 == 0 ? 1.0 : std::cos(0.5 * fold / facets),
+                   within = std::min(0.9 / (1 - middle * std::cos(fold / 2)), 7.9 / fold);
+      for (const double radius : {0.2 * within, within}) {
+        const TriangleMesh mesh(filleted(fold, radius, facets));
+        std::vector<int> face_of;
+        const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits, &face_of);
+        ASSERT_EQ(faces.size(), 2U) << fold << " rad, " << radius << " mm, " << facets << " facets";
+        const double half = radius * std::sin(0.5 * fold);
+        for (const Vector3d& p : faces[0].vertices()) EXPECT_LE(p.x(), 1e-9 - half);
+        for (const Vector3d& p : faces[1].vertices()) EXPECT_GE(p.x(), half - 1e-9);
+        for (const int face : {0, 1})
+          EXPECT_EQ(std::count(face_of.begin(), face_of.end(), face),
+                    std::ssize(faces[static_cast<std::size_t>(face)].triangles()));
+        EXPECT_EQ(std::count(face_of.begin(), face_of.end(), -1), 40 * facets) << "the band is of no face";
+      }
+      EXPECT_EQ(smooth_faces(TriangleMesh(filleted(fold, 4 * within, facets)), kLimits).size(), 1U)
+          << fold << " rad, " << facets << " facets: no corner is within the tolerance";
+    }
+  }
+}
+
+// Those that are off by more are creases where shallow folds are, but none that a strip's ends do
+// not bridge.
+TEST(Creases, AreFilletsFarFromTheirCornersWhereShallowFoldsAreAskedFor) {
+  constexpr CreaseLimits kShallow{1, 110, true};
+  for (const double fold : {0.3, 0.7, 1.57}) {
+    for (const int facets : {1, 2, 5}) {
+      const auto faces_of_band = [&](double band_mm) {
+        const double chord_mm = 2 * std::sin(0.5 * fold / facets) * facets;
+        return smooth_faces(TriangleMesh(filleted(fold, band_mm / chord_mm, facets)), kShallow).size();
+      };
+      EXPECT_EQ(faces_of_band(7.9), 2U) << fold << " rad, " << facets << " facets";
+      EXPECT_EQ(faces_of_band(2), 2U) << fold << " rad, " << facets << " facets";
+      if (fold > 1) continue;  // one facet's share is a crease by itself
+      EXPECT_EQ(faces_of_band(24), 1U) << fold << " rad, " << facets << " facets";
+    }
+  }
+}
+
+// Nor is one where both sides do not go on for as long as beside a crease.
+TEST(Creases, AreNotNarrowBendsOfASmoothSurface) {
+  for (const int columns : {60, 300, 1200}) {
+    const TriangleMesh waves(sheet(
+        columns, 20, [](double u, double v) { return Vector3d(600 * u, 400 * v, 4 * std::sin(60 * u)); }));
+    EXPECT_TRUE(creases(waves, kLimits).empty()) << columns;
+    // A ridge of 12 mm on a plate.
+    const TriangleMesh ridge(sheet(columns, 20, [](double u, double v) {
+      return Vector3d(600 * u, 400 * v, 5 * std::exp(-std::pow((600 * u - 300) / 12, 2)));
+    }));
+    EXPECT_EQ(smooth_faces(ridge, kLimits).size(), 1U) << columns;
+  }
+}
+
 // A mesh of a smooth surface folds at all of its edges.
 TEST(Creases, AreNotTheChordsOfArcs) {
   for (const int columns : {8, 16, 60, 400}) {
-    const TriangleMesh arc(grid(columns, 20, [](double u, double v) {
+    const TriangleMesh arc(sheet(columns, 20, [](double u, double v) {
       const double angle = std::numbers::pi * (u - 0.5);
       return Vector3d(80 * std::sin(angle), 400 * v, 80 * std::cos(angle));
     }));
     EXPECT_TRUE(creases(arc, kLimits).empty()) << columns;
-    const TriangleMesh dome(grid(columns, columns, [](double u, double v) {
+    const TriangleMesh dome(sheet(columns, columns, [](double u, double v) {
       return Vector3d(300 * u, 300 * v, 60 * std::sin(3 * u) * std::cos(3 * v));
     }));
     EXPECT_TRUE(creases(dome, kLimits).empty()) << columns;
@@ -116,8 +196,48 @@ TEST(Creases, AreNotInNoise) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0, 4);
   const TriangleMesh mesh(
-      grid(60, 60, [&](double u, double v) { return Vector3d(600 * u, 600 * v, noise(random)); }));
+      sheet(60, 60, [&](double u, double v) { return Vector3d(600 * u, 600 * v, noise(random)); }));
   EXPECT_EQ(smooth_faces(mesh, kLimits).size(), 1U);
+}
+
+// A convex polygon as triangles about its middle, their outer edges some 15 mm long.
+void add_polygon(TriangleSoup& soup, const std::vector<Vector3d>& corners) {
+  const auto number = [&](const Vector3d& p) {
+    const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
+                                    [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
+    const auto k = static_cast<int>(known - soup.vertices.begin());
+    if (known == soup.vertices.end()) soup.vertices.push_back(p);
+    return k;
+  };
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& p : corners) middle += p / static_cast<double>(corners.size());
+  std::vector<int> ring;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vector3d edge = corners[(i + 1) % corners.size()] - corners[i];
+    const int parts = std::max(1, static_cast<int>(std::lround(edge.norm() / 15)));
+    for (int k = 0; k < parts; ++k) ring.push_back(number(corners[i] + k * edge / parts));
+  }
+  for (std::size_t i = 0; i < ring.size(); ++i)
+    soup.triangles.push_back({number(middle), ring[i], ring[(i + 1) % ring.size()]});
+}
+
+// Hips fade towards the ridge's end, where their faces are narrow. The ridge goes no farther.
+TEST(Creases, OfAHippedRoofPartItInFour) {
+  for (const double ridge : {60.0, 200.0, 330.0}) {
+    for (const double slope : {0.5, 0.7, 1.2}) {
+      TriangleSoup soup;
+      const double b = 286, drop = -slope * b;
+      const Vector3d left(-ridge, 0, 0), right(ridge, 0, 0);
+      const Vector3d a(-ridge - b, -b, drop), c(ridge + b, -b, drop), d(ridge + b, b, drop),
+          e(-ridge - b, b, drop);
+      add_polygon(soup, {a, c, right, left});
+      add_polygon(soup, {d, e, left, right});
+      add_polygon(soup, {c, d, right});
+      add_polygon(soup, {e, a, left});
+      const std::vector<TriangleMesh> faces = smooth_faces(TriangleMesh(soup), kLimits);
+      EXPECT_EQ(faces.size(), 4U) << ridge << " mm, " << slope;
+    }
+  }
 }
 
 // A triangle in n parts along each edge.
@@ -198,7 +318,7 @@ TEST(Creases, ThatFadeTowardsACrownMeetThere) {
 // an umbrella do. The folds are sharp over a third of their length.
 TEST(Creases, ThatFadeTowardsABorderReachIt) {
   for (const int n : {12, 40}) {
-    const TriangleMesh mesh(grid(2 * n, 2 * n, [](double u, double v) {
+    const TriangleMesh mesh(sheet(2 * n, 2 * n, [](double u, double v) {
       const double x = std::abs(2 * u - 1), y = std::abs(2 * v - 1);
       return Vector3d(2400 * u, 2400 * v, 400 * (x + y - x * y));
     }));
@@ -212,7 +332,7 @@ TEST(Creases, ThatFadeTowardsABorderReachIt) {
 // A slit that ends inside the surface parts nothing, but where folds meet in which it ends.
 TEST(Creases, ThatEndInsidePartNothing) {
   const auto dart = [](const std::function<double(double)>& rise) {
-    return TriangleMesh(grid(60, 20, [&](double u, double v) {
+    return TriangleMesh(sheet(60, 20, [&](double u, double v) {
       return Vector3d(600 * u, 400 * v, 300 * rise(std::max(0.0, v - 0.5)) * std::abs(u - 0.5));
     }));
   };

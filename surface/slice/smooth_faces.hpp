@@ -1,0 +1,18 @@
+// Parts a design at its creases into faces that are smooth.
+#pragma once
+
+#include <vector>
+
+#include "surface/slice/creases.hpp"
+
+namespace hotblade::surface {
+
+// Returns the faces that creases part the mesh into, those led on that fade towards others or a border (along
+// the mesh's edges, as far as it folds there and their own length more), each with the vertices and triangles
+// of its own in their order, in the order of their first triangles; the mesh alone where creases part
+// nothing. Chamfers and fillets that are creases are left out, of no face. `face_of_triangle`, where it is
+// given, is set to the face of each triangle, -1 where it is of none.
+[[nodiscard]] std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
+                                                     std::vector<int>* face_of_triangle = nullptr);
+
+}  // namespace hotblade::surface
