@@ -376,6 +376,7 @@ std::vector<Crease> with_bands(const TriangleMesh& mesh, const std::vector<Creas
     }
   }
   std::vector<Crease> all;
+  all.reserve(band_mm.size());
   for (const auto& [corner, wide_mm] : band_mm) all.push_back({corner, wide_mm, 0});
   return all;
 }
