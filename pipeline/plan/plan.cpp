@@ -484,6 +484,7 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
       return std::nullopt;
     }
     over.times = std::move(result.times);
+    for (FacePlanned& face : over.faces) face.decisions.first += result.decisions.size();
     over.decisions.insert(over.decisions.begin(), result.decisions.begin(), result.decisions.end());
     result = std::move(over);
     return swept;
@@ -494,10 +495,11 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
   }
   (void)faces_with(ShallowFolds::kParted, design, settings, result);
   SweptPlan apart = plan_faces(parted, result);
+  if (passes(result)) return apart;
   const auto creases = surface::creases(design.mesh, crease_limits(settings, settings.blade));
   const bool filleted =
       std::any_of(creases.begin(), creases.end(), [](const surface::Crease& c) { return c.band_mm > 0; });
-  if (passes(result) || !filleted) return apart;
+  if (!filleted) return apart;
   // Strips that follow a fillet come nearer to it than the corner does that its sides make.
   settings.slice.shallow_folds = ShallowFolds::kCrossed;
   if (std::optional<SweptPlan> swept = over_folds(kMostStrips)) return std::move(*swept);

@@ -41,9 +41,13 @@ double interpolation_mm(const Program& program) {
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits) {
   std::vector<int> folds, face_of;
-  (void)surface::smooth_faces(mesh, limits, &face_of);
-  for (const surface::Crease& crease : surface::with_bands(mesh, surface::creases(mesh, limits)))
-    folds.push_back(crease.corner);
+  const std::vector<surface::Crease> creases = surface::creases(mesh, limits);
+  for (const surface::Crease& crease : surface::with_bands(mesh, creases)) folds.push_back(crease.corner);
+  // Most designs have none, and are one face.
+  if (creases.empty())
+    face_of.assign(mesh.triangles().size(), 0);
+  else
+    (void)surface::smooth_faces(mesh, limits, &face_of);
   // The face of a corner, seen from the corner's edge.
   const auto side = [&](std::size_t corner) -> Side {
     const auto& t = mesh.triangles()[corner / 3];

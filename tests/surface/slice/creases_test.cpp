@@ -200,25 +200,27 @@ TEST(Creases, AreNotInNoise) {
   EXPECT_EQ(smooth_faces(mesh, kLimits).size(), 1U);
 }
 
+// The number of a place, which gets one where it has none.
+int number_of(TriangleSoup& soup, const Vector3d& p) {
+  const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
+                                  [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
+  const auto k = static_cast<int>(known - soup.vertices.begin());
+  if (known == soup.vertices.end()) soup.vertices.push_back(p);
+  return k;
+}
+
 // A convex polygon as triangles about its middle, their outer edges some 15 mm long.
 void add_polygon(TriangleSoup& soup, const std::vector<Vector3d>& corners) {
-  const auto number = [&](const Vector3d& p) {
-    const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
-                                    [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
-    const auto k = static_cast<int>(known - soup.vertices.begin());
-    if (known == soup.vertices.end()) soup.vertices.push_back(p);
-    return k;
-  };
   Vector3d middle = Vector3d::Zero();
   for (const Vector3d& p : corners) middle += p / static_cast<double>(corners.size());
   std::vector<int> ring;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vector3d edge = corners[(i + 1) % corners.size()] - corners[i];
     const int parts = std::max(1, static_cast<int>(std::lround(edge.norm() / 15)));
-    for (int k = 0; k < parts; ++k) ring.push_back(number(corners[i] + k * edge / parts));
+    for (int k = 0; k < parts; ++k) ring.push_back(number_of(soup, corners[i] + k * edge / parts));
   }
   for (std::size_t i = 0; i < ring.size(); ++i)
-    soup.triangles.push_back({number(middle), ring[i], ring[(i + 1) % ring.size()]});
+    soup.triangles.push_back({number_of(soup, middle), ring[i], ring[(i + 1) % ring.size()]});
 }
 
 // Hips fade towards the ridge's end, where their faces are narrow. The ridge goes no farther.
@@ -242,14 +244,7 @@ TEST(Creases, OfAHippedRoofPartItInFour) {
 
 // A triangle in n parts along each edge.
 void add_triangle(TriangleSoup& soup, const Vector3d& a, const Vector3d& b, const Vector3d& c, int n) {
-  const auto number = [&](int i, int j) {
-    const Vector3d p = a + i * (b - a) / n + j * (c - a) / n;
-    const auto known = std::find_if(soup.vertices.begin(), soup.vertices.end(),
-                                    [&](const Vector3d& q) { return (p - q).norm() < 1e-6; });
-    const auto k = static_cast<int>(known - soup.vertices.begin());
-    if (known == soup.vertices.end()) soup.vertices.push_back(p);
-    return k;
-  };
+  const auto number = [&](int i, int j) { return number_of(soup, a + i * (b - a) / n + j * (c - a) / n); };
   for (int i = 0; i < n; ++i) {
     for (int j = 0; i + j < n; ++j) {
       soup.triangles.push_back({number(i, j), number(i + 1, j), number(i, j + 1)});
