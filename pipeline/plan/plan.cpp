@@ -497,9 +497,7 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
   SweptPlan apart = plan_faces(parted, result);
   if (passes(result)) return apart;
   const auto creases = surface::creases(design.mesh, crease_limits(settings, settings.blade));
-  const bool filleted =
-      std::any_of(creases.begin(), creases.end(), [](const surface::Crease& c) { return c.band_mm > 0; });
-  if (!filleted) return apart;
+  if (creases.bands.empty()) return apart;
   // Strips that follow a fillet come nearer to it than the corner does that its sides make.
   settings.slice.shallow_folds = ShallowFolds::kCrossed;
   if (std::optional<SweptPlan> swept = over_folds(kMostStrips)) return std::move(*swept);

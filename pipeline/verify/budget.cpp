@@ -40,9 +40,8 @@ double interpolation_mm(const Program& program) {
 }  // namespace
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits) {
-  std::vector<int> folds, face_of;
-  const std::vector<surface::Crease> creases = surface::creases(mesh, limits);
-  for (const surface::Crease& crease : surface::with_bands(mesh, creases)) folds.push_back(crease.corner);
+  std::vector<int> face_of;
+  const surface::Creases creases = surface::creases(mesh, limits);
   // Most designs have none, and are one face.
   if (creases.empty())
     face_of.assign(mesh.triangles().size(), 0);
@@ -65,7 +64,7 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLim
     if (beyond < c) continue;  // none, or met from the other face
     const int face = face_of[static_cast<std::size_t>(c / 3)];
     if (face < 0 || face != face_of[static_cast<std::size_t>(beyond / 3)]) continue;
-    if (std::binary_search(folds.begin(), folds.end(), c)) continue;
+    if (std::binary_search(creases.edges.begin(), creases.edges.end(), c)) continue;
     const Side p = side(static_cast<std::size_t>(c)), q = side(static_cast<std::size_t>(beyond));
     if (!(p.height > 0) || !(q.height > 0)) continue;
     const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));

@@ -7,7 +7,7 @@
 
 namespace hotblade::surface {
 
-// When an edge is a crease.
+// What is a crease.
 struct CreaseLimits {
   // What a cut may be off by. A mesh stands for a smooth surface where its chords are within some of these.
   double tolerance_mm = 1;
@@ -18,22 +18,20 @@ struct CreaseLimits {
   bool shallow = false;
 };
 
-// An edge that is a crease, by its lower corner, and how wide its fold is, square to it, and how much of that
-// lies beyond the edge as seen from the corner's triangle; 0: it is at the edge alone.
-struct Crease {
-  int corner = 0;
-  double band_mm = 0, beyond_mm = 0;
+// Where a design is creased: edges, by their lower corners, ascending, and triangles that belong to a fold
+// and to neither of its sides, ascending.
+struct Creases {
+  std::vector<int> edges, bands;
+
+  [[nodiscard]] bool empty() const { return edges.empty() && bands.empty(); }
 };
 
-// Returns the edges that are creases, by corners, ascending: both faces keep their directions for so far to
-// its sides that a smooth surface through them would be off by more than four tolerances, and no rounding by
-// the least radius stays within one; or, with `shallow`, it stands alone: no edge within 400 mm to its sides
-// folds by a quarter of it. A fold that goes on at the next edges, as a coarse arc's, is none, but for a
-// chamfer or a fillet of 8 mm at most that is within the tolerance of its sides, led on to their corner: of
-// its edges those in the middle are. Throws std::logic_error where a limit is not above 0.
-[[nodiscard]] std::vector<Crease> creases(const TriangleMesh& mesh, const CreaseLimits& limits);
-
-// Returns creases with all other edges of their chamfers and fillets, by corners, ascending.
-[[nodiscard]] std::vector<Crease> with_bands(const TriangleMesh& mesh, const std::vector<Crease>& creases);
+// Returns the creases. An edge is one where both faces keep their directions for so far to its sides that a
+// smooth surface through them would be off by more than four tolerances, and no rounding by the least radius
+// stays within one; or, with `shallow`, it stands alone: no edge within 400 mm to its sides folds by a
+// quarter of it. A fold that goes on at the next edges, as a coarse arc's, is none, but for bands of 8 mm at
+// most within the tolerance of their sides, led on to their corner: chamfers, fillets, and the teeth of a
+// mesh whose cells a fold crosses. Throws std::logic_error where a limit is not above 0.
+[[nodiscard]] Creases creases(const TriangleMesh& mesh, const CreaseLimits& limits);
 
 }  // namespace hotblade::surface

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "surface/slice/face_turn.hpp"
+#include "surface/slice/fold_limits.hpp"
 
 namespace hotblade::surface {
 namespace {
@@ -18,7 +19,7 @@ using Eigen::Vector3d;
 // mesh's edges until they meet.
 class Bridges {
  public:
-  Bridges(const TriangleMesh& mesh, const std::vector<Crease>& creases) : mesh_(mesh) {
+  Bridges(const TriangleMesh& mesh, const Creases& creases) : mesh_(mesh) {
     const std::size_t count = mesh.vertices().size();
     beside_.resize(count);
     for (int corner = 0; corner < static_cast<int>(3 * mesh.triangles().size()); ++corner) {
@@ -29,13 +30,16 @@ class Bridges {
         beside_[static_cast<std::size_t>(to)].push_back({from, corner});
       }
     }
-    border_.assign(count, false);
+    stops_.assign(count, false);
     for (const int corner : mesh.border()) {
-      border_[static_cast<std::size_t>(vertex_at(mesh, corner))] = true;
-      border_[static_cast<std::size_t>(vertex_at(mesh, next_corner(corner)))] = true;
+      stops_[static_cast<std::size_t>(vertex_at(mesh, corner))] = true;
+      stops_[static_cast<std::size_t>(vertex_at(mesh, next_corner(corner)))] = true;
     }
+    for (const int face : creases.bands)
+      for (const int v : mesh.triangles()[static_cast<std::size_t>(face)])
+        stops_[static_cast<std::size_t>(v)] = true;
     creases_.resize(count);
-    for (const auto& [corner, band_mm, beyond_mm] : creases) {
+    for (const int corner : creases.edges) {
       const int from = vertex_at(mesh, corner), to = vertex_at(mesh, next_corner(corner));
       creases_[static_cast<std::size_t>(from)].push_back({to, corner});
       creases_[static_cast<std::size_t>(to)].push_back({from, corner});
@@ -48,7 +52,7 @@ class Bridges {
     std::vector<Way> ways;
     std::vector<int> ends;  // where they begin
     for (int v = 0; v < static_cast<int>(creases_.size()); ++v) {
-      if (creases_[static_cast<std::size_t>(v)].size() == 1 && !border_[static_cast<std::size_t>(v)]) {
+      if (creases_[static_cast<std::size_t>(v)].size() == 1 && !stops_[static_cast<std::size_t>(v)]) {
         ways.push_back(on_from(v));
         ends.push_back(v);
       }
@@ -103,7 +107,7 @@ class Bridges {
 
   [[nodiscard]] const Vector3d& at(int v) const { return mesh_.vertices()[static_cast<std::size_t>(v)]; }
   [[nodiscard]] bool ends_at(int v) const {
-    return border_[static_cast<std::size_t>(v)] || !creases_[static_cast<std::size_t>(v)].empty();
+    return stops_[static_cast<std::size_t>(v)] || !creases_[static_cast<std::size_t>(v)].empty();
   }
 
   // Whether the surface still folds at an edge: by more than at the others of its two triangles.
@@ -162,20 +166,22 @@ class Bridges {
 
   const TriangleMesh& mesh_;
   std::vector<std::vector<Step>> beside_, creases_;  // of each vertex: its edges, those that are creases
-  std::vector<bool> border_;
+  std::vector<bool> stops_;                          // vertices on a border or at a band
 };
 
-// Numbers of the pieces that hang together without the edges that are cut.
+// Numbers of the pieces that hang together without the edges that are cut; -1 where it is of none.
 struct Pieces {
   std::vector<int> of_triangle;
   int count = 0;
 };
 
-Pieces pieces(const TriangleMesh& mesh, const std::vector<bool>& cut) {
-  Pieces found{std::vector<int>(mesh.triangles().size(), -1), 0};
+Pieces pieces(const TriangleMesh& mesh, const std::vector<bool>& cut, const std::vector<int>& left_out) {
+  constexpr int kOpen = -2, kNone = -1;
+  Pieces found{std::vector<int>(mesh.triangles().size(), kOpen), 0};
+  for (const int face : left_out) found.of_triangle[static_cast<std::size_t>(face)] = kNone;
   std::vector<int> open;
   for (std::size_t seed = 0; seed < found.of_triangle.size(); ++seed) {
-    if (found.of_triangle[seed] >= 0) continue;
+    if (found.of_triangle[seed] != kOpen) continue;
     open.assign(1, static_cast<int>(seed));
     found.of_triangle[seed] = found.count;
     while (!open.empty()) {
@@ -185,7 +191,7 @@ Pieces pieces(const TriangleMesh& mesh, const std::vector<bool>& cut) {
         const int other = mesh.beyond(corner);
         if (other == TriangleMesh::kNone || cut[static_cast<std::size_t>(corner)]) continue;
         int& piece = found.of_triangle[static_cast<std::size_t>(other / 3)];
-        if (piece >= 0) continue;
+        if (piece != kOpen) continue;
         piece = found.count;
         open.push_back(other / 3);
       }
@@ -195,38 +201,32 @@ Pieces pieces(const TriangleMesh& mesh, const std::vector<bool>& cut) {
   return found;
 }
 
-// Takes pieces away that lie within the fold of a crease, as a chamfer does between its two edges: their
-// triangles are of none. Returns those that are left, numbered by their first triangles.
-Pieces without_bands(const TriangleMesh& mesh, Pieces parted, const std::vector<Crease>& creases) {
-  struct Border {
-    double area2_mm2 = 0;  // twice the area
-    double length_mm = 0, banded_mm = 0, widest_mm = 0;
+// Takes narrow pieces that bands surround away, as those are where bands meet: their triangles are of none.
+// Returns those that are left, numbered by their first triangles.
+Pieces without_slivers(const TriangleMesh& mesh, Pieces parted) {
+  struct Extent {
+    double area2_mm2 = 0, beside_mm = 0, banded_mm = 0;  // twice the area; along others; along bands
   };
-  std::vector<Border> borders(static_cast<std::size_t>(parted.count));
-  const auto border_of = [&](int triangle) -> Border& {
-    return borders[static_cast<std::size_t>(parted.of_triangle[static_cast<std::size_t>(triangle)])];
-  };
-  for (int face = 0; face < static_cast<int>(mesh.triangles().size()); ++face)
-    border_of(face).area2_mm2 += across_face(mesh, face).norm();
-  for (const auto& [corner, band_mm, beyond_mm] : creases) {
+  std::vector<Extent> extents(static_cast<std::size_t>(parted.count));
+  const auto piece_at = [&](int corner) { return parted.of_triangle[static_cast<std::size_t>(corner / 3)]; };
+  for (int corner = 0; corner < static_cast<int>(3 * mesh.triangles().size()); ++corner) {
+    if (piece_at(corner) < 0) continue;
+    Extent& extent = extents[static_cast<std::size_t>(piece_at(corner))];
+    if (corner % 3 == 0) extent.area2_mm2 += across_face(mesh, corner / 3).norm();
+    const int beyond = mesh.beyond(corner);
+    if (beyond == TriangleMesh::kNone || piece_at(beyond) == piece_at(corner)) continue;
     const auto at = [&](int c) { return mesh.vertices()[static_cast<std::size_t>(vertex_at(mesh, c))]; };
-    for (const int face : {corner / 3, mesh.beyond(corner) / 3}) {
-      Border& border = border_of(face);
-      const double length_mm = (at(next_corner(corner)) - at(corner)).norm();
-      border.length_mm += length_mm;
-      if (band_mm > 0) border.banded_mm += length_mm;
-      border.widest_mm = std::max(border.widest_mm, band_mm);
-    }
+    const double length_mm = (at(next_corner(corner)) - at(corner)).norm();
+    extent.beside_mm += length_mm;
+    if (piece_at(beyond) < 0) extent.banded_mm += length_mm;
   }
-  // Between its two edges a band is twice its area over their lengths wide.
-  constexpr double kAsWide = 1 + 1e-6;
-  std::vector<int> number(borders.size(), -1);
+  std::vector<int> number(extents.size(), -1);
   Pieces left{std::move(parted.of_triangle), 0};
   for (int& piece : left.of_triangle) {
+    if (piece < 0) continue;
     const auto old = static_cast<std::size_t>(piece);
-    const Border& border = borders[old];
-    if (2 * border.banded_mm > border.length_mm &&
-        border.area2_mm2 <= kAsWide * border.widest_mm * border.length_mm) {
+    const Extent& extent = extents[old];
+    if (2 * extent.banded_mm > extent.beside_mm && extent.area2_mm2 <= kMostBandMm * extent.beside_mm) {
       piece = -1;
       continue;
     }
@@ -261,19 +261,19 @@ TriangleMesh piece_of(const TriangleMesh& mesh, const std::vector<int>& triangle
 std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
                                        std::vector<int>* face_of_triangle) {
   if (face_of_triangle) face_of_triangle->assign(mesh.triangles().size(), 0);
-  std::vector<Crease> found = creases(mesh, limits);
+  const Creases found = creases(mesh, limits);
   if (found.empty()) return {mesh};
-  const std::vector<int> bridges = Bridges(mesh, found).run();
-  found = with_bands(mesh, found);
-  for (const int corner : bridges) found.push_back({corner});
   std::vector<bool> cut(3 * mesh.triangles().size(), false);
-  const int before = pieces(mesh, cut).count;
-  for (const auto& [corner, band_mm, beyond_mm] : found) {
+  const int before = pieces(mesh, cut, {}).count;
+  const auto cut_at = [&](int corner) {
     cut[static_cast<std::size_t>(corner)] = true;
     if (const int other = mesh.beyond(corner); other != TriangleMesh::kNone)
       cut[static_cast<std::size_t>(other)] = true;
-  }
-  const Pieces parted = without_bands(mesh, pieces(mesh, cut), found);
+  };
+  for (const int corner : found.edges) cut_at(corner);
+  for (const int corner : Bridges(mesh, found).run()) cut_at(corner);
+  Pieces parted = pieces(mesh, cut, found.bands);
+  if (!found.bands.empty()) parted = without_slivers(mesh, std::move(parted));
   if (parted.count <= before) return {mesh};
   if (face_of_triangle) *face_of_triangle = parted.of_triangle;
   std::vector<std::vector<int>> triangles(static_cast<std::size_t>(parted.count));

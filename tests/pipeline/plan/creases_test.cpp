@@ -164,6 +164,20 @@ TEST(PlanCreases, PlatesWithAChamferBetweenThemAreAStripEach) {
   EXPECT_EQ(faces_of(design, settings), 2U);
 }
 
+// A height map has no edges along its folds: the cut has them, and its teeth are off by what they cut off
+// these.
+TEST(PlanCreases, FoldsAcrossTheCellsOfAHeightMapPartIt) {
+  const double slope = 0.3, turned = 0.3;
+  const surface::DesignSurface design = grid_design("height map", 100, 80, [&](double u, double v) {
+    const double x = 500 * (u - 0.5), y = 400 * (v - 0.5);
+    return Vector3d(x, y, -slope * std::abs(x * std::cos(turned) + y * std::sin(turned)));
+  });
+  const PlanResult result = plan(design, back(), {});
+  expect_passes(result, 2, 0.9);
+  EXPECT_EQ(result.faces.size(), 2U);
+  EXPECT_LT(result.verification.deviation.p99, 0.1);
+}
+
 TEST(PlanCreases, AnUprightCornerIsTwoWalls) {
   const surface::DesignSurface walls = grid_design("walls", 40, 10, [](double u, double v) {
     return u < 0.5 ? Vector3d(300 - 600 * u, 0, 400 * v) : Vector3d(0, 600 * (u - 0.5), 400 * v);

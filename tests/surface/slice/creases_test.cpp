@@ -51,7 +51,7 @@ TEST(Creases, PartPlatesWhereTheyFold) {
     EXPECT_EQ(faces[1].triangles().size(), mesh.triangles().size() / 2);
     for (const Vector3d& p : faces[0].vertices()) EXPECT_LE(p.x(), 300 + 1e-9);
     for (const Vector3d& p : faces[1].vertices()) EXPECT_GE(p.x(), 300 - 1e-9);
-    EXPECT_EQ(creases(mesh, kLimits).size(), 20U);
+    EXPECT_EQ(creases(mesh, kLimits).edges.size(), 20U);
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Creases, AreNoneWhereABladeRoundsThem) {
 TEST(Creases, AreShallowFoldsThatStandAloneWhereTheseAreAskedFor) {
   constexpr CreaseLimits kShallow{1, 110, true};
   for (const int columns : {2, 6, 60, 600}) {
-    EXPECT_EQ(creases(TriangleMesh(folded(0.15, columns)), kShallow).size(), 20U) << columns;
+    EXPECT_EQ(creases(TriangleMesh(folded(0.15, columns)), kShallow).edges.size(), 20U) << columns;
     EXPECT_EQ(smooth_faces(TriangleMesh(folded(0.15, columns)), kShallow).size(), 2U) << columns;
   }
   // On so little to its sides a smooth surface goes through: 32 mm by the fold of 0.06 rad.
@@ -190,6 +190,56 @@ TEST(Creases, AreNotTheChordsOfArcs) {
     }));
     EXPECT_TRUE(creases(dome, kLimits).empty()) << columns;
   }
+}
+
+// Plates in so many directions, which fall by this slope from where they meet, over 480 x 480 mm in cells of
+// 4 mm whose corners lie up to `shift` cells beside their places: folds cross the cells.
+TriangleSoup roof_over_cells(int plates, double turned, double slope, double shift) {
+  constexpr int kCells = 120;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> beside(-shift / kCells, shift / kCells);
+  const auto inside = [&](double u) { return u > 0 && u < 1 ? u + beside(random) : u; };
+  return sheet(kCells, kCells, [&](double u, double v) {
+    Vector3d p(480 * (inside(u) - 0.5), 480 * (inside(v) - 0.5), 0);
+    double highest = -1e9;
+    for (int i = 0; i < plates; ++i) {
+      const double angle = turned + 2 * std::numbers::pi * i / plates;
+      highest = std::max(highest, p.x() * std::cos(angle) + p.y() * std::sin(angle));
+    }
+    p.z() = -slope * highest;
+    return p;
+  });
+}
+
+// A mesh that does not know of a fold has teeth along it, as tall as the fold is sharp.
+TEST(Creases, AreTeethOfCellsThatAFoldCrosses) {
+  for (const int plates : {2, 3, 4}) {
+    for (const double turned : {0.02, 0.2, 0.45, 0.7}) {
+      for (const double shift : {0.0, 0.25}) {
+        const TriangleMesh mesh(roof_over_cells(plates, turned, 0.4, shift));
+        std::vector<int> face_of;
+        const std::vector<TriangleMesh> faces = smooth_faces(mesh, kLimits, &face_of);
+        ASSERT_EQ(faces.size(), static_cast<std::size_t>(plates)) << turned << " rad, shifted by " << shift;
+        // A side is one plate, with teeth that it keeps its direction for.
+        for (const TriangleMesh& face : faces) {
+          Vector3d middle = Vector3d::Zero();
+          for (const Vector3d& p : face.vertices()) middle += p / static_cast<double>(face.vertices().size());
+          const double angle = std::atan2(middle.y(), middle.x());
+          const double step = 2 * std::numbers::pi / plates;
+          const double own = turned + step * std::round((angle - turned) / step);
+          for (const Vector3d& p : face.vertices())
+            EXPECT_NEAR(p.z(), -0.4 * (p.x() * std::cos(own) + p.y() * std::sin(own)), kLimits.tolerance_mm);
+        }
+        const auto bands = std::count(face_of.begin(), face_of.end(), -1);
+        EXPECT_LT(bands, 2 * 3 * 120 * plates) << "three cells across each fold, of two triangles";
+      }
+    }
+  }
+  // A dent in such cells is none: its sides do not keep their directions.
+  const TriangleMesh dents(sheet(120, 120, [](double u, double v) {
+    return Vector3d(480 * u, 480 * v, 4 * std::abs(std::sin(40 * u + 17 * v)));
+  }));
+  EXPECT_EQ(smooth_faces(dents, kLimits).size(), 1U);
 }
 
 TEST(Creases, AreNotInNoise) {
