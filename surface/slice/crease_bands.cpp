@@ -360,14 +360,14 @@ class Bands : private Walks {
     });
     if (!walked.to_border && walked.way_mm <= wide_mm) return meets ? Fold::kMeets : Fold::kNone;
     if (!folds_.rounds_off(fold)) return Fold::kStands;
-    // Such a fold stands alone, and its side is as long.
+    // Such a fold stands alone, and its side is as long; it is led on to a border.
     const Walk far = walk_from(from, along, [&](double passed_mm, int exit, int next) {
       return passed_mm <= FoldLimits::kFarMm &&
              goes_on_while(turn(exit / 3, next / 3) <= FoldLimits::kKept * fold, next);
     });
     if (meets) return Fold::kMeets;
-    return far.way_mm > wide_mm && (far.to_border || far.way_mm > FoldLimits::kFarMm) ? Fold::kStands
-                                                                                      : Fold::kNone;
+    if (!far.to_border && far.way_mm <= FoldLimits::kFarMm) return Fold::kNone;
+    return far.way_mm > wide_mm ? Fold::kStands : Fold::kMeets;
   }
 
   [[nodiscard]] bool sharp(int corner) const { return sharp_[static_cast<std::size_t>(corner)] != 0; }
