@@ -216,38 +216,34 @@ class Bands : private Walks {
 
   [[nodiscard]] Vector3d nearest_on_edge(int corner, const Vector3d& point) const {
     const Vector3d edge = at(next_corner(corner)) - at(corner);
+    if (!(edge.squaredNorm() > 0)) return at(corner);
     return at(corner) + std::clamp((point - at(corner)).dot(edge) / edge.squaredNorm(), 0.0, 1.0) * edge;
   }
 
-  // Takes places as well that meet others and touch what is a crease.
+  // Takes places as well that meet others and touch what is a crease, and on from these.
   void lead_on(std::vector<Place>& places) const {
-    std::vector<char> creased(mesh_.vertices().size(), 0);
     const auto vertices = [&](const Place& place) {
-      std::vector<int> own{vertex_at(mesh_, place.at), vertex_at(mesh_, next_corner(place.at))};
-      if (!place.triangle) return own;
-      const auto& all = mesh_.triangles()[static_cast<std::size_t>(place.at)];
-      return std::vector<int>(all.begin(), all.end());
+      const auto& all = mesh_.triangles()[static_cast<std::size_t>(place.at / (place.triangle ? 1 : 3))];
+      if (place.triangle) return std::vector<int>(all.begin(), all.end());
+      return std::vector<int>{vertex_at(mesh_, place.at), vertex_at(mesh_, next_corner(place.at))};
     };
-    const auto take = [&](Place& place) {
-      place.fold = Fold::kStands;
-      for (const int v : vertices(place)) creased[static_cast<std::size_t>(v)] = 1;
-    };
-    std::vector<Place*> meet, rest;
-    for (Place& place : places) {
-      if (place.fold == Fold::kStands) take(place);
-      if (place.fold == Fold::kMeets) meet.push_back(&place);
+    std::vector<std::pair<int, std::size_t>> meet_at;  // a vertex, and a place there
+    std::vector<std::size_t> open;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i].fold == Fold::kStands) open.push_back(i);
+      if (places[i].fold != Fold::kMeets) continue;
+      for (const int v : vertices(places[i])) meet_at.emplace_back(v, i);
     }
-    for (bool more = true; more; meet.swap(rest)) {
-      more = false;
-      rest.clear();
-      for (Place* place : meet) {
-        const std::vector<int> own = vertices(*place);
-        if (std::any_of(own.begin(), own.end(),
-                        [&](int v) { return creased[static_cast<std::size_t>(v)] != 0; })) {
-          take(*place);
-          more = true;
-        } else {
-          rest.push_back(place);
+    std::sort(meet_at.begin(), meet_at.end());
+    while (!open.empty()) {
+      const std::size_t from = open.back();
+      open.pop_back();
+      for (const int v : vertices(places[from])) {
+        auto next = std::lower_bound(meet_at.begin(), meet_at.end(), std::pair{v, std::size_t{0}});
+        for (; next != meet_at.end() && next->first == v; ++next) {
+          Place& place = places[next->second];
+          if (place.fold == Fold::kMeets) open.push_back(next->second);
+          place.fold = Fold::kStands;
         }
       }
     }
@@ -286,10 +282,10 @@ class Bands : private Walks {
     std::sort(sides.begin(), sides.end(), [](const Beside& p, const Beside& q) {
       return std::pair{p.off_mm, p.side} < std::pair{q.off_mm, q.side};
     });
-    const Beside& nearest = sides.front();
-    std::erase_if(sides, [&, own_mm = nearest.off_mm](const Beside& other) {
-      return own_mm + other.off_mm > kSpread * kMostBandMm;
-    });
+    const Beside nearest = sides.front();
+    const double most_mm = kSpread * kMostBandMm - nearest.off_mm;  // to the other side
+    if (nearest.off_mm > most_mm) return Fold::kNone;
+    std::erase_if(sides, [&](const Beside& other) { return other.off_mm > most_mm; });
     const auto turned = [&](const Beside& other) { return turn(nearest.side, other.side); };
     const Beside beyond = *std::max_element(
         sides.begin(), sides.end(), [&](const Beside& p, const Beside& q) { return turned(p) < turned(q); });
@@ -303,15 +299,15 @@ class Bands : private Walks {
     // is hardly cut.
     const Vector3d axis = axis_of(nearest.side, beyond.side), apart = nearest.at - beyond.at;
     std::array<Fold, 2> kept{Fold::kNone, Fold::kNone};
-    std::array<double, 2> reach_mm{};
+    std::array<double, 2> off_sides_mm{-1, -1};
     for (const Beside& own : sides) {
       const std::size_t which = turned(own) < 0.5 * fold ? 0 : 1;
-      if (reach_mm[which] == 0) reach_mm[which] = own.off_mm;
+      if (off_sides_mm[which] < 0) off_sides_mm[which] = own.off_mm;
       if (kept[which] == Fold::kStands) continue;
       const double band_mm = (which == 0 ? beyond : nearest).off_mm + own.off_mm;
       kept[which] = std::max(kept[which], keeps(own.side, axis, which == 0 ? apart : -apart, fold, band_mm));
     }
-    const bool alone = reach_mm[0] + reach_mm[1] <= kMostBandMm && off_mm <= limits_.tolerance_mm;
+    const bool alone = off_sides_mm[0] + off_sides_mm[1] <= kMostBandMm && off_mm <= limits_.tolerance_mm;
     return std::min({kept[0], kept[1], alone ? Fold::kStands : Fold::kMeets});
   }
 
