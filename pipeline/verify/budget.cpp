@@ -47,6 +47,8 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLim
     face_of.assign(mesh.triangles().size(), 0);
   else
     (void)surface::smooth_faces(mesh, limits, &face_of);
+  // Bands stand for corners also where they part nothing.
+  for (const int face : creases.bands) face_of[static_cast<std::size_t>(face)] = -1;
   // The face of a corner, seen from the corner's edge.
   const auto side = [&](std::size_t corner) -> Side {
     const auto& t = mesh.triangles()[corner / 3];

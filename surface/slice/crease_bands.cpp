@@ -38,10 +38,11 @@ class Bands : private Walks {
         if (near_sides[static_cast<std::size_t>(face)]) places.push_back({face, true});
         continue;
       }
-      // Edges of two narrow triangles are met from both.
       for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
         const int beyond = mesh_.beyond(corner);
-        if (beyond != TriangleMesh::kNone && sharp(corner) && side(beyond / 3) != kNoSide)
+        if (beyond == TriangleMesh::kNone || !sharp(corner) || side(beyond / 3) == kNoSide) continue;
+        // An edge of two narrow triangles is met from both.
+        if (corner < beyond || side(beyond / 3) == beyond / 3)
           places.push_back({std::min(corner, beyond), false});
       }
     }
@@ -54,8 +55,6 @@ class Bands : private Walks {
     Creases found;
     for (const Place& place : places)
       if (place.fold == Fold::kStands) (place.triangle ? found.bands : found.edges).push_back(place.at);
-    std::sort(found.edges.begin(), found.edges.end());
-    found.edges.erase(std::unique(found.edges.begin(), found.edges.end()), found.edges.end());
     return found;
   }
 

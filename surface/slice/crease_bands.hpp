@@ -5,7 +5,8 @@
 
 namespace hotblade::surface {
 
-// Returns the triangles of such bands, and the edges where both sides of their folds meet without one.
+// Returns the triangles of such bands, ascending, and the edges, in any order, where both sides of their
+// folds meet without one.
 [[nodiscard]] Creases crease_bands(const TriangleMesh& mesh, const CreaseLimits& limits);
 
 }  // namespace hotblade::surface
