@@ -7,6 +7,7 @@
 #   private      a private header is included by sources of its big room only, never by a header
 #   long         no source file over 600 lines
 #   json         the pipeline writes JSON by json_text(), which takes names that are no UTF-8
+#   stray        the root has no files but those of the project: what a trial writes goes elsewhere
 #   unlisted     every header is in HEADER_LIST, the file that names those compiled alone (when given)
 # Prints one line a breach, `file:line: rule: what`, and exits with 1 when there is any, with 2 when there is nothing to
 # check.
@@ -18,6 +19,7 @@ cd "$root"
 readonly rooms='elastica surface gpu robot pipeline'
 readonly heavy='^(CGAL/|OpenMesh/|ceres/|vtk|modbus|embree|tbb/|CL/|cuda|CLI/|toml|tinyxml2|fcl/)'
 readonly max_lines=600
+readonly root_files='CHANGELOG.md CMakeLists.txt CMakePresets.json README.md pyproject.toml run setup.py'
 
 # Headers that only sources may include: the half-edge mesh is a template of OpenMesh, which the reader, the repair and
 # the slicer walk inline, millions of edges at a time.
@@ -140,5 +142,10 @@ for room in $rooms; do
     [[ -z $found ]] || { echo "$found"; breaches=$((breaches + 1)); }
   done < <(find "$room" -type f \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' -o -name '*.cl' \) | LC_ALL=C sort)
 done
+while read -r file; do
+  [[ " $root_files " != *" $file "* ]] || continue
+  echo "$file:1: stray: no file of the root"
+  breaches=$((breaches + 1))
+done < <(find . -maxdepth 1 -type f ! -name '.*' -printf '%P\n' | LC_ALL=C sort)
 ((files > 0)) || { echo "$root: no source files found"; exit 2; }
 ((breaches == 0)) || exit 1

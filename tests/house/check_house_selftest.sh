@@ -12,7 +12,7 @@ fail() {
 
 [[ $(bash "$check" "$tree" || echo "rc $?") == *"rc 2" ]] || fail "an empty tree must not pass"
 
-mkdir -p "$tree"/{elastica/{kernels,curve},surface/{read,slice},gpu/mesh,robot/pose,pipeline/{program,plan/{ribs,motion}}}
+mkdir -p "$tree"/{build,elastica/{kernels,curve},surface/{read,slice},gpu/mesh,robot/pose,pipeline/{program,plan/{ribs,motion}}}
 printf '#include <Eigen/Core>\n' > "$tree/elastica/curve/curve.hpp"
 printf '#include "surface/read/mesh.hpp"\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/slice/slice.cpp"
 printf '#include "elastica/kernels/curve.h"\n' > "$tree/gpu/mesh/near.cpp"
@@ -21,8 +21,8 @@ printf '#include "robot/pose/pose.hpp"\n#include "gpu/mesh/near.hpp"\n' > "$tree
 printf '#include "pipeline/plan/ribs/rib_fit.hpp"\n' > "$tree/pipeline/plan/motion/motion.cpp"
 printf '#include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>\n' > "$tree/surface/read/half_edges.hpp"
 printf '#include "surface/read/half_edges.hpp"\n' > "$tree/surface/slice/march.cpp"
-printf 'elastica/curve/curve.hpp\nsurface/read/half_edges.hpp\n' > "$tree/headers.txt"
-good=$(bash "$check" "$tree" headers.txt) || fail "a good tree must pass, but: $good"
+printf 'elastica/curve/curve.hpp\nsurface/read/half_edges.hpp\n' > "$tree/build/headers.txt"
+good=$(bash "$check" "$tree" build/headers.txt) || fail "a good tree must pass, but: $good"
 [[ -z $good ]] || fail "a good tree must pass in silence, but: $good"
 
 printf '#include "surface/slice/slice.hpp"\n' > "$tree/elastica/curve/bad_direction.cpp"
@@ -34,12 +34,13 @@ printf '#include "pipeline/plan/plan.hpp"\n' > "$tree/pipeline/program/bad_uphil
 printf '#include "curve.hpp"\n' > "$tree/pipeline/plan/bad_root.cpp"
 printf '#include <string>\n#include <CGAL/Surface_mesh.h>\n' > "$tree/surface/read/bad_heavy.hpp"
 printf '#include "surface/read/half_edges.hpp"\n' | tee "$tree/surface/read/bad_private.hpp" > "$tree/pipeline/plan/bad_private.cpp"
-echo surface/read/bad_private.hpp >> "$tree/headers.txt"
+echo surface/read/bad_private.hpp >> "$tree/build/headers.txt"
 printf 'text = json.dump(2);\n' > "$tree/pipeline/plan/bad_json.cpp"
 seq 601 > "$tree/surface/read/bad_long.cpp"
 : > "$tree/surface/bad_room.cpp"
-echo surface/read/bad_heavy.hpp >> "$tree/headers.txt"
+echo surface/read/bad_heavy.hpp >> "$tree/build/headers.txt"
 : > "$tree/robot/pose/bad_unlisted.hpp"
+: > "$tree/bad_stray.txt"
 expected='elastica/curve/bad_direction.cpp:1: direction: elastica/curve may not include "surface/slice/slice.hpp"
 surface/bad_room.cpp:1: room: surface is no room of the house
 surface/read/bad_heavy.hpp:2: heavy: <CGAL/Surface_mesh.h> belongs in a .cpp
@@ -53,9 +54,10 @@ pipeline/plan/bad_json.cpp:1: json: dump() ends at a name that is no UTF-8: json
 pipeline/plan/bad_private.cpp:1: private: only sources of surface may include "surface/read/half_edges.hpp"
 pipeline/plan/bad_root.cpp:1: root: "curve.hpp" does not start with a room
 pipeline/plan/ribs/bad_uphill.cpp:1: direction: pipeline/plan/ribs may not include "pipeline/plan/motion/motion.hpp"
-pipeline/program/bad_uphill.cpp:1: direction: pipeline/program may not include "pipeline/plan/plan.hpp"'
+pipeline/program/bad_uphill.cpp:1: direction: pipeline/program may not include "pipeline/plan/plan.hpp"
+bad_stray.txt:1: stray: no file of the root'
 code=0
-found=$(bash "$check" "$tree" headers.txt) || code=$?
+found=$(bash "$check" "$tree" build/headers.txt) || code=$?
 [[ $code -eq 1 ]] || fail "a bad tree must exit with 1, not $code"
 [[ $found == "$expected" ]] || fail "expected:
 $expected
