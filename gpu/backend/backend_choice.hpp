@@ -2,8 +2,12 @@
 // pay, and dropped for good when it fails.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "gpu/backend/backend.hpp"
@@ -18,6 +22,33 @@ inline constexpr double kDeviceStart_s = 0.5;
 // Returns "1.2 s", for messages.
 [[nodiscard]] std::string rounded_seconds(double seconds);
 
+// Returns the seconds that run(n), which answers the first n items of a part, takes for that, after a run
+// that warms up.
+template <typename Run>
+[[nodiscard]] double timed_s(std::size_t n, const Run& run) {
+  run(n);
+  const auto start = std::chrono::steady_clock::now();
+  run(n);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Returns the seconds that the host takes for all items, by what it takes for a part of them.
+template <typename Run>
+[[nodiscard]] double host_seconds(std::size_t items, std::size_t part, const Run& run) {
+  if (part == 0) return 0;
+  return timed_s(part, run) * static_cast<double>(items) / static_cast<double>(part);
+}
+
+// The same of a device, by the part and an eighth of it: a launch costs the same for few and many.
+template <typename Run>
+[[nodiscard]] double device_seconds(std::size_t items, std::size_t part, const Run& run) {
+  const std::size_t few = (part + 7) / 8;
+  if (part == few) return host_seconds(items, part, run);
+  const double most = timed_s(part, run), least = std::min(most, timed_s(few, run));
+  const auto more = static_cast<double>(items) - static_cast<double>(part);
+  return most + (most - least) / static_cast<double>(part - few) * std::max(0.0, more);
+}
+
 // Search is what runs on the device; its facts() name that. Concurrent callers are safe.
 template <typename Search>
 class BackendChoice {
@@ -27,13 +58,16 @@ class BackendChoice {
 
   // Returns the device that is to answer, or null for the host. host_s() and device_s(search) give the
   // seconds that the query would take, make() starts the search; what throws DeviceError leaves the work to
-  // the host.
+  // the host. Once the device has been timed, the faster one answers all later queries.
   template <typename HostSeconds, typename Make, typename DeviceSeconds>
   [[nodiscard]] Device choose(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
     const std::lock_guard lock(mutex_);
     if (wanted_ == Backend::kCpu) return nullptr;
     try {
-      if (wanted_ == Backend::kAuto && !is_faster(host_s, make, device_s)) return nullptr;
+      if (wanted_ == Backend::kAuto) {
+        if (!is_faster_) is_faster_ = compare(host_s, make, device_s);
+        if (!is_faster_.value_or(false)) return nullptr;
+      }
       if (!started(make)) return nullptr;
     } catch (const DeviceError& error) {
       forget(error);
@@ -71,14 +105,16 @@ class BackendChoice {
     use_ = {Backend::kCpu, "cpu", failure_};
   }
 
+  // Tells whether the device is the faster one; nothing as long as all work so far was too little to tell.
   template <typename HostSeconds, typename Make, typename DeviceSeconds>
-  bool is_faster(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
+  std::optional<bool> compare(const HostSeconds& host_s, const Make& make, const DeviceSeconds& device_s) {
     use_ = {};
     const double host = host_s();
-    use_.reason = "the CPU needs about " + rounded_seconds(host);
-    if (host < kDeviceStart_s) {
+    host_s_ += host;
+    use_.reason = "the CPU needs about " + rounded_seconds(host_s_);
+    if (host_s_ < kDeviceStart_s) {
       use_.reason += ", less than starting a device (" + rounded_seconds(kDeviceStart_s) + ")";
-      return false;
+      return std::nullopt;
     }
     const DeviceFacts facts = find_opencl_device();
     // Measured: the host's own code is several times faster than the same search through a CPU's OpenCL
@@ -89,7 +125,8 @@ class BackendChoice {
     }
     if (!started(make)) return false;
     const double device = device_s(*device_);
-    use_.reason += ", " + facts.name + " about " + rounded_seconds(device);
+    use_.reason = "the CPU needs about " + rounded_seconds(host) + ", " + facts.name + " about " +
+                  rounded_seconds(device);
     return device < host;
   }
 
@@ -98,6 +135,8 @@ class BackendChoice {
   Device device_;
   std::string failure_;
   BackendUse use_;
+  double host_s_ = 0;              // of all queries until the device was timed
+  std::optional<bool> is_faster_;  // the device, once timed
 };
 
 }  // namespace hotblade::gpu

@@ -22,21 +22,18 @@ constexpr CodeText kTexts[] = {
     {CL_MEM_OBJECT_ALLOCATION_FAILURE, "out of device memory"},
     {CL_OUT_OF_RESOURCES, "out of device resources, a time-out or a lost device"},
     {CL_OUT_OF_HOST_MEMORY, "out of host memory"},
+    {CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST, "its work failed, a time-out or a lost device"},
     {CL_BUILD_PROGRAM_FAILURE, "the program does not build"},
     {CL_INVALID_BUFFER_SIZE, "more memory than the device gives to one buffer"},
     {CL_INVALID_COMMAND_QUEUE, "the device's queue is gone, a time-out or a lost device"},
     {-1001, "no OpenCL driver is installed"},
 };
 
-void check(int code, const char* what) {
-  if (code != CL_SUCCESS) throw DeviceError(std::string("OpenCL: ") + what + ": " + opencl_error_text(code));
-}
-
 std::string text_of(cl_device_id device, cl_device_info what) {
   std::size_t size = 0;
-  check(clGetDeviceInfo(device, what, 0, nullptr, &size), "device facts");
+  check_opencl(clGetDeviceInfo(device, what, 0, nullptr, &size), "device facts");
   std::string text(size, '\0');
-  check(clGetDeviceInfo(device, what, size, text.data(), nullptr), "device facts");
+  check_opencl(clGetDeviceInfo(device, what, size, text.data(), nullptr), "device facts");
   while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
   return text;
 }
@@ -44,7 +41,7 @@ std::string text_of(cl_device_id device, cl_device_info what) {
 template <typename T>
 T value_of(cl_device_id device, cl_device_info what) {
   T value{};
-  check(clGetDeviceInfo(device, what, sizeof value, &value, nullptr), "device facts");
+  check_opencl(clGetDeviceInfo(device, what, sizeof value, &value, nullptr), "device facts");
   return value;
 }
 
@@ -53,14 +50,14 @@ std::vector<cl_device_id> devices() {
   const int code = clGetPlatformIDs(0, nullptr, &count);
   if (code != CL_SUCCESS || count == 0) throw DeviceError("OpenCL: no OpenCL driver is installed");
   std::vector<cl_platform_id> platforms(count);
-  check(clGetPlatformIDs(count, platforms.data(), nullptr), "platforms");
+  check_opencl(clGetPlatformIDs(count, platforms.data(), nullptr), "platforms");
   std::vector<cl_device_id> all;
   for (cl_platform_id platform : platforms) {
     cl_uint found = 0;
     if (clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, 0, nullptr, &found) != CL_SUCCESS || found == 0)
       continue;
     std::vector<cl_device_id> of_platform(found);
-    check(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, found, of_platform.data(), nullptr), "devices");
+    check_opencl(clGetDeviceIDs(platform, CL_DEVICE_TYPE_ALL, found, of_platform.data(), nullptr), "devices");
     all.insert(all.end(), of_platform.begin(), of_platform.end());
   }
   return all;
@@ -139,6 +136,10 @@ std::string build_log(cl_program program, cl_device_id device) {
 
 }  // namespace
 
+void check_opencl(int code, const char* what) {
+  if (code != CL_SUCCESS) throw DeviceError(std::string("OpenCL: ") + what + ": " + opencl_error_text(code));
+}
+
 std::string opencl_error_text(int code) {
   for (const CodeText& known : kTexts) {
     if (known.code == code) return std::string(known.text) + " (code " + std::to_string(code) + ")";
@@ -147,7 +148,7 @@ std::string opencl_error_text(int code) {
 }
 
 void DeviceKernel::set_bytes(unsigned index, const void* value, std::size_t size) {
-  check(clSetKernelArg(static_cast<cl_kernel>(kernel_.get()), index, size, value), "kernel argument");
+  check_opencl(clSetKernelArg(static_cast<cl_kernel>(kernel_.get()), index, size, value), "kernel argument");
 }
 
 void DeviceKernel::set(unsigned index, const DeviceBuffer& buffer) {
@@ -168,10 +169,10 @@ OpenClDevice::OpenClDevice() {
   int code = CL_SUCCESS;
   context_.reset(clCreateContext(nullptr, 1, &device, nullptr, nullptr, &code),
                  [](void* p) { clReleaseContext(static_cast<cl_context>(p)); });
-  check(code, "context");
+  check_opencl(code, "context");
   queue_.reset(clCreateCommandQueue(static_cast<cl_context>(context_.get()), device, 0, &code),
                [](void* p) { clReleaseCommandQueue(static_cast<cl_command_queue>(p)); });
-  check(code, "command queue");
+  check_opencl(code, "command queue");
 }
 
 void OpenClDevice::require_fp64() const {
@@ -187,7 +188,7 @@ std::shared_ptr<void> OpenClDevice::program(std::string_view source, const std::
   const std::shared_ptr<void> program(
       clCreateProgramWithSource(static_cast<cl_context>(context_.get()), 1, &text, &length, &code),
       [](void* p) { clReleaseProgram(static_cast<cl_program>(p)); });
-  check(code, "program");
+  check_opencl(code, "program");
   auto* device = static_cast<cl_device_id>(device_);
   auto* built = static_cast<cl_program>(program.get());
   if (code = clBuildProgram(built, 1, &device, "-cl-std=CL1.2", nullptr, nullptr); code != CL_SUCCESS) {
@@ -203,19 +204,19 @@ DeviceKernel OpenClDevice::kernel(std::string_view source, const std::string& na
   DeviceKernel kernel;
   kernel.kernel_.reset(clCreateKernel(static_cast<cl_program>(built.get()), name.c_str(), &code),
                        [](void* p) { clReleaseKernel(static_cast<cl_kernel>(p)); });
-  check(code, "kernel");
+  check_opencl(code, "kernel");
   return kernel;
 }
 
 DeviceBuffer OpenClDevice::allocate(std::size_t bytes) const {
-  if (bytes > facts_.largest_buffer_bytes) check(CL_INVALID_BUFFER_SIZE, "memory");
+  if (bytes > facts_.largest_buffer_bytes) check_opencl(CL_INVALID_BUFFER_SIZE, "memory");
   DeviceBuffer buffer;
   int code = CL_SUCCESS;
   buffer.bytes_ = std::max<std::size_t>(bytes, 1);
   buffer.memory_.reset(clCreateBuffer(static_cast<cl_context>(context_.get()), CL_MEM_READ_WRITE,
                                       buffer.bytes_, nullptr, &code),
                        [](void* p) { clReleaseMemObject(static_cast<cl_mem>(p)); });
-  check(code, "memory");
+  check_opencl(code, "memory");
   return buffer;
 }
 
@@ -227,30 +228,28 @@ DeviceBuffer OpenClDevice::upload(const void* data, std::size_t bytes) const {
 
 void OpenClDevice::write(const DeviceBuffer& buffer, const void* data, std::size_t bytes) const {
   if (bytes == 0) return;
-  check(clEnqueueWriteBuffer(static_cast<cl_command_queue>(queue_.get()),
-                             static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, bytes, data, 0, nullptr,
-                             nullptr),
-        "write");
+  check_opencl(clEnqueueWriteBuffer(static_cast<cl_command_queue>(queue_.get()),
+                                    static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, bytes, data, 0,
+                                    nullptr, nullptr),
+               "write");
 }
 
 void OpenClDevice::read(const DeviceBuffer& buffer, void* data, std::size_t bytes) const {
   if (bytes == 0) return;
-  check(clEnqueueReadBuffer(static_cast<cl_command_queue>(queue_.get()),
-                            static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, bytes, data, 0, nullptr,
-                            nullptr),
-        "read");
+  check_opencl(clEnqueueReadBuffer(static_cast<cl_command_queue>(queue_.get()),
+                                   static_cast<cl_mem>(buffer.memory_.get()), CL_TRUE, 0, bytes, data, 0,
+                                   nullptr, nullptr),
+               "read");
 }
 
 void OpenClDevice::run(const DeviceKernel& kernel, std::size_t count) const {
   if (count == 0) return;
-  // Left to itself a CPU driver makes groups so large that their private memory overflows its stack.
-  constexpr std::size_t kGroup = 64;
-  const std::size_t items = (count + kGroup - 1) / kGroup * kGroup;
-  check(clEnqueueNDRangeKernel(static_cast<cl_command_queue>(queue_.get()),
-                               static_cast<cl_kernel>(kernel.kernel_.get()), 1, nullptr, &items, &kGroup, 0,
-                               nullptr, nullptr),
-        "launch");
-  check(clFinish(static_cast<cl_command_queue>(queue_.get())), "run");
+  const std::size_t items = (count + kDeviceGroup - 1) / kDeviceGroup * kDeviceGroup;
+  check_opencl(clEnqueueNDRangeKernel(static_cast<cl_command_queue>(queue_.get()),
+                                      static_cast<cl_kernel>(kernel.kernel_.get()), 1, nullptr, &items,
+                                      &kDeviceGroup, 0, nullptr, nullptr),
+               "launch");
+  check_opencl(clFinish(static_cast<cl_command_queue>(queue_.get())), "run");
 }
 
 namespace {

@@ -33,6 +33,7 @@ class DeviceBuffer {
  private:
   friend class OpenClDevice;
   friend class DeviceKernel;
+  friend class DeviceLane;
   std::shared_ptr<void> memory_;
   std::size_t bytes_ = 0;
 };
@@ -48,6 +49,7 @@ class DeviceKernel {
 
  private:
   friend class OpenClDevice;
+  friend class DeviceLane;
   void set_bytes(unsigned index, const void* value, std::size_t size);
   std::shared_ptr<void> kernel_;
 };
@@ -86,6 +88,7 @@ class OpenClDevice {
   void run(const DeviceKernel& kernel, std::size_t count) const;
 
  private:
+  friend class DeviceLane;
   [[nodiscard]] std::shared_ptr<void> program(std::string_view source, const std::string& name) const;
 
   DeviceFacts facts_;
@@ -101,6 +104,13 @@ class OpenClDevice {
 
 // Drops the shared device after a failure: who asks next starts it anew.
 void forget_opencl_device();
+
+// Throws DeviceError with what failed and why, unless the code is OpenCL's for success.
+void check_opencl(int code, const char* what);
+
+// Items of one group of a launch. Left to itself a CPU driver makes groups so large that their private memory
+// overflows its stack.
+inline constexpr std::size_t kDeviceGroup = 64;
 
 // Returns OpenCL's error code in words, with the code.
 [[nodiscard]] std::string opencl_error_text(int code);

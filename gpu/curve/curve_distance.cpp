@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/blocks.hpp"
 #include "gpu/backend/stop.hpp"
 #include "gpu/curve/curve_distance_opencl.hpp"
 #include "gpu/curve/curve_lanes.hpp"
@@ -24,14 +24,8 @@ using Eigen::Vector2d;
 
 // Points of one task, whose unsure ones are settled while they are in the cache.
 constexpr std::size_t kBlock = 2048;
-// Points that both backends are timed with.
-constexpr std::size_t kTimed = 65536;
-// Points on the device at once, answers and all; the host settles those that it leaves.
-constexpr std::size_t kPortion = std::size_t{1} << 22;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+// Points that the host is timed with, and the device, which few do not fill.
+constexpr std::size_t kTimed = 65536, kTimedOnDevice = 1 << 20;
 
 // The points of a query and where their answers go.
 struct Query {
@@ -64,7 +58,6 @@ struct CurveDistance::Impl {
   std::size_t on_host(const Query& q) const;
   std::size_t on_host_block(const Query& q) const;
   std::size_t on_device(const CurveSearchOnDevice& device, const Query& q) const;
-  double host_s(const Query& q) const;
 
   CurvePieces curve;
   CurveLanes lanes = curve_lanes();
@@ -124,40 +117,25 @@ std::size_t CurveDistance::Impl::on_host(const Query& q) const {
 
 std::size_t CurveDistance::Impl::on_device(const CurveSearchOnDevice& device, const Query& q) const {
   std::atomic<std::size_t> careful = 0;
-  std::vector<Vector2d> local(std::min(kPortion, q.size())), answers(local.size());
-  for (std::size_t first = 0; first < q.size(); first += kPortion) {
-    const Query part = q.part(first, std::min(kPortion, q.size() - first));
-    const tbb::blocked_range<std::size_t> all(0, part.size(), kBlock);
-    tbb::parallel_for(all, [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i)
-        local[i] = curve.local({part.x[i], part.y[i]});
-    });
-    stop_point();
-    device.nearest(std::span(local).first(part.size()), std::span(answers).first(part.size()));
-    tbb::parallel_for(all, [&](const auto& range) {
-      for (std::size_t i = range.begin(); i != range.end(); ++i) {
-        if (answers[i].x() >= 0) {
-          part.distance[i] = answers[i].x() / curve.scale;
-          part.t[i] = answers[i].y();
-        } else {
-          ++careful;
-          settle(part, i);
-        }
-      }
-    });
-    stop_point();
-  }
+  device.nearest(
+      q.size(),
+      [&](std::size_t first, std::span<Vector2d> into) {
+        for_each_in_blocks(into.size(), kBlock, [&](std::size_t i) {
+          into[i] = curve.local({q.x[first + i], q.y[first + i]});
+        });
+      },
+      [&](std::size_t first, std::span<const Vector2d> answers) {
+        for_each_in_blocks(answers.size(), kBlock, [&](std::size_t i) {
+          if (answers[i].x() >= 0) {
+            q.distance[first + i] = answers[i].x() / curve.scale;
+            q.t[first + i] = answers[i].y();
+          } else {
+            ++careful;
+            settle(q, first + i);
+          }
+        });
+      });
   return careful;
-}
-
-// Seconds for all points by what a sample takes, after a run that warms up.
-double CurveDistance::Impl::host_s(const Query& q) const {
-  const std::size_t n = std::min(kTimed, q.size());
-  if (n == 0) return 0;
-  (void)on_host(q.part(0, n));
-  const auto start = std::chrono::steady_clock::now();
-  (void)on_host(q.part(0, n));
-  return seconds_since(start) * static_cast<double>(q.size()) / static_cast<double>(n);
 }
 
 CurveDistance::CurveDistance(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -180,14 +158,14 @@ std::size_t CurveDistance::query(std::span<const double> x, std::span<const doub
   }
   const Query q{x, y, distance, t};
   const auto device = impl_->choice.choose(
-      [&] { return impl_->host_s(q); },
+      [&] {
+        return host_seconds(q.size(), std::min(kTimed, q.size()),
+                            [&](std::size_t n) { (void)impl_->on_host(q.part(0, n)); });
+      },
       [&] { return std::make_shared<const CurveSearchOnDevice>(impl_->curve); },
       [&](const CurveSearchOnDevice& search) {
-        const Query part = q.part(0, std::min(kTimed, q.size()));
-        (void)impl_->on_device(search, part);
-        const auto start = std::chrono::steady_clock::now();
-        (void)impl_->on_device(search, part);
-        return seconds_since(start) * static_cast<double>(q.size()) / static_cast<double>(part.size());
+        return device_seconds(q.size(), std::min(kTimedOnDevice, q.size()),
+                              [&](std::size_t n) { (void)impl_->on_device(search, q.part(0, n)); });
       });
   if (device) {
     try {

@@ -18,10 +18,16 @@ CurveSearchOnDevice::CurveSearchOnDevice(const CurvePieces& curve)
   kernel_.set(4, curve.sag);
 }
 
-void CurveSearchOnDevice::nearest(std::span<const Eigen::Vector2d> points,
-                                  std::span<Eigen::Vector2d> answers) const {
+void CurveSearchOnDevice::nearest(std::size_t count, const Fill& fill, const Take& take) const {
   const std::lock_guard lock(turn_);
-  portions_.run(*device_, kernel_, 5, points.data(), answers.data(), points.size());
+  portions_.run(
+      *device_, kernel_, 5, count,
+      [&](std::size_t first, std::size_t n, void* into) {
+        fill(first, std::span(static_cast<Eigen::Vector2d*>(into), n));
+      },
+      [&](std::size_t first, std::size_t n, const void* from) {
+        take(first, std::span(static_cast<const Eigen::Vector2d*>(from), n));
+      });
 }
 
 }  // namespace hotblade::gpu

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -20,10 +21,14 @@ class CurveSearchOnDevice {
 
   [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
 
-  // Writes the distance and parameter of every point of the curve's frame; the distance is -1 where the
-  // device does not prove it. Points go in portions (opencl_portions.hpp), and concurrent callers take turns.
-  // Throws DeviceError.
-  void nearest(std::span<const Eigen::Vector2d> points, std::span<Eigen::Vector2d> answers) const;
+  // Writes point first + i of the curve's frame to into[i]; takes its distance and parameter, the distance
+  // being -1 where the device does not prove it.
+  using Fill = std::function<void(std::size_t first, std::span<Eigen::Vector2d> into)>;
+  using Take = std::function<void(std::size_t first, std::span<const Eigen::Vector2d> answers)>;
+
+  // Asks `fill` for so many points and hands their answers to `take`, in order. Points go in portions
+  // (opencl_portions.hpp), and concurrent callers take turns. Throws DeviceError, and what those throw.
+  void nearest(std::size_t count, const Fill& fill, const Take& take) const;
 
  private:
   std::shared_ptr<const OpenClDevice> device_;

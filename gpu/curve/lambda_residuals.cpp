@@ -1,14 +1,13 @@
 #include "gpu/curve/lambda_residuals.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
+#include <functional>
 #include <stdexcept>
-#include <vector>
 
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/blocks.hpp"
 #include "gpu/backend/opencl_portions.hpp"
 #include "gpu/backend/stop.hpp"
 #include "gpu/curve/curve_lanes.hpp"
@@ -23,8 +22,8 @@ using Curve = std::array<Eigen::Vector2d, 4>;
 using Answer = std::array<double, 4>;  // e, status, bound, none
 static_assert(sizeof(Curve) == 8 * sizeof(double), "the kernels read eight numbers a curve");
 
-// Curves of one task; with which both backends are timed; on the device at once.
-constexpr std::size_t kResidualBlock = 1024, kResidualsTimed = 16384, kResidualPortion = std::size_t{1} << 21;
+// Curves of one task; with which the host is timed, and the device, which few do not fill.
+constexpr std::size_t kResidualBlock = 1024, kResidualsTimed = 16384, kResidualsTimedOnDevice = 1 << 18;
 
 class ResidualsOnDevice {
  public:
@@ -33,9 +32,18 @@ class ResidualsOnDevice {
     kernel_ = device_->kernel(lambda_residuals_source, "lambda_residuals");
   }
   [[nodiscard]] const DeviceFacts& facts() const { return device_->facts(); }
-  void run(std::span<const Curve> curves, std::span<Answer> answers) const {
+  using Fill = std::function<void(std::size_t first, std::span<Curve> into)>;
+  using Take = std::function<void(std::size_t first, std::span<const Answer> answers)>;
+  void run(std::size_t count, const Fill& fill, const Take& take) const {
     const std::lock_guard lock(turn_);
-    portions_.run(*device_, kernel_, 0, curves.data(), answers.data(), curves.size());
+    portions_.run(
+        *device_, kernel_, 0, count,
+        [&](std::size_t first, std::size_t n, void* into) {
+          fill(first, std::span(static_cast<Curve*>(into), n));
+        },
+        [&](std::size_t first, std::size_t n, const void* from) {
+          take(first, std::span(static_cast<const Answer*>(from), n));
+        });
   }
 
  private:
@@ -72,28 +80,19 @@ void residuals_on_host(const ResidualQuery& q) {
 }
 
 void residuals_on_device(const ResidualsOnDevice& device, const ResidualQuery& q) {
-  std::vector<Answer> answers(std::min(kResidualPortion, q.size()));
-  for (std::size_t first = 0; first < q.size(); first += kResidualPortion) {
-    const ResidualQuery part = q.part(first, std::min(kResidualPortion, q.size() - first));
-    device.run(part.curves, std::span(answers).first(part.size()));
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      part.e[i] = answers[i][0];
-      part.status[i] = static_cast<ResidualStatus>(answers[i][1]);
-      if (!part.bound.empty()) part.bound[i] = answers[i][2];
-    }
-  }
-}
-
-// Seconds for all by what a part takes, after a run that warms up.
-template <typename Run>
-double predicted_s(const ResidualQuery& q, const Run& run) {
-  const ResidualQuery part = q.part(0, std::min(kResidualsTimed, q.size()));
-  if (part.size() == 0) return 0;
-  run(part);
-  const auto start = std::chrono::steady_clock::now();
-  run(part);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() *
-         static_cast<double>(q.size()) / static_cast<double>(part.size());
+  device.run(
+      q.size(),
+      [&](std::size_t first, std::span<Curve> into) {
+        for_each_in_blocks(into.size(), kResidualBlock,
+                           [&](std::size_t i) { into[i] = q.curves[first + i]; });
+      },
+      [&](std::size_t first, std::span<const Answer> answers) {
+        for_each_in_blocks(answers.size(), kResidualBlock, [&](std::size_t i) {
+          q.e[first + i] = answers[i][0];
+          q.status[first + i] = static_cast<ResidualStatus>(answers[i][1]);
+          if (!q.bound.empty()) q.bound[first + i] = answers[i][2];
+        });
+      });
 }
 
 }  // namespace
@@ -116,10 +115,14 @@ void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
   }
   const ResidualQuery q{curves, e, status, bound};
   const auto device = impl_->choice.choose(
-      [&] { return predicted_s(q, residuals_on_host); },
+      [&] {
+        return host_seconds(q.size(), std::min(kResidualsTimed, q.size()),
+                            [&](std::size_t n) { residuals_on_host(q.part(0, n)); });
+      },
       [] { return std::make_shared<const ResidualsOnDevice>(); },
       [&](const ResidualsOnDevice& search) {
-        return predicted_s(q, [&](const ResidualQuery& part) { residuals_on_device(search, part); });
+        return device_seconds(q.size(), std::min(kResidualsTimedOnDevice, q.size()),
+                              [&](std::size_t n) { residuals_on_device(search, q.part(0, n)); });
       });
   if (device) {
     try {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -12,6 +11,7 @@
 
 #include "elastica/kernels/simd.hpp"
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/blocks.hpp"
 #include "gpu/backend/stop.hpp"
 #include "gpu/curve/pair_distance_opencl.hpp"
 #include "gpu/curve/pair_frame.hpp"
@@ -22,8 +22,10 @@ namespace {
 
 using Bezier = std::array<Eigen::Vector2d, 4>;
 
-// Pairs of one task; with which both backends are timed; on the device at once.
-constexpr std::size_t kPairBlock = 1024, kPairsTimed = 2048, kPairPortion = std::size_t{1} << 17;
+// Pairs of one task; with which the host is timed, and the device, which few do not fill; on the device at
+// once.
+constexpr std::size_t kPairBlock = 1024, kPairsTimed = 2048, kPairsTimedOnDevice = 1 << 15,
+                      kPairPortion = std::size_t{1} << 17;
 // Beziers shorter than this in their frame are points.
 constexpr double kLeastLength = 1e-100;
 // Bounds that are wider than the tolerance by less than this get narrow by twice the samples, twice at most:
@@ -42,30 +44,35 @@ struct PairQuery {
   }
 };
 
-// A block of pairs on their way. Kernels is PairLanes or PairsOnDevice.
+// Blocks of pairs on their way, one after the other in the same memory. Kernels is PairLanes or
+// PairsOnDevice.
 template <typename Kernels>
 class Block {
  public:
-  Block(const PairQuery& q, const Kernels& kernels)
-      : kernels_(kernels), frames_(q.size()), numbers_(q.size()) {
-    tbb::parallel_for(std::size_t{0}, q.size(), [&](std::size_t i) {
-      stop_point();
+  explicit Block(const Kernels& kernels) : kernels_(kernels) {}
+
+  // Returns how many pairs needed the careful search.
+  std::size_t answer(const PairQuery& q) {
+    frames_.resize(q.size());
+    numbers_.resize(q.size());
+    for (auto* column : {&l2_, &h1_, &length_, &lower_, &upper_}) column->resize(q.size());
+    for_each_pair([&](std::size_t i) {
       frames_[i] = pair_frame(q.beziers[i], q.elastica[i], q.tolerance);
       numbers_[i] = frames_[i].numbers;
     });
-    stop_point();
-    for (auto* column : {&l2_, &h1_, &length_, &lower_, &upper_}) column->resize(frames_.size());
-  }
-
-  // Returns how many pairs needed the careful search.
-  std::size_t answer(std::span<PairDistance> out) {
     differences();
     const std::size_t careful = bounds();
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = result(i);
+    for_each_pair([&](std::size_t i) { q.out[i] = result(i); });
     return careful;
   }
 
  private:
+  // Runs what costs little; a block of the host is one task already.
+  template <typename Each>
+  void for_each_pair(const Each& each) const {
+    for_each_in_blocks(frames_.size(), kPairBlock, each);
+  }
+
   [[nodiscard]] bool answerable(std::size_t i) const { return frames_[i].status == PairStatus::kOk; }
   // Room for rounding on either side of the bounds.
   [[nodiscard]] static double narrow(const PairFrame& f) { return f.tolerance - 2 * kPairErrorRel; }
@@ -74,7 +81,7 @@ class Block {
   template <typename Count, typename Run>
   void by_count(int least, const Count& count_of, const Run& run) {
     std::vector<int> counts(frames_.size());
-    for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = count_of(i);
+    for_each_pair([&](std::size_t i) { counts[i] = count_of(i); });
     std::vector<unsigned> index;
     for (int n = least; n <= kMostPairSamples; n *= 2) {
       index.clear();
@@ -95,20 +102,20 @@ class Block {
 
   std::size_t bounds() {
     std::vector<int> samples(frames_.size());
-    for (std::size_t i = 0; i < samples.size(); ++i) {
+    for_each_pair([&](std::size_t i) {
       upper_[i] = std::numeric_limits<double>::infinity();
       const int wanted = answerable(i) && narrow(frames_[i]) > 0 ? pair_samples(frames_[i]) : 0;
       samples[i] = wanted <= kMostPairSamples ? wanted : 0;
-    }
+    });
     for (int round = 0; round < kRounds; ++round) {
       by_count(
           kLeastPairSamples, [&](std::size_t i) { return samples[i]; },
           [&](const PairQueries& q, int n) { kernels_.hausdorff(q, n, lower_.data(), upper_.data()); });
-      for (std::size_t i = 0; i < samples.size(); ++i) {
+      for_each_pair([&](std::size_t i) {
         const double gap = upper_[i] - lower_[i], narrow_enough = narrow(frames_[i]);
         const bool more = gap > narrow_enough && gap <= kWorthMoreSamples * narrow_enough;
         samples[i] = more && 2 * samples[i] <= kMostPairSamples ? 2 * samples[i] : 0;
-      }
+      });
     }
     std::vector<std::size_t> careful;
     for (std::size_t i = 0; i < frames_.size(); ++i) {
@@ -161,7 +168,7 @@ std::size_t pairs_on_host(const PairQuery& q) {
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
     stop_point();
     const PairQuery part = q.part(block * kPairBlock, std::min(kPairBlock, q.size() - block * kPairBlock));
-    careful += Block(part, pair_lanes()).answer(part.out);
+    careful += Block(pair_lanes()).answer(part);
   });
   stop_point();
   return careful;
@@ -169,23 +176,11 @@ std::size_t pairs_on_host(const PairQuery& q) {
 
 std::size_t pairs_on_device(const PairsOnDevice& device, const PairQuery& q) {
   std::size_t careful = 0;
+  Block block(device);
   for (std::size_t first = 0; first < q.size(); first += kPairPortion) {
-    const PairQuery part = q.part(first, std::min(kPairPortion, q.size() - first));
-    careful += Block(part, device).answer(part.out);
+    careful += block.answer(q.part(first, std::min(kPairPortion, q.size() - first)));
   }
   return careful;
-}
-
-// Returns the seconds that all would take by what a part takes, after a run that warms up.
-template <typename Run>
-double predicted_s(const PairQuery& q, const Run& run) {
-  const PairQuery part = q.part(0, std::min(kPairsTimed, q.size()));
-  if (part.size() == 0) return 0;
-  run(part);
-  const auto start = std::chrono::steady_clock::now();
-  run(part);
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() *
-         static_cast<double>(q.size()) / static_cast<double>(part.size());
 }
 
 }  // namespace
@@ -220,9 +215,14 @@ std::size_t PairDistances::query(std::span<const Bezier> beziers, std::span<cons
   if (!(tolerance > 0)) throw std::logic_error("PairDistances::query: needs a tolerance above 0");
   const PairQuery q{beziers, elastica, tolerance, out};
   const auto device = impl_->choice.choose(
-      [&] { return predicted_s(q, pairs_on_host); }, [] { return std::make_shared<const PairsOnDevice>(); },
+      [&] {
+        return host_seconds(q.size(), std::min(kPairsTimed, q.size()),
+                            [&](std::size_t n) { pairs_on_host(q.part(0, n)); });
+      },
+      [] { return std::make_shared<const PairsOnDevice>(); },
       [&](const PairsOnDevice& pairs) {
-        return predicted_s(q, [&](const PairQuery& part) { pairs_on_device(pairs, part); });
+        return device_seconds(q.size(), std::min(kPairsTimedOnDevice, q.size()),
+                              [&](std::size_t n) { pairs_on_device(pairs, q.part(0, n)); });
       });
   if (device) {
     try {

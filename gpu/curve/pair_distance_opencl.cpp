@@ -1,9 +1,9 @@
 #include "gpu/curve/pair_distance_opencl.hpp"
 
 #include <array>
-#include <vector>
 
 #include "elastica/kernels/curve_pair.h"
+#include "gpu/backend/blocks.hpp"
 
 namespace hotblade::gpu {
 
@@ -16,10 +16,25 @@ using Bounds = std::array<double, 2>;
 constexpr std::size_t kNodeBytes = (kMostPairSamples + 3) * sizeof(hb_pair_node);
 static_assert(sizeof(PairNumbers) == 16 * sizeof(double), "the kernels read a double16 a pair");
 
-std::vector<PairNumbers> gathered(const PairQueries& queries) {
-  std::vector<PairNumbers> numbers(queries.n);
-  for (std::size_t i = 0; i < queries.n; ++i) numbers[i] = queries.pairs[queries.index[i]];
-  return numbers;
+// Pairs that one thread copies at a time.
+constexpr std::size_t kPairsCopied = 2048;
+
+// Runs a kernel over the pairs that are asked for; take(number of the pair, its answer) from many threads.
+template <typename Answer, typename Take>
+void run_pairs(const OpenClDevice& device, DeviceKernel& kernel, DevicePortions& portions,
+               const PairQueries& queries, const Take& take) {
+  portions.run(
+      device, kernel, 1, queries.n,
+      [&](std::size_t first, std::size_t n, void* into) {
+        auto* const numbers = static_cast<PairNumbers*>(into);
+        for_each_in_blocks(n, kPairsCopied,
+                           [&](std::size_t i) { numbers[i] = queries.pairs[queries.index[first + i]]; });
+      },
+      [&](std::size_t first, std::size_t n, const void* from) {
+        const auto* const answers = static_cast<const Answer*>(from);
+        for_each_in_blocks(n, kPairsCopied,
+                           [&](std::size_t i) { take(queries.index[first + i], answers[i]); });
+      });
 }
 
 }  // namespace
@@ -35,33 +50,24 @@ PairsOnDevice::PairsOnDevice()
 
 void PairsOnDevice::differences(const PairQueries& queries, int panels, double* l2, double* h1,
                                 double* length) const {
-  const std::vector<PairNumbers> numbers = gathered(queries);
-  std::vector<Difference> answers(queries.n);
-  {
-    const std::lock_guard lock(turn_);
-    differences_.set(0, panels);
-    difference_portions_.run(*device_, differences_, 1, numbers.data(), answers.data(), queries.n);
-  }
-  for (std::size_t i = 0; i < queries.n; ++i) {
-    const unsigned at = queries.index[i];
-    l2[at] = answers[i][0];
-    h1[at] = answers[i][1];
-    length[at] = answers[i][2];
-  }
+  const std::lock_guard lock(turn_);
+  differences_.set(0, panels);
+  run_pairs<Difference>(*device_, differences_, difference_portions_, queries,
+                        [&](unsigned pair, const Difference& answer) {
+                          l2[pair] = answer[0];
+                          h1[pair] = answer[1];
+                          length[pair] = answer[2];
+                        });
 }
 
 void PairsOnDevice::hausdorff(const PairQueries& queries, int samples, double* lower, double* upper) const {
-  const std::vector<PairNumbers> numbers = gathered(queries);
-  std::vector<Bounds> answers(queries.n);
-  {
-    const std::lock_guard lock(turn_);
-    hausdorff_.set(0, samples);
-    hausdorff_portions_.run(*device_, hausdorff_, 1, numbers.data(), answers.data(), queries.n);
-  }
-  for (std::size_t i = 0; i < queries.n; ++i) {
-    lower[queries.index[i]] = answers[i][0];
-    upper[queries.index[i]] = answers[i][1];
-  }
+  const std::lock_guard lock(turn_);
+  hausdorff_.set(0, samples);
+  run_pairs<Bounds>(*device_, hausdorff_, hausdorff_portions_, queries,
+                    [&](unsigned pair, const Bounds& answer) {
+                      lower[pair] = answer[0];
+                      upper[pair] = answer[1];
+                    });
 }
 
 }  // namespace hotblade::gpu

@@ -7,6 +7,10 @@
 // Enough for every tree the builder makes (mesh_tree.cpp, kBalancedDepth).
 #define HOTBLADE_TREE_STACK 128
 
+// Points farther than this many mesh sizes are compared with every triangle: single precision tells no two triangles
+// apart from there.
+#define HOTBLADE_FAR 0x1p+20
+
 // How far the distance d computed by triangle.h can be from the true one, with e = 2^-24 and the mesh scaled into
 // [-1, 1]^3: HOTBLADE_POSITION_ERROR S + HOTBLADE_SHAPE_ERROR (d + base), S = 1 + max |coordinate of the point|.
 // Position: point and origin are each rounded, sqrt(3) eS together, and a box test loses 2 eS; 4 holds both.

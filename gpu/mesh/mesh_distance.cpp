@@ -5,7 +5,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include <algorithm>
-#include <chrono>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -28,30 +28,23 @@ using Eigen::Vector3d;
 
 // Points answered one after the other by one thread, each search started where the answer before was.
 constexpr std::size_t kBlock = 256;
+// Points that are copied or looked through by one thread at a time.
+constexpr std::size_t kCopied = 8192;
 // Points that share a way into the tree.
 constexpr std::size_t kGroup = 16;
 // The entry of a group holds what is within this many times the farthest that a start packet of the group
 // before reached.
 constexpr float kEntryReach = 1.5f;
 
-// Points farther than this many mesh sizes are compared with every triangle: single precision tells no two
-// triangles apart from there.
-constexpr double kFar = 0x1p+20;
+constexpr double kFar = HOTBLADE_FAR;
 
 // Candidates a search has room for at first: more than the triangles around any ordinary vertex.
 constexpr std::size_t kCandidates = 64;
 
-// Points whose candidates are on the device while the host settles as many.
-constexpr std::size_t kPortion = std::size_t{1} << 20;
-
-// Points that both backends are timed with, spread over all.
-constexpr std::size_t kTimed = 8192;
+// Points that the host is timed with, spread over all, and the device, which few do not fill.
+constexpr std::size_t kTimed = 8192, kTimedOnDevice = 1 << 18;
 
 using Order = std::vector<std::uint32_t>;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 }  // namespace
 
@@ -78,14 +71,9 @@ struct MeshDistance::Impl {
   Nearest settle(const Vector3d& local_point, std::span<const Candidate> candidates) const;
 
   using Points = std::span<const Vector3d>;
-  void answer_on_host(Points points, const Order& order, std::vector<Nearest>& answers) const;
-  void answer_on_device(const MeshSearchOnDevice& device, Points points, const Order& order,
-                        std::vector<Nearest>& answers) const;
-  void settle_portion(Points points, const Order& order, std::size_t first,
-                      std::span<const MeshSearchOnDevice::Found> found, std::vector<Nearest>& answers) const;
-  Eigen::Vector4f device_point(const Vector3d& point) const;
-  std::vector<Vector3d> sample(Points points, const Order& order) const;
-  std::shared_ptr<const MeshSearchOnDevice> choose(Points points, const Order& order) const;
+  void answer_on_host(Points points, const Order& order, std::span<Nearest> answers) const;
+  void answer_on_device(const MeshSearchOnDevice& device, Points points, std::span<Nearest> answers) const;
+  std::shared_ptr<const MeshSearchOnDevice> choose(Points points, std::optional<Order>& order) const;
 };
 
 // The nearest of the candidates in double precision; of equal ones the lowest.
@@ -150,8 +138,7 @@ Nearest MeshDistance::Impl::answer(const Vector3d& q, Memory& memory) const {
   }
 }
 
-void MeshDistance::Impl::answer_on_host(Points points, const Order& order,
-                                        std::vector<Nearest>& answers) const {
+void MeshDistance::Impl::answer_on_host(Points points, const Order& order, std::span<Nearest> answers) const {
   const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
     Memory memory;
@@ -169,67 +156,27 @@ void MeshDistance::Impl::answer_on_host(Points points, const Order& order,
   stop_point();
 }
 
-// A point too far for single precision becomes no number: the device finds nothing, and the host answers.
-Eigen::Vector4f MeshDistance::Impl::device_point(const Vector3d& point) const {
-  const Vector3d q = frame.local(point);
-  const double size = q.cwiseAbs().maxCoeff();
-  if (size > kFar) return Eigen::Vector4f::Constant(std::numeric_limits<float>::quiet_NaN());
-  Eigen::Vector4f p;
-  p << q.cast<float>(), HOTBLADE_POSITION_ERROR * (1 + static_cast<float>(size));
-  return p;
-}
-
-void MeshDistance::Impl::settle_portion(Points points, const Order& order, std::size_t first,
-                                        std::span<const MeshSearchOnDevice::Found> found,
-                                        std::vector<Nearest>& answers) const {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), kBlock), [&](const auto& range) {
-    Memory memory;
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const std::size_t at = order.empty() ? first + i : order[first + i];
-      const Vector3d q = frame.local(points[at]);
-      std::array<Candidate, MeshSearchOnDevice::kSlots> candidates;
-      std::size_t count = 0;
-      for (const int triangle : found[i]) {
-        if (triangle >= 0) candidates[count++] = {0, triangle};
-      }
-      const bool incomplete = count == 0 || found[i][0] == MeshSearchOnDevice::kTooMany;
-      answers[at] = incomplete ? answer(q, memory) : settle(q, std::span(candidates).first(count));
-    }
-  });
-  stop_point();
-}
-
-// The device works on one portion while the host settles the one before.
-void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Points points, const Order& order,
-                                          std::vector<Nearest>& answers) const {
-  std::array<std::vector<MeshSearchOnDevice::Found>, 2> found;
-  std::vector<Eigen::Vector4f> asked;
-  const auto ask = [&](std::size_t first, std::vector<MeshSearchOnDevice::Found>& into) {
-    const std::size_t count = std::min(kPortion, points.size() - first);
-    asked.resize(count);
-    into.resize(count);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kBlock), [&](const auto& range) {
+// What the device leaves open, points too far for single precision among it, the host answers.
+void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Points points,
+                                          std::span<Nearest> answers) const {
+  device.nearest(points, [&](std::size_t first, std::span<const Nearest> found) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), kCopied), [&](const auto& range) {
+      Memory memory;
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
-        asked[i] = device_point(points[order.empty() ? first + i : order[first + i]]);
+        answers[first + i] =
+            found[i].triangle >= 0 ? found[i] : answer(frame.local(points[first + i]), memory);
       }
     });
     stop_point();
-    device.candidates(asked, into);
-  };
-  ask(0, found[0]);
-  for (std::size_t first = 0, turn = 0; first < points.size(); first += kPortion, turn = 1 - turn) {
-    tbb::parallel_invoke([&] { settle_portion(points, order, first, found[turn], answers); },
-                         [&] {
-                           if (first + kPortion < points.size()) ask(first + kPortion, found[1 - turn]);
-                         });
-    stop_point();
-  }
+  });
 }
 
-// Runs of neighbours spread over all points, as many as both backends are timed with.
-std::vector<Vector3d> MeshDistance::Impl::sample(Points points, const Order& order) const {
+namespace {
+
+// Runs of neighbours spread over all points, `count` of them.
+std::vector<Vector3d> sample(std::span<const Vector3d> points, const Order& order, std::size_t count) {
   std::vector<Vector3d> sample;
-  const std::size_t runs = std::min((points.size() + kBlock - 1) / kBlock, kTimed / kBlock);
+  const std::size_t runs = std::min((points.size() + kBlock - 1) / kBlock, count / kBlock);
   for (std::size_t run = 0; run < runs; ++run) {
     const std::size_t first = points.size() / runs * run;
     for (std::size_t i = first; i < std::min(first + kBlock, points.size()); ++i) {
@@ -239,30 +186,29 @@ std::vector<Vector3d> MeshDistance::Impl::sample(Points points, const Order& ord
   return sample;
 }
 
-// Seconds for all points by what the sample took, without the sample's first run, which warms up.
-template <typename Run>
-double predicted_s(std::size_t points, std::size_t sample, const Run& run) {
-  run();
-  const auto start = std::chrono::steady_clock::now();
-  run();
-  return seconds_since(start) * static_cast<double>(points) / static_cast<double>(sample);
-}
+}  // namespace
 
-// The device that is to answer, or null for the host.
+// The device that is to answer, or null for the host, which needs an order.
 std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::choose(Points points,
-                                                                     const Order& order) const {
+                                                                     std::optional<Order>& order) const {
   if (points.empty()) return nullptr;
   std::vector<Vector3d> part;
   std::vector<Nearest> ignored;
   return choice.choose(
       [&] {
-        part = sample(points, order);
+        order = coherent_order(points);
+        part = sample(points, *order, kTimed);
         ignored.resize(part.size());
-        return predicted_s(points.size(), part.size(), [&] { answer_on_host(part, {}, ignored); });
+        return host_seconds(points.size(), part.size(),
+                            [&](std::size_t n) { answer_on_host(std::span(part).first(n), {}, ignored); });
       },
-      [&] { return std::make_shared<const MeshSearchOnDevice>(tree); },
+      [&] { return std::make_shared<const MeshSearchOnDevice>(frame, tree); },
       [&](const MeshSearchOnDevice& device) {
-        return predicted_s(points.size(), part.size(), [&] { answer_on_device(device, part, {}, ignored); });
+        part = sample(points, {}, kTimedOnDevice);
+        ignored.resize(part.size());
+        return device_seconds(points.size(), part.size(), [&](std::size_t n) {
+          answer_on_device(device, std::span(part).first(n), ignored);
+        });
       });
 }
 
@@ -278,22 +224,33 @@ MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
 MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;
 
 std::vector<Nearest> MeshDistance::query(std::span<const Vector3d> points) const {
-  for (const Vector3d& p : points) {
-    if (!p.allFinite()) throw std::logic_error("MeshDistance::query: a point is not finite");
-  }
   std::vector<Nearest> answers(points.size());
-  const Order order = coherent_order(points);
-  const auto device = impl_->choose(points, order);
-  if (device) {
+  query(points, answers);
+  return answers;
+}
+
+void MeshDistance::query(std::span<const Vector3d> points, std::span<Nearest> answers) const {
+  if (answers.size() != points.size())
+    throw std::logic_error("MeshDistance::query: spans of different sizes");
+  std::atomic<bool> finite = true;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kCopied), [&](const auto& range) {
+    const auto part = points.subspan(range.begin(), range.size());
+    if (!std::all_of(part.begin(), part.end(), [](const Vector3d& p) { return p.allFinite(); }))
+      finite = false;
+  });
+  stop_point();
+  if (!finite) throw std::logic_error("MeshDistance::query: a point is not finite");
+  std::optional<Order> order;
+  if (const auto device = impl_->choose(points, order)) {
     try {
-      impl_->answer_on_device(*device, points, order, answers);
-      return answers;
+      impl_->answer_on_device(*device, points, answers);
+      return;
     } catch (const DeviceError& error) {
       impl_->choice.drop(error);
     }
   }
-  impl_->answer_on_host(points, order, answers);
-  return answers;
+  if (!order) order = coherent_order(points);
+  impl_->answer_on_host(points, *order, answers);
 }
 
 std::vector<Side> MeshDistance::sides(std::span<const Vector3d> points,

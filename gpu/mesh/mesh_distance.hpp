@@ -7,7 +7,7 @@
 //
 // How: a search in single precision, in the mesh's own frame, with a derived error bound
 // (kernels/mesh_tree.h) gives every triangle that can be the nearest; these alone are compared in double
-// precision, by one routine on the host (triangle_distance.hpp).
+// precision, by one formula that gives host and device the same bits (kernels/triangle_exact.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -43,6 +43,9 @@ class MeshDistance {
   // Returns one answer a point, in order; it runs on all cores allowed. Points that follow each other closely
   // are answered faster. Throws std::logic_error when a coordinate is not finite.
   [[nodiscard]] std::vector<Nearest> query(std::span<const Eigen::Vector3d> points) const;
+  // The same into `answers`, for who asks often: fresh memory costs a device's queries more than the search.
+  // Throws std::logic_error when the spans differ in size, too.
+  void query(std::span<const Eigen::Vector3d> points, std::span<Nearest> answers) const;
 
   // Returns on which side of the mesh each point lies, from the answers that query gave for these points: by
   // the pseudo-normals of mesh_side.hpp, right everywhere around a closed mesh whose faces agree; beside an

@@ -2,6 +2,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -23,6 +24,15 @@ constexpr double kScattered = 2;
 // Cells along each axis: 3 x 10 bits of the key, the point's number in the low 32.
 constexpr int kCells = 1024;
 
+// Points that one thread looks at at a time.
+constexpr std::size_t kLookedAt = 4096;
+
+// The box of points, and the sums of their steps along each axis.
+struct Spread {
+  Vector3d low, high;
+  Vector3d step{0, 0, 0};
+};
+
 // Ten bits with two empty ones between each.
 std::uint64_t spread_bits(std::uint64_t v) {
   v = (v | (v << 16)) & 0x030000FFu;
@@ -36,18 +46,27 @@ std::uint64_t spread_bits(std::uint64_t v) {
 
 std::vector<std::uint32_t> coherent_order(std::span<const Vector3d> points) {
   if (points.size() < kSmall || points.size() > std::numeric_limits<std::uint32_t>::max()) return {};
-  Vector3d low = points[0], high = points[0], step = Vector3d::Zero();
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    low = low.cwiseMin(points[i]);
-    high = high.cwiseMax(points[i]);
-    step += (points[i] - points[i - 1]).cwiseAbs();
-  }
-  const double extent = (high - low).maxCoeff(), count = static_cast<double>(points.size());
+  const Spread all = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, points.size(), kLookedAt), Spread{points[0], points[0]},
+      [&](const auto& range, Spread spread) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          spread.low = spread.low.cwiseMin(points[i]);
+          spread.high = spread.high.cwiseMax(points[i]);
+          if (i > 0) spread.step += (points[i] - points[i - 1]).cwiseAbs();
+        }
+        return spread;
+      },
+      [](const Spread& a, const Spread& b) {
+        return Spread{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.step + b.step};
+      });
+  stop_point();
+  const Vector3d low = all.low;
+  const double extent = (all.high - low).maxCoeff(), count = static_cast<double>(points.size());
   // Coordinates too large for their difference, or all points one: no order to find.
   if (!std::isfinite(extent) || !(extent > 0)) return {};
-  if (!(step.maxCoeff() > kScattered * extent * std::pow(count, 2.0 / 3.0))) return {};
+  if (!(all.step.maxCoeff() > kScattered * extent * std::pow(count, 2.0 / 3.0))) return {};
   std::vector<std::uint64_t> keys(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 4096), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kLookedAt), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       std::uint64_t key = 0;
       for (int k = 0; k < 3; ++k) {
@@ -61,8 +80,10 @@ std::vector<std::uint32_t> coherent_order(std::span<const Vector3d> points) {
   tbb::parallel_sort(keys.begin(), keys.end());
   stop_point();
   std::vector<std::uint32_t> order(points.size());
-  std::transform(keys.begin(), keys.end(), order.begin(),
-                 [](std::uint64_t key) { return static_cast<std::uint32_t>(key); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), kLookedAt), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
+  });
+  stop_point();
   return order;
 }
 
