@@ -2,7 +2,6 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,6 +12,7 @@
 #include <stdexcept>
 
 #include "gpu/backend/backend_choice.hpp"
+#include "gpu/backend/blocks.hpp"
 #include "gpu/backend/stop.hpp"
 #include "gpu/mesh/mesh_distance_opencl.hpp"
 #include "gpu/mesh/mesh_frame.hpp"
@@ -160,14 +160,13 @@ void MeshDistance::Impl::answer_on_host(Points points, const Order& order, std::
 void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Points points,
                                           std::span<Nearest> answers) const {
   device.nearest(points, [&](std::size_t first, std::span<const Nearest> found) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size(), kCopied), [&](const auto& range) {
+    for_each_block(found.size(), kCopied, [&](std::size_t begin, std::size_t end) {
       Memory memory;
-      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      for (std::size_t i = begin; i != end; ++i) {
         answers[first + i] =
             found[i].triangle >= 0 ? found[i] : answer(frame.local(points[first + i]), memory);
       }
     });
-    stop_point();
   });
 }
 
@@ -233,12 +232,9 @@ void MeshDistance::query(std::span<const Vector3d> points, std::span<Nearest> an
   if (answers.size() != points.size())
     throw std::logic_error("MeshDistance::query: spans of different sizes");
   std::atomic<bool> finite = true;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kCopied), [&](const auto& range) {
-    const auto part = points.subspan(range.begin(), range.size());
-    if (!std::all_of(part.begin(), part.end(), [](const Vector3d& p) { return p.allFinite(); }))
-      finite = false;
+  for_each_in_blocks(points.size(), kCopied, [&](std::size_t i) {
+    if (!points[i].allFinite()) finite = false;
   });
-  stop_point();
   if (!finite) throw std::logic_error("MeshDistance::query: a point is not finite");
   std::optional<Order> order;
   if (const auto device = impl_->choose(points, order)) {

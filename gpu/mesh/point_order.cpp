@@ -1,7 +1,6 @@
 #include "gpu/mesh/point_order.hpp"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
@@ -9,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "gpu/backend/blocks.hpp"
 #include "gpu/backend/stop.hpp"
 
 namespace hotblade::gpu {
@@ -66,24 +66,19 @@ std::vector<std::uint32_t> coherent_order(std::span<const Vector3d> points) {
   if (!std::isfinite(extent) || !(extent > 0)) return {};
   if (!(all.step.maxCoeff() > kScattered * extent * std::pow(count, 2.0 / 3.0))) return {};
   std::vector<std::uint64_t> keys(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), kLookedAt), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      std::uint64_t key = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int cell = std::min(kCells - 1, static_cast<int>((points[i][k] - low[k]) / extent * kCells));
-        key |= spread_bits(static_cast<std::uint64_t>(cell)) << k;
-      }
-      keys[i] = key << 32 | i;
+  for_each_in_blocks(points.size(), kLookedAt, [&](std::size_t i) {
+    std::uint64_t key = 0;
+    for (int k = 0; k < 3; ++k) {
+      const int cell = std::min(kCells - 1, static_cast<int>((points[i][k] - low[k]) / extent * kCells));
+      key |= spread_bits(static_cast<std::uint64_t>(cell)) << k;
     }
+    keys[i] = key << 32 | i;
   });
-  stop_point();
   tbb::parallel_sort(keys.begin(), keys.end());
   stop_point();
   std::vector<std::uint32_t> order(points.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, keys.size(), kLookedAt), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i) order[i] = static_cast<std::uint32_t>(keys[i]);
-  });
-  stop_point();
+  for_each_in_blocks(keys.size(), kLookedAt,
+                     [&](std::size_t i) { order[i] = static_cast<std::uint32_t>(keys[i]); });
   return order;
 }
 

@@ -1,9 +1,20 @@
 #include "gpu/backend/opencl_device.hpp"
 
 #include <gtest/gtest.h>
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
+#include <stdexcept>
+#include <thread>
 
+#include "gpu/backend/opencl_portions.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
 #include "tests/gpu/soup.hpp"
 
@@ -102,6 +113,65 @@ Field field(int triangles, int points) {
   return {test::random_soup(rng, triangles, 100, 5), test::random_points(rng, points, 120)};
 }
 
+constexpr const char* kTwiceEach = R"(
+__kernel void twice_each(__global const int* in, __global int* out, const int count) {
+  const int i = (int)get_global_id(0);
+  if (i < count) out[i] = 2 * in[i];
+})";
+
+// Items through a kernel that doubles them, so many that several portions are on their way at once.
+class Doubled {
+ public:
+  explicit Doubled(std::shared_ptr<const OpenClDevice> gpu)
+      : gpu_(std::move(gpu)),
+        kernel_(gpu_->kernel(kTwiceEach, "twice_each")),
+        portions_(*gpu_, sizeof(int), sizeof(int)) {}
+
+  // Returns the answers; throws once more than `most` have come.
+  std::vector<int> run(std::size_t count, std::size_t most) {
+    std::vector<int> out;
+    portions_.run(
+        *gpu_, kernel_, 0, count,
+        [](std::size_t first, std::size_t n, void* into) {
+          for (std::size_t i = 0; i < n; ++i) static_cast<int*>(into)[i] = static_cast<int>(first + i);
+        },
+        [&](std::size_t first, std::size_t n, const void* from) {
+          EXPECT_EQ(first, out.size());
+          const int* const answers = static_cast<const int*>(from);
+          out.insert(out.end(), answers, answers + n);
+          if (out.size() > most) throw std::runtime_error("enough");
+        });
+    return out;
+  }
+
+ private:
+  std::shared_ptr<const OpenClDevice> gpu_;
+  DeviceKernel kernel_;
+  DevicePortions portions_;
+};
+
+void expect_doubled(const std::vector<int>& out, std::size_t count) {
+  ASSERT_EQ(out.size(), count);
+  for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(out[i], 2 * static_cast<int>(i));
+}
+
+TEST(DevicePortions, ComeBackInOrderForEveryNumberOfItems) {
+  if (!device()) GTEST_SKIP() << "no OpenCL device";
+  Doubled doubled(device());
+  for (const std::size_t count : {0, 1, 63, 65537, 5000003, 5}) {
+    expect_doubled(doubled.run(count, count), count);
+  }
+}
+
+TEST(DevicePortions, GoOnAfterARunThatWasThrownOutOf) {
+  if (!device()) GTEST_SKIP() << "no OpenCL device";
+  Doubled doubled(device());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THROW(doubled.run(500000, 100000), std::runtime_error);
+    expect_doubled(doubled.run(300000, 300000), 300000);
+  }
+}
+
 TEST(OpenClDevice, StreamsMorePointsThanItsMemoryHolds) {
   if (!device()) GTEST_SKIP() << "no OpenCL device";
   const MemoryLimit limit("1");
@@ -125,6 +195,58 @@ TEST(OpenClDevice, LeavesAMeshThatItsMemoryDoesNotHoldToTheCpuWithAMessage) {
   EXPECT_EQ(mesh.used().backend, Backend::kCpu);
   EXPECT_NE(mesh.used().reason.find("MiB of device memory (limit 0 MiB)"), std::string::npos)
       << mesh.used().reason;
+}
+
+bool comes_true(const std::atomic<bool>& what) {
+  for (int i = 0; i < 2000 && !what; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return what;
+}
+
+// A query holds its turn at the device while it copies on many threads. Were this one to take up another
+// query while it waits for the last of them, that would wait for itself.
+TEST(DevicePortions, TakeUpNoOtherWorkWhileTheyCopy) {
+  const auto gpu = device();
+  if (!gpu) GTEST_SKIP() << "no OpenCL device";
+  DeviceKernel kernel = gpu->kernel(kTwiceEach, "twice_each");
+  DevicePortions portions(*gpu, sizeof(int), sizeof(int));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 3);
+  std::atomic<bool> copying = false, helped = false;
+  std::atomic<int> taken_up = 0;
+  const auto asker = std::this_thread::get_id();
+  tbb::task_arena(3).execute([&] {
+    tbb::task_group other;
+    other.run([&] {
+      comes_true(copying);
+      tbb::task_group waiting;
+      for (int i = 0; i < 4; ++i) {
+        waiting.run([&] { taken_up += std::this_thread::get_id() == asker ? 1 : 0; });
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      waiting.wait();
+    });
+    portions.run(
+        *gpu, kernel, 0, 1,
+        [&](std::size_t, std::size_t, void* into) {
+          *static_cast<int*>(into) = 1;
+          copying = true;
+          tbb::parallel_for(
+              tbb::blocked_range<int>(0, 2, 1),
+              [&](const auto&) {
+                if (std::this_thread::get_id() == asker) {
+                  comes_true(helped);
+                } else {
+                  helped = true;
+                  std::this_thread::sleep_for(std::chrono::milliseconds(80));
+                }
+              },
+              tbb::simple_partitioner());
+        },
+        [](std::size_t, std::size_t, const void*) {});
+    copying = false;
+    EXPECT_EQ(taken_up, 0);
+    other.wait();
+  });
+  EXPECT_TRUE(helped) << "no thread helped to copy: nothing was tested";
 }
 
 TEST(OpenClDevice, IsADeviceErrorWhenThereIsNone) {
