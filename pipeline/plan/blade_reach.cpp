@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -55,6 +56,9 @@ class Surroundings {
     for (Piece& piece : pieces_) piece.column = column_of(piece.middle.x());
     std::sort(pieces_.begin(), pieces_.end(),
               [](const Piece& a, const Piece& b) { return a.key() < b.key(); });
+    constexpr double kFew = 6;  // in a length that is asked about
+    for (const double half : ladder())
+      if (half > kFew * longest_) few_.emplace(half, spread_pieces(half / kFew));
     std::vector<std::array<int, 3>> edges;  // as triangles without width
     for (const int corner : mesh.border()) {
       const auto& t = triangles[static_cast<std::size_t>(corner) / 3];
@@ -69,23 +73,23 @@ class Surroundings {
   }
 
   // Whether no two samples of the surface, whose spacing is this, are as a and b would have to be: `doubt_mm`
-  // more than these are off P, and within it of their distance from it.
+  // more than these are off P, and within it of their distance from it. Two of the few that are looked at
+  // first are as good as any.
   [[nodiscard]] bool lacks(const Vector3d& p, double half_mm, double spacing_mm, double doubt_mm) const {
     const double k = limits_.curvature_per_mm, t = limits_.tolerance_mm;
-    const double chord = 2 / k * std::sin(0.5 * k * half_mm);
-    std::optional<std::vector<Vector3d>> samples =
-        ring(p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm, spacing_mm);
-    if (!samples) return false;
-    std::vector<Vector3d>& points = *samples;
-    const double allowed = k * half_mm * half_mm + 4 * t + 2 * doubt_mm;
-    const auto by_x = [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); };
-    std::sort(points.begin(), points.end(), by_x);
-    return std::none_of(points.begin(), points.end(), [&](const Vector3d& a) {
-      auto b = std::lower_bound(points.begin(), points.end(), Vector3d(-a.x() - allowed, 0, 0), by_x);
-      for (; b != points.end() && b->x() <= -a.x() + allowed; ++b)
-        if ((a + *b).squaredNorm() <= allowed * allowed) return true;
-      return false;
-    });
+    const double chord = 2 / k * std::sin(0.5 * k * half_mm),
+                 allowed = k * half_mm * half_mm + 4 * t + 2 * doubt_mm;
+    const Ring ring{p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm};
+    if (const auto few = few_.find(half_mm); few != few_.end()) {
+      std::vector<Vector3d> points;
+      visit(few->second, ring, [&](const Piece& piece) {
+        if (ring.holds(piece.middle)) points.push_back(piece.middle - p);
+        return true;
+      });
+      if (has_two(points, allowed)) return false;
+    }
+    std::optional<std::vector<Vector3d>> samples = samples_in(ring, spacing_mm);
+    return samples && !has_two(*samples, allowed);
   }
 
   // By samples that are a small part of what is allowed for anyway apart, with all of their doubt.
@@ -105,17 +109,26 @@ class Surroundings {
   // both sides as `tells` has it; none: infinite.
   [[nodiscard]] double shortest_half_mm(const Vector3d& p, double least_mm,
                                         bool (Surroundings::*tells)(const Vector3d&, double) const) const {
+    const double most = border_mm(p) - 2 * limits_.tolerance_mm;
+    for (const double half : ladder()) {
+      if (!(half < most)) break;
+      if (half >= least_mm && (this->*tells)(p, half)) return half;
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  // Half lengths that are asked about.
+  [[nodiscard]] std::vector<double> ladder() const {
     // Over the root of four of these a circle of the blade's radius rises by two tolerances: nothing is told
     // of much shorter lengths.
     const double unit = std::sqrt(limits_.tolerance_mm / limits_.curvature_per_mm);
     constexpr double kStep = 1.25;
-    const double most = std::min(border_mm(p) - 2 * limits_.tolerance_mm, longest_half_mm(limits_));
-    double half = unit;
-    while (half < most && !(half >= least_mm && (this->*tells)(p, half))) half *= kStep;
-    return half < most ? half : std::numeric_limits<double>::infinity();
+    std::vector<double> halves;
+    for (double half = unit; half < longest_half_mm(limits_); half *= kStep) halves.push_back(half);
+    return halves;
   }
 
- private:
   [[nodiscard]] const Vector3d& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
 
   [[nodiscard]] double border_mm(const Vector3d& p) const {
@@ -123,22 +136,53 @@ class Surroundings {
                    : std::numeric_limits<double>::infinity();
   }
 
-  // Samples of the surface, as seen from p, whose distance from it is between these; no point of the surface
-  // is farther from one than the spacing. None where a facet would take thousands: a design says nothing of
-  // lengths that are small beside its facets.
-  [[nodiscard]] std::optional<std::vector<Vector3d>> ring(const Vector3d& p, double from_mm, double to_mm,
-                                                          double spacing_mm) const {
-    std::vector<Vector3d> points;
-    const double farthest = to_mm + longest_;
-    const long last = column_of(p.x() + farthest);
-    for (long column = column_of(p.x() - farthest); column <= last; ++column) {
-      auto next = std::lower_bound(pieces_.begin(), pieces_.end(), std::pair(column, p.y() - farthest),
+  // What is as far as this from a place.
+  struct Ring {
+    Vector3d place;
+    double from_mm, to_mm;
+    [[nodiscard]] bool holds(const Vector3d& q) const {
+      const double d = (q - place).norm();
+      return d >= from_mm && d <= to_mm;
+    }
+  };
+  struct Piece;
+
+  // Calls each(piece) for all that may have a point in a ring, until that is false; whether it never was.
+  template <typename Each>
+  bool visit(const std::vector<Piece>& pieces, const Ring& ring, const Each& each) const {
+    const double farthest = ring.to_mm + longest_, y = ring.place.y();
+    const long last = column_of(ring.place.x() + farthest);
+    for (long column = column_of(ring.place.x() - farthest); column <= last; ++column) {
+      auto next = std::lower_bound(pieces.begin(), pieces.end(), std::pair(column, y - farthest),
                                    [](const Piece& piece, const auto& key) { return piece.key() < key; });
-      for (; next != pieces_.end() && next->key() <= std::pair(column, p.y() + farthest); ++next) {
-        if (!add_samples(*next, p, from_mm, to_mm, spacing_mm, points)) return std::nullopt;
+      for (; next != pieces.end() && next->key() <= std::pair(column, y + farthest); ++next) {
+        if (!each(*next)) return false;
       }
     }
+    return true;
+  }
+
+  // Samples of the surface in a ring, as seen from its place; no point of the surface there is farther from
+  // one than the spacing. None where a facet would take thousands: a design says nothing of lengths that are
+  // small beside its facets.
+  [[nodiscard]] std::optional<std::vector<Vector3d>> samples_in(const Ring& ring, double spacing_mm) const {
+    std::vector<Vector3d> points;
+    const bool all = visit(pieces_, ring,
+                           [&](const Piece& piece) { return add_samples(piece, ring, spacing_mm, points); });
+    if (!all) return std::nullopt;
     return points;
+  }
+
+  // Whether two of these, as seen from the place, lie opposite each other but for so much.
+  [[nodiscard]] static bool has_two(std::vector<Vector3d>& points, double allowed_mm) {
+    const auto by_x = [](const Vector3d& a, const Vector3d& b) { return a.x() < b.x(); };
+    std::sort(points.begin(), points.end(), by_x);
+    return std::any_of(points.begin(), points.end(), [&](const Vector3d& a) {
+      auto b = std::lower_bound(points.begin(), points.end(), Vector3d(-a.x() - allowed_mm, 0, 0), by_x);
+      for (; b != points.end() && b->x() <= -a.x() + allowed_mm; ++b)
+        if ((a + *b).squaredNorm() <= allowed_mm * allowed_mm) return true;
+      return false;
+    });
   }
 
   struct Piece {
@@ -149,22 +193,33 @@ class Surroundings {
     [[nodiscard]] std::pair<long, double> key() const { return {column, middle.y()}; }
   };
 
+  // One piece in each cell: their middles show most often that a blade may follow so far.
+  [[nodiscard]] std::vector<Piece> spread_pieces(double cell_mm) const {
+    std::set<std::array<long, 3>> taken;
+    std::vector<Piece> spread;
+    for (const Piece& piece : pieces_) {
+      const Vector3d cell = piece.middle / cell_mm;
+      if (taken.insert({std::lround(cell.x()), std::lround(cell.y()), std::lround(cell.z())}).second)
+        spread.push_back(piece);
+    }
+    return spread;
+  }
+
   [[nodiscard]] long column_of(double x) const { return std::lround(x / column_mm_); }
 
   // Those of a piece; whether they are not too many.
-  [[nodiscard]] bool add_samples(const Piece& piece, const Vector3d& p, double from_mm, double to_mm,
-                                 double spacing_mm, std::vector<Vector3d>& points) const {
-    const double off = (piece.middle - p).norm();
-    if (off > to_mm + piece.longest || off < from_mm - piece.longest) return true;
+  [[nodiscard]] bool add_samples(const Piece& piece, const Ring& ring, double spacing_mm,
+                                 std::vector<Vector3d>& points) const {
+    const double off = (piece.middle - ring.place).norm();
+    if (off > ring.to_mm + piece.longest || off < ring.from_mm - piece.longest) return true;
     const Vector3d a = at(piece.corners[0]), b = at(piece.corners[1]) - a, c = at(piece.corners[2]) - a;
     constexpr double kMostParts = 64;  // of an edge
     if (piece.longest > kMostParts * spacing_mm) return false;
     const int parts = std::max(1, static_cast<int>(std::ceil(piece.longest / spacing_mm)));
     for (int i = 0; i <= parts; ++i) {
       for (int j = 0; i + j <= parts; ++j) {
-        const Vector3d q = a + b * i / parts + c * j / parts - p;
-        const double d = q.norm();
-        if (d >= from_mm && d <= to_mm) points.push_back(q);
+        const Vector3d q = a + b * i / parts + c * j / parts;
+        if (ring.holds(q)) points.push_back(q - ring.place);
       }
     }
     return true;
@@ -172,7 +227,8 @@ class Surroundings {
 
   std::span<const Vector3d> vertices_;
   CutLimits limits_;
-  std::vector<Piece> pieces_;  // by their columns
+  std::vector<Piece> pieces_;                   // by their columns
+  std::map<double, std::vector<Piece>> few_{};  // of them, for half lengths that take many
   double longest_ = 0, column_mm_ = 1;
   std::optional<gpu::MeshDistance> border_;
 };

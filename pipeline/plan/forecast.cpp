@@ -228,9 +228,10 @@ void choose_planes(const surface::TriangleMesh& mesh, const std::vector<Curved>&
                    const Settings& settings, Forecast& f) {
   const WasteSurface surface = waste_surface(mesh, 1);
   const std::vector<surface::PlaneFamily> all = sweep_planes(mesh, settings.slice);
+  const std::vector<double> steep = too_steep_shares(surface, all);
   std::vector<std::pair<double, Bending>> tried(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
-    tried[i] = {too_steep_share(surface, all[i]), section_bend(points, all[i], f.blade_radius_mm)};
+    tried[i] = {steep[i], section_bend(points, all[i], f.blade_radius_mm)};
   });
   const auto better = [](const auto& a, const auto& b) {
     constexpr double kSame = 1e-3;  // of the area

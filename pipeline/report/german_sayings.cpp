@@ -155,8 +155,8 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "bei ({:.1f}, {:.1f}, {:.1f}) folgt keine Klinge, die sich bis {:.1f} mm biegt, dem Entwurf {:.0f} mm "
      "weit "
      "nach beiden Seiten, wie sie auch liegt"},
-    {"{} tries came no nearer; that none would is not proved",
-     "{} Versuche kamen nicht näher; dass keiner es könnte, ist nicht bewiesen"},
+    {"tries that failed: {}; that every one would is not proved",
+     "gescheiterte Versuche: {}; dass jeder scheitert, ist nicht bewiesen"},
     {"a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least",
      "ein Schnitt, der dort glatt über die {:.0f} mm breiten Facetten des Entwurfs geht, weicht mindestens "
      "so "

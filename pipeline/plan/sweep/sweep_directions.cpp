@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/direction/fan_axes.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 
@@ -27,18 +28,30 @@ double waste_side(const surface::TriangleMesh& mesh, Keep keep) {
   return (keep == Keep::kBelow) == (up > 0) ? 1 : -1;
 }
 
-double too_steep_share(const WasteSurface& surface, const surface::PlaneFamily& planes) {
-  double steep = 0, all = 0;
+std::vector<double> too_steep_shares(const WasteSurface& surface,
+                                     std::span<const surface::PlaneFamily> planes) {
+  // Of parallel planes the normal, of fans each triangle's own.
+  std::vector<Vector3d> normals;
+  for (const surface::PlaneFamily& p : planes) normals.push_back(p.normal(0));
+  std::vector<double> steep(planes.size(), 0);
+  double all = 0;
+  const double most = std::sin(kMaxSlopeRad);
   for (const auto& t : surface.triangles) {
+    gpu::stop_point();
     const auto at = [&](std::size_t i) -> const Vector3d& {
       return surface.points[static_cast<std::size_t>(t[i])];
     };
     const Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0));
-    const double area = normal.norm(), offset = planes.turns() ? planes.offset(at(0)) : 0;
+    const double area = normal.norm();
     all += area;
-    if (std::abs(normal.dot(planes.normal(offset))) > std::sin(kMaxSlopeRad) * area) steep += area;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+      const double along =
+          normal.dot(planes[i].turns() ? planes[i].normal(planes[i].offset(at(0))) : normals[i]);
+      if (std::abs(along) > most * area) steep[i] += area;
+    }
   }
-  return all > 0 ? steep / all : 1;
+  for (double& share : steep) share = all > 0 ? share / all : 1;
+  return steep;
 }
 
 namespace {
@@ -86,7 +99,9 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
     if (!known) apart.push_back(with_sense(mesh, body, n));
   }
   std::vector<surface::PlaneFamily> planes;
-  for (const Vector3d& n : apart) planes.push_back(surface::parallel_about(mesh, n));
+  // All of them go through one point.
+  const Vector3d centre = surface::area_centre(mesh);
+  for (const Vector3d& n : apart) planes.push_back(surface::PlaneFamily::parallel(n.normalized(), centre));
   for (const surface::FanAxis& axis : fan_axes(mesh, body, long_sides(mesh))) {
     if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
   }

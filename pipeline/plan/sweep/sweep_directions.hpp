@@ -1,6 +1,7 @@
 // The planes that swept plans are tried with, and the side of the design that is waste.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_sections.hpp"
@@ -16,8 +17,9 @@ inline constexpr double kLeastLean = 0.1;
 // nothing about it.
 [[nodiscard]] double waste_side(const surface::TriangleMesh& mesh, Keep keep);
 
-// Share of the area that is too steep for these planes (kMaxSlopeRad).
-[[nodiscard]] double too_steep_share(const WasteSurface& surface, const surface::PlaneFamily& planes);
+// Returns for each of these planes the share of the area that is too steep for them (kMaxSlopeRad).
+[[nodiscard]] std::vector<double> too_steep_shares(const WasteSurface& surface,
+                                                   std::span<const surface::PlaneFamily> planes);
 
 // The planes that the settings ask for, or else parallel ones along the design's borders, the least steep
 // ones, and all over a hemisphere, no two within 3 degrees, in the design's own axes. Throws

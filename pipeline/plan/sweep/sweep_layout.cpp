@@ -99,9 +99,20 @@ SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surfa
       all_planes_(std::move(planes)),
       settings_(settings),
       fitter_(fitter) {
-  std::copy_if(all_planes_.begin(), all_planes_.end(), std::back_inserter(planes_),
-               [&](const surface::PlaneFamily& p) { return too_steep_share(*surface_, p) <= kLittle; });
+  const std::vector<double> steep = too_steep_shares(*surface_, all_planes_);
+  for (std::size_t i = 0; i < all_planes_.size(); ++i)
+    if (steep[i] <= kLittle) planes_.push_back(all_planes_[i]);
   if (planes_.empty()) planes_ = all_planes_;
+  whole_.resize(planes_.size());
+  tbb::parallel_for(std::size_t{0}, planes_.size(), [&](std::size_t i) { whole_[i] = whole_in(planes_[i]); });
+  gpu::stop_point();
+}
+
+SweepLayouts::Whole SweepLayouts::whole_in(const surface::PlaneFamily& planes) const {
+  Whole whole{axes(planes), {}, {}};
+  whole.box = extent_of(whole.axes);
+  whole.least = least_grid(whole.box);
+  return whole;
 }
 
 RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
@@ -129,15 +140,15 @@ SweepGrid SweepLayouts::least_grid(const Box& extent) const {
 
 std::size_t SweepLayouts::fewest_parts() const {
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  for (const surface::PlaneFamily& p : planes_)
-    fewest = std::min(fewest, least_grid(extent_of(axes(p))).count());
+  for (const Whole& whole : whole_) fewest = std::min(fewest, whole.least.count());
   return fewest;
 }
 
-SweepPart SweepLayouts::part_behind(const RibAxes& axes, std::vector<SweepSeam> seams) const {
-  SweepPart part{axes, std::move(seams), surface_, 0};
+SweepPart SweepLayouts::part_behind(const RibAxes& axes, std::vector<SweepSeam> seams,
+                                    const std::shared_ptr<const WasteSurface>& within) const {
+  SweepPart part{axes, std::move(seams), within, 0};
   if (!part.seams.empty())
-    part.surface = std::make_shared<WasteSurface>(part_of(*surface_, part.seams, kReachMm));
+    part.surface = std::make_shared<WasteSurface>(part_of(*within, part.seams, kReachMm));
   return part;
 }
 
@@ -150,27 +161,27 @@ bool SweepLayouts::meets_design(const SweepPart& part) const {
   return std::any_of(points.begin(), points.end(), inside) || !fitter_.measured(part).extent.isEmpty();
 }
 
-std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes,
-                                              const SweepGrid& grid) const {
-  const RibAxes whole = axes(planes);
-  const Box box = extent_of(whole);
-  const SweepGrid least = least_grid(box);
+std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGrid& grid) const {
+  const RibAxes& axes = whole.axes;
+  const Box& box = whole.box;
   const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep)),
                             across = cuts(box.min().y(), box.max().y(), even_shares(grid.along_ribs));
   std::vector<SweepPart> parts;
   for (std::size_t s = 0; s < grid.along_sweep; ++s) {
+    std::vector<SweepSeam> ends;
+    if (s > 0) ends.push_back(seam_across_sweep(axes, along[s - 1], -1));
+    if (s < along.size()) ends.push_back(seam_across_sweep(axes, along[s], 1));
+    const SweepPart row = part_behind(axes, std::move(ends), surface_);
     for (std::size_t r = 0; r < grid.along_ribs; ++r) {
-      std::vector<SweepSeam> seams;
-      if (s > 0) seams.push_back(seam_across_sweep(whole, along[s - 1], -1));
-      if (s < along.size()) seams.push_back(seam_across_sweep(whole, along[s], 1));
-      if (r > 0) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r - 1], -1));
-      if (r < across.size()) seams.push_back(seam_across_ribs(whole, box.center().x(), across[r], 1));
-      SweepPart part = part_behind(whole, std::move(seams));
+      std::vector<SweepSeam> seams = row.seams;
+      if (r > 0) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r - 1], -1));
+      if (r < across.size()) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r], 1));
+      SweepPart part = grid.along_ribs > 1 ? part_behind(axes, std::move(seams), row.surface) : row;
       // A triangle's grid has cells without design.
       if (grid.count() > 1 && !meets_design(part)) continue;
       parts.push_back(std::move(part));
       parts.back().rib_splits =
-          static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, least.along_ribs));
+          static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, whole.least.along_ribs));
     }
   }
   return parts;
@@ -178,8 +189,13 @@ std::vector<SweepPart> SweepLayouts::parts_of(const surface::PlaneFamily& planes
 
 Layout SweepLayouts::fitted(const surface::PlaneFamily& planes, std::size_t named, const SweepGrid& grid,
                             const SweepEffort& effort, const Layout* start) const {
-  Layout layout{planes, named, grid};
-  layout.parts = parts_of(planes, grid);
+  return fitted(whole_in(planes), named, grid, effort, start);
+}
+
+Layout SweepLayouts::fitted(const Whole& whole, std::size_t named, const SweepGrid& grid,
+                            const SweepEffort& effort, const Layout* start) const {
+  Layout layout{whole.axes.planes, named, grid};
+  layout.parts = parts_of(whole, grid);
   fit_parts(layout, effort, start);
   return layout;
 }
@@ -230,7 +246,7 @@ Layout SweepLayouts::in_rows() const {
   constexpr std::size_t kLaid = 6;
   if (estimated.size() > kLaid) estimated.resize(kLaid);
   std::vector<Rows> laid;
-  for (const auto& [blocks, i] : estimated) laid.push_back(even_rows(planes_[i]));
+  for (const auto& [blocks, i] : estimated) laid.push_back(even_rows(whole_[i]));
   std::stable_sort(laid.begin(), laid.end(), [](const Rows& a, const Rows& b) { return a.needs < b.needs; });
   const Rows* best = nullptr;
   for (Rows& rows : laid) {
@@ -251,9 +267,8 @@ Layout SweepLayouts::in_rows() const {
   return layout;
 }
 
-SweepLayouts::Rows SweepLayouts::even_rows(const surface::PlaneFamily& planes) const {
-  Rows rows{axes(planes), {}, {}, {}, {}};
-  rows.box = extent_of(rows.axes);
+SweepLayouts::Rows SweepLayouts::even_rows(const Whole& whole) const {
+  Rows rows{whole.axes, whole.box, {}, {}, {}};
   const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm;
   lay(rows, even_shares(static_cast<std::size_t>(std::ceil(rows.box.sizes().x() / deepest))));
   return rows;
@@ -310,7 +325,7 @@ std::vector<std::vector<FittedPart>> SweepLayouts::rows_of(const RibAxes& axes, 
     std::vector<SweepSeam> ends;
     if (row > 0) ends.push_back(seam_across_sweep(axes, along[row - 1], -1));
     if (row < along.size()) ends.push_back(seam_across_sweep(axes, along[row], 1));
-    rows[row] = row_of(part_behind(axes, ends), most_mm);
+    rows[row] = row_of(part_behind(axes, ends, surface_), most_mm);
   });
   gpu::stop_point();
   return rows;
@@ -328,7 +343,7 @@ std::vector<FittedPart> SweepLayouts::row_of(const SweepPart& row, double most_m
       std::vector<SweepSeam> seams = row.seams;
       if (std::isfinite(from)) seams.push_back(seam_across_ribs(row.axes, 0, from, -1));
       if (std::isfinite(to)) seams.push_back(seam_across_ribs(row.axes, 0, to, 1));
-      SweepPart part = part_behind(row.axes, std::move(seams));
+      SweepPart part = part_behind(row.axes, std::move(seams), row.surface);
       part.axes = sweep_axes(*part.surface, row.axes.planes);
       PartFit fit = fitter_.measured(part);
       worst = std::max(worst, excess_of(fit));
@@ -405,7 +420,7 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
   std::vector<Asked> asked;
   std::size_t named = 0;
   for (std::size_t n = 0; n < planes_.size(); ++n) {
-    const SweepGrid least = least_grid(extent_of(axes(planes_[n])));
+    const SweepGrid& least = whole_[n].least;
     for (std::size_t s = 1; s <= parts; ++s) {
       if (parts % s != 0) continue;
       const SweepGrid grid{s, parts / s};
@@ -427,7 +442,7 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
   std::vector<Layout> all(asked.size());
   tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
     if (asked[i].fitted)
-      all[i] = fitted(planes_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort());
+      all[i] = fitted(whole_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort(), nullptr);
   });
   gpu::stop_point();
   for (std::size_t i = 0; i < asked.size(); ++i) {
@@ -445,10 +460,11 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
 }
 
 FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
-  for (const surface::PlaneFamily& planes : all_planes_) {
-    if (too_steep_share(*best.part.surface, planes) > kLittle) continue;
+  const std::vector<double> steep = too_steep_shares(*best.part.surface, all_planes_);
+  for (std::size_t i = 0; i < all_planes_.size(); ++i) {
+    if (steep[i] > kLittle) continue;
     SweepPart part = best.part;
-    part.axes = sweep_axes(*part.surface, planes);
+    part.axes = sweep_axes(*part.surface, all_planes_[i]);
     PartFit fit = fitter_.fit(part, cheap_effort());
     if (fit.cost_mm < best.fit.cost_mm) best = {std::move(part), std::move(fit)};
   }
@@ -471,7 +487,7 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
       std::vector<SweepSeam> seams = part.seams;
       seams.push_back(across_ribs ? seam_across_ribs(part.axes, box.center().x(), at.y(), side)
                                   : seam_across_sweep(part.axes, at.x(), side));
-      SweepPart half = part_behind(part.axes, std::move(seams));
+      SweepPart half = part_behind(part.axes, std::move(seams), part.surface);
       half.rib_splits = part.rib_splits + (across_ribs && !too_large ? 1 : 0);
       if (fit.turn_rad > kSharedTurn_rad) half.axes = sweep_axes(*half.surface, part.axes.planes);
       PartFit fitted = fitter_.fit(half, cheap_effort());

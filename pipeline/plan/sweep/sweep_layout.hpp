@@ -87,8 +87,16 @@ class SweepLayouts {
   [[nodiscard]] SweepGrid least_grid(const Eigen::AlignedBox<double, 2>& extent) const;
   // Whether any of the design lies behind the part's seams.
   [[nodiscard]] bool meets_design(const SweepPart& part) const;
-  [[nodiscard]] std::vector<SweepPart> parts_of(const surface::PlaneFamily& planes,
-                                                const SweepGrid& grid) const;
+  // The whole design in one family of planes.
+  struct Whole {
+    RibAxes axes;
+    Eigen::AlignedBox<double, 2> box;
+    SweepGrid least;  // of what blocks and blades hold
+  };
+  [[nodiscard]] Whole whole_in(const surface::PlaneFamily& planes) const;
+  [[nodiscard]] std::vector<SweepPart> parts_of(const Whole& whole, const SweepGrid& grid) const;
+  [[nodiscard]] Layout fitted(const Whole& whole, std::size_t named, const SweepGrid& grid,
+                              const SweepEffort& effort, const Layout* start) const;
   [[nodiscard]] double blocks_in(const surface::PlaneFamily& planes) const;
   // Rows of blocks in one family of planes, their parts measured only.
   struct Rows {
@@ -101,7 +109,7 @@ class SweepLayouts {
     [[nodiscard]] double worst() const { return *std::max_element(over.begin(), over.end()); }
   };
   // As deep as blocks are, all alike.
-  [[nodiscard]] Rows even_rows(const surface::PlaneFamily& planes) const;
+  [[nodiscard]] Rows even_rows(const Whole& whole) const;
   // Rows of other depths where parts are too large for a block.
   void fit_rows(Rows& rows) const;
   void lay(Rows& rows, std::vector<double> shares) const;
@@ -115,12 +123,15 @@ class SweepLayouts {
   [[nodiscard]] std::vector<std::pair<double, double>> pieces_of(const SweepPart& row, double most_mm,
                                                                  std::size_t more) const;
   [[nodiscard]] FittedPart in_best_planes(FittedPart part) const;
-  [[nodiscard]] SweepPart part_behind(const RibAxes& axes, std::vector<SweepSeam> seams) const;
+  // What of a surface lies behind these seams, which are those that it lies behind already and more.
+  [[nodiscard]] SweepPart part_behind(const RibAxes& axes, std::vector<SweepSeam> seams,
+                                      const std::shared_ptr<const WasteSurface>& within) const;
   void fit_parts(Layout& layout, const SweepEffort& effort, const Layout* start) const;
 
   const surface::TriangleMesh& mesh_;
   std::shared_ptr<const WasteSurface> surface_;
   std::vector<surface::PlaneFamily> all_planes_, planes_;
+  std::vector<Whole> whole_;  // in each of planes_
   const Settings& settings_;
   const PartFitter& fitter_;
 };

@@ -3,9 +3,12 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
@@ -73,6 +76,33 @@ MovedVertex between(const MovedVertex& a, const MovedVertex& b, double t) {
 double behind(const SweepSeam& seam, const Vector3d& p) {
   return seam.at_mm - seam.normal.dot(p);
 }
+
+// For every vertex the seams that it lies behind, or before by no more than `reach_mm`: a bit each.
+class BehindSeams {
+ public:
+  template <typename At>
+  BehindSeams(const std::vector<SweepSeam>& seams, std::size_t vertices, double reach_mm, const At& at)
+      : all_((std::uint64_t{1} << seams.size()) - 1), of_(vertices, 0) {
+    // Each is of a split of its own, and no part is split so often.
+    constexpr std::size_t kMost = 63;
+    if (seams.size() > kMost) throw std::logic_error("BehindSeams: more seams than bits");
+    for (std::size_t i = 0; i < vertices; ++i) {
+      for (std::size_t k = 0; k < seams.size(); ++k)
+        of_[i] |= static_cast<std::uint64_t>(behind(seams[k], at(i)) >= -reach_mm) << k;
+    }
+  }
+
+  [[nodiscard]] bool all(int v) const { return of_[static_cast<std::size_t>(v)] == all_; }
+  // Whether a part of a triangle may lie behind all of them.
+  [[nodiscard]] bool in_reach(const std::array<int, 3>& t) const {
+    return (of_[static_cast<std::size_t>(t[0])] | of_[static_cast<std::size_t>(t[1])] |
+            of_[static_cast<std::size_t>(t[2])]) == all_;
+  }
+
+ private:
+  std::uint64_t all_;
+  std::vector<std::uint64_t> of_;
+};
 
 std::vector<double> section_offsets(double first, double last, int count) {
   std::vector<double> offsets;
@@ -186,6 +216,8 @@ class Slicer {
       vertices_.push_back(moved(surface.points[i], surface.normals[i], axes, options));
     }
     data_.axes = axes;
+    behind_.emplace(options_.seams, vertices_.size(), 0,
+                    [&](std::size_t i) -> const Vector3d& { return vertices_[i].world; });
   }
 
   SweepData run() {
@@ -199,7 +231,7 @@ class Slicer {
     runs_.resize(options_.gap_mm ? offsets_.size() : 0);
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       gpu::stop_point();
-      if (in_reach(t)) cut(t);
+      if (behind_->in_reach(surface_.triangles[t])) cut(t);
     }
     for (std::size_t k = 0; k < offsets_.size(); ++k) {
       std::vector<SweepSample> samples = thinned_[k].samples();
@@ -244,7 +276,7 @@ class Slicer {
     if (surface_.corners.size() > kMostCorners) return;
     for (const int corner : surface_.corners) {
       const MovedVertex& v = vertices_[static_cast<std::size_t>(corner)];
-      if (!inside(v.world)) continue;
+      if (!behind_->all(corner)) continue;
       for (const double offset : {v.at.z() - kBesideMm, v.at.z() + kBesideMm}) add(offset);
     }
   }
@@ -256,18 +288,8 @@ class Slicer {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     for (const int i : points) {
       const MovedVertex& v = vertices_[static_cast<std::size_t>(i)];
-      if (inside(v.world)) data_.border.emplace_back(v.at.z(), v.at.head<2>());
+      if (behind_->all(i)) data_.border.emplace_back(v.at.z(), v.at.head<2>());
     }
-  }
-
-  // Whether a part of it may lie behind all seams; cut() drops the points before them.
-  [[nodiscard]] bool in_reach(std::size_t t) const {
-    const auto& corners = surface_.triangles[t];
-    return std::all_of(options_.seams.begin(), options_.seams.end(), [&](const SweepSeam& seam) {
-      return std::any_of(corners.begin(), corners.end(), [&](int c) {
-        return behind(seam, vertices_[static_cast<std::size_t>(c)].world) >= 0;
-      });
-    });
   }
 
   // What of a triangle lies behind all seams.
@@ -294,16 +316,14 @@ class Slicer {
     data_.last_mm = -kInf;
     data_.low.setConstant(kInf);
     data_.high.setConstant(-kInf);
-    std::vector<bool> inside_of(vertices_.size()), seen(vertices_.size(), false);
-    for (std::size_t i = 0; i < vertices_.size(); ++i) inside_of[i] = inside(vertices_[i].world);
+    std::vector<bool> seen(vertices_.size(), false);
     std::vector<Vector3d> own;
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       gpu::stop_point();
-      if (!in_reach(t)) continue;
       const auto& corners = surface_.triangles[t];
-      const bool whole = !axes_.planes.closed() && std::all_of(corners.begin(), corners.end(), [&](int c) {
-        return inside_of[static_cast<std::size_t>(c)];
-      });
+      if (!behind_->in_reach(corners)) continue;
+      const bool whole = !axes_.planes.closed() &&
+                         std::all_of(corners.begin(), corners.end(), [&](int c) { return behind_->all(c); });
       if (!whole) {
         for (const MovedVertex& v : clipped(t)) extend(v, own);
         continue;
@@ -364,12 +384,21 @@ class Slicer {
   }
 
   void cut(std::size_t t) {
+    if (!options_.gap_mm && !axes_.planes.turns() && between_sections(surface_.triangles[t])) return;
     const Triangle corners = triangle(t);
     const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
     if (options_.gap_mm) add_edges(corners, low, high);
     const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low);
     for (auto at = from; at != offsets_.end() && *at < high; ++at)
       cut(corners, surface_.triangles[t], static_cast<std::size_t>(at - offsets_.begin()));
+  }
+
+  // Whether no section meets a triangle.
+  [[nodiscard]] bool between_sections(const std::array<int, 3>& t) const {
+    const auto offset = [&](std::size_t c) { return vertices_[static_cast<std::size_t>(t[c])].at.z(); };
+    const auto [low, high] = std::minmax({offset(0), offset(1), offset(2)});
+    const auto next = std::lower_bound(offsets_.begin(), offsets_.end(), low);
+    return next == offsets_.end() || *next >= high;
   }
 
   // Edges that run along a section's plane, nearer to it than a gap is wide, are no gap: rounding and the
@@ -462,6 +491,7 @@ class Slicer {
   const RibAxes& axes_;
   SweepSectionOptions options_;
   std::vector<MovedVertex> vertices_;
+  std::optional<BehindSeams> behind_;  // of these, as the blade passes them
   std::vector<double> offsets_;
   std::vector<Thinned> thinned_;
   std::vector<std::vector<std::pair<double, double>>>
@@ -512,14 +542,11 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
     part.normals.push_back(surface.normals[static_cast<std::size_t>(v)]);
     return i;
   };
+  const BehindSeams near(seams, surface.points.size(), reach_mm,
+                         [&](std::size_t i) -> const Vector3d& { return surface.points[i]; });
   for (const auto& t : surface.triangles) {
     gpu::stop_point();
-    const bool near = std::all_of(seams.begin(), seams.end(), [&](const SweepSeam& seam) {
-      return std::any_of(t.begin(), t.end(), [&](int v) {
-        return behind(seam, surface.points[static_cast<std::size_t>(v)]) >= -reach_mm;
-      });
-    });
-    if (near) part.triangles.push_back({taken(t[0]), taken(t[1]), taken(t[2])});
+    if (near.in_reach(t)) part.triangles.push_back({taken(t[0]), taken(t[1]), taken(t[2])});
   }
   const auto at = [&](int v) { return index[static_cast<std::size_t>(v)]; };
   for (const auto& [a, b] : surface.border) {
