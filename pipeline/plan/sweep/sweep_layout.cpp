@@ -3,6 +3,8 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/section_beziers.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
+#include "pipeline/plan/sweep/sweep_few.hpp"
+#include "robot/blade/blade_section.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -91,11 +93,22 @@ bool layout_before(const Layout& a, const Layout& b) {
   return std::pair(a.cost_mm, a.named) < std::pair(b.cost_mm, b.named);
 }
 
+namespace {
+
+std::shared_ptr<const WasteSurface> with_few(WasteSurface surface, const surface::TriangleMesh& mesh,
+                                             const Settings& settings) {
+  const double least_radius_mm = 1 / max_curvature_per_mm(settings.blade);
+  surface.few = few_of(surface, mesh, cell_for(least_radius_mm, settings.design.tolerance_mm));
+  return std::make_shared<WasteSurface>(std::move(surface));
+}
+
+}  // namespace
+
 SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surface,
                            std::vector<surface::PlaneFamily> planes, const Settings& settings,
                            const PartFitter& fitter)
     : mesh_(mesh),
-      surface_(std::make_shared<WasteSurface>(std::move(surface))),
+      surface_(with_few(std::move(surface), mesh, settings)),
       all_planes_(std::move(planes)),
       settings_(settings),
       fitter_(fitter) {

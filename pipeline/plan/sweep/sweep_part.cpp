@@ -51,7 +51,7 @@ Vector3d stock_for(const SweepData& data, const StockSettings& stock) {
 }  // namespace
 
 SweepEffort cheap_effort() {
-  return {5, 10, 45, {2, 8}, 15};
+  return {5, 10, 45, {2, 8}, 15, 1, false, {}, true};
 }
 
 SweepEffort close_effort() {
@@ -148,9 +148,11 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
 
 SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effort,
                                   const SweepSag* sag) const {
-  return sweep_sections(
-      *part.surface, part.axes,
-      section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag, part.bands.get()));
+  const SweepSectionOptions options =
+      section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag, part.bands.get());
+  // A gap may be narrower than the few are apart.
+  const bool of_few = effort.of_few && part.surface->few && !options.gap_mm;
+  return sweep_sections(of_few ? *part.surface->few : *part.surface, part.axes, options);
 }
 
 PartFit PartFitter::measured(const SweepData& data) const {

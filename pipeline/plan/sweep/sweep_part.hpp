@@ -42,6 +42,7 @@ struct SweepEffort {
   double calm = 1;
   bool turn_planes = false;  // SweepFitOptions
   Steadying steadying{};
+  bool of_few = false;  // of a dense design
 };
 
 [[nodiscard]] SweepEffort cheap_effort();

@@ -557,6 +557,7 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
     if (at(corner) >= 0) part.corners.push_back(at(corner));
   }
   std::sort(part.corners.begin(), part.corners.end());
+  if (surface.few) part.few = std::make_shared<WasteSurface>(part_of(*surface.few, seams, reach_mm));
   return part;
 }
 

@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -27,8 +28,9 @@ namespace hotblade::pipeline {
 struct WasteSurface {
   std::vector<Eigen::Vector3d> points, normals;
   std::vector<std::array<int, 3>> triangles;
-  std::vector<std::pair<int, int>> border;  // edges of one face, the smaller index first; ascending
-  std::vector<int> corners;                 // vertices at which the border turns sharply; ascending
+  std::vector<std::pair<int, int>> border;            // edges of one face, the smaller index first; ascending
+  std::vector<int> corners;                           // vertices at which the border turns sharply; ascending
+  std::shared_ptr<const WasteSurface> few = nullptr;  // for first looks at a dense design (sweep_few.hpp)
 };
 
 // Normals are the faces', weighted by their angles at the vertex. `side` is +1 where the waste lies on the
