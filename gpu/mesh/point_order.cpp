@@ -1,7 +1,5 @@
 #include "gpu/mesh/point_order.hpp"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -29,7 +27,7 @@ constexpr std::size_t kLookedAt = 4096;
 
 // The box of points, and the sums of their steps along each axis.
 struct Spread {
-  Vector3d low, high;
+  Vector3d low{0, 0, 0}, high{0, 0, 0};
   Vector3d step{0, 0, 0};
 };
 
@@ -46,20 +44,19 @@ std::uint64_t spread_bits(std::uint64_t v) {
 
 std::vector<std::uint32_t> coherent_order(std::span<const Vector3d> points) {
   if (points.size() < kSmall || points.size() > std::numeric_limits<std::uint32_t>::max()) return {};
-  const Spread all = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, points.size(), kLookedAt), Spread{points[0], points[0]},
-      [&](const auto& range, Spread spread) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-          spread.low = spread.low.cwiseMin(points[i]);
-          spread.high = spread.high.cwiseMax(points[i]);
-          if (i > 0) spread.step += (points[i] - points[i - 1]).cwiseAbs();
-        }
-        return spread;
-      },
-      [](const Spread& a, const Spread& b) {
-        return Spread{a.low.cwiseMin(b.low), a.high.cwiseMax(b.high), a.step + b.step};
-      });
-  stop_point();
+  std::vector<Spread> parts((points.size() + kLookedAt - 1) / kLookedAt);
+  for_each_block(points.size(), kLookedAt, [&](std::size_t first, std::size_t end) {
+    Spread& part = parts[first / kLookedAt];
+    part = {points[first], points[first]};
+    for (std::size_t i = first; i < end; ++i) {
+      part.low = part.low.cwiseMin(points[i]);
+      part.high = part.high.cwiseMax(points[i]);
+      if (i > 0) part.step += (points[i] - points[i - 1]).cwiseAbs();
+    }
+  });
+  Spread all = parts.front();
+  for (const Spread& part : std::span(parts).subspan(1))
+    all = {all.low.cwiseMin(part.low), all.high.cwiseMax(part.high), all.step + part.step};
   const Vector3d low = all.low;
   const double extent = (all.high - low).maxCoeff(), count = static_cast<double>(points.size());
   // Coordinates too large for their difference, or all points one: no order to find.
