@@ -125,7 +125,11 @@ class Surroundings {
     const double unit = std::sqrt(limits_.tolerance_mm / limits_.curvature_per_mm);
     constexpr double kStep = 1.25;
     std::vector<double> halves;
-    for (double half = unit; half < longest_half_mm(limits_); half *= kStep) halves.push_back(half);
+    double half = unit;
+    while (half < longest_half_mm(limits_)) {
+      halves.push_back(half);
+      half *= kStep;
+    }
     return halves;
   }
 

@@ -72,7 +72,7 @@ void mesh_whole(benchmark::State& state, Backend backend) {
   const auto& points = points_of(state.range(1), state.range(2)).points;
   std::vector<gpu::Nearest> answers(points.size());
   mesh.query(points, answers);  // starts the device
-  for (auto _ : state) mesh.query(points, answers);
+  for ([[maybe_unused]] auto _ : state) mesh.query(points, answers);
   if (mesh.used().backend != backend) state.SkipWithError(mesh.used().reason.c_str());
   count_items(state, points.size());
 }
@@ -87,7 +87,7 @@ void mesh_embree(benchmark::State& state) {
   const std::unique_ptr<Peer> mesh = embree_from_last(mesh_of(state.range(0)));
   const auto& points = points_of(state.range(1), state.range(2)).plain;
   std::vector<double> distances;
-  for (auto _ : state) mesh->query(points, distances);
+  for ([[maybe_unused]] auto _ : state) mesh->query(points, distances);
   count_items(state, points.size());
 }
 
@@ -100,7 +100,7 @@ void mesh_search(benchmark::State& state) {
   const auto& points = points_of(state.range(1), state.range(2)).points;
   const auto ask = [&] { search.nearest(points, [](std::size_t, std::span<const gpu::Nearest>) {}); };
   ask();  // portions grow to their size
-  for (auto _ : state) ask();
+  for ([[maybe_unused]] auto _ : state) ask();
   count_items(state, points.size());
 }
 
@@ -110,7 +110,7 @@ void copies(benchmark::State& state) {
   const auto bytes = static_cast<std::size_t>(state.range(0)) << 20;
   std::vector<char> data(bytes, 1);
   const gpu::DeviceBuffer buffer = device->upload(data.data(), bytes);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     if (state.range(1) == 0) {
       device->write(buffer, data.data(), bytes);
     } else {
@@ -129,7 +129,7 @@ void to_curve(benchmark::State& state, const gpu::CurveDistance& curve, Backend 
   for (double& a : x) a = u(random);
   for (double& a : y) a = v(random);
   (void)curve.query(x, y, distance, t);
-  for (auto _ : state) curve.query(x, y, distance, t);
+  for ([[maybe_unused]] auto _ : state) curve.query(x, y, distance, t);
   if (curve.used().backend != backend) state.SkipWithError(curve.used().reason.c_str());
   count_items(state, count);
 }
@@ -161,7 +161,7 @@ void residuals(benchmark::State& state) {
   std::vector<gpu::ResidualStatus> status(curves.size());
   const gpu::LambdaResiduals lambda(kBackend);
   lambda.query(curves, e, status);
-  for (auto _ : state) lambda.query(curves, e, status);
+  for ([[maybe_unused]] auto _ : state) lambda.query(curves, e, status);
   if (lambda.used().backend != kBackend) state.SkipWithError(lambda.used().reason.c_str());
   count_items(state, curves.size());
 }
@@ -190,7 +190,7 @@ void pairs(benchmark::State& state) {
   const gpu::PairDistances distances(kBackend);
   std::vector<gpu::PairDistance> out(count);
   (void)distances.query(asked, ribs, 0.1, out);
-  for (auto _ : state) distances.query(asked, ribs, 0.1, out);
+  for ([[maybe_unused]] auto _ : state) distances.query(asked, ribs, 0.1, out);
   if (distances.used().backend != kBackend) state.SkipWithError(distances.used().reason.c_str());
   count_items(state, count);
 }

@@ -158,7 +158,8 @@ void expect_doubled(const std::vector<int>& out, std::size_t count) {
 TEST(DevicePortions, ComeBackInOrderForEveryNumberOfItems) {
   if (!device()) GTEST_SKIP() << "no OpenCL device";
   Doubled doubled(device());
-  for (const std::size_t count : {0, 1, 63, 65537, 5000003, 5}) {
+  for (const int items : {0, 1, 63, 65537, 5000003, 5}) {
+    const auto count = static_cast<std::size_t>(items);
     expect_doubled(doubled.run(count, count), count);
   }
 }
