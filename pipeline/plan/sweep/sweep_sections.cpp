@@ -82,10 +82,11 @@ class BehindSeams {
  public:
   template <typename At>
   BehindSeams(const std::vector<SweepSeam>& seams, std::size_t vertices, double reach_mm, const At& at)
-      : all_((std::uint64_t{1} << seams.size()) - 1), of_(vertices, 0) {
+      : of_(vertices, 0) {
     // Each is of a split of its own, and no part is split so often.
     constexpr std::size_t kMost = 63;
     if (seams.size() > kMost) throw std::logic_error("BehindSeams: more seams than bits");
+    all_ = (std::uint64_t{1} << seams.size()) - 1;
     for (std::size_t i = 0; i < vertices; ++i) {
       for (std::size_t k = 0; k < seams.size(); ++k)
         of_[i] |= static_cast<std::uint64_t>(behind(seams[k], at(i)) >= -reach_mm) << k;
@@ -100,7 +101,7 @@ class BehindSeams {
   }
 
  private:
-  std::uint64_t all_;
+  std::uint64_t all_ = 0;
   std::vector<std::uint64_t> of_;
 };
 
