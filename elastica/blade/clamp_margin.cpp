@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "elastica/blade/end_map.hpp"
+#include "elastica/blade/fold_table.hpp"
 #include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
@@ -21,19 +23,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-// Everything below is for a blade of length 1. Unknowns q = (turn of clamp A, kappa, lambda1, lambda2 over
-// kForce), the last three in A's axes; a change by one of any bends the blade by about as much.
-constexpr double kForce = 5;
-
-Elastica unit_blade(const Vector4d& q) {
-  return {0, 0, 0, q[1], kForce * q[2], kForce * q[3], 1};
-}
-
-Vector4d fold_unknowns(const Elastica& e) {
-  const Vector2d force = force_along(e, e.theta) * (e.length * e.length / kForce);
-  return {0, e.kappa * e.length, force.x(), force.y()};
-}
-
+// Everything below is for a blade of length 1. Unknowns q = (turn of clamp A, size, phase, force), the last
+// three those of PressedBlade.
 Vector2d turned(double angle, const Vector2d& v) {
   const double c = std::cos(angle), s = std::sin(angle);
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
@@ -42,8 +33,25 @@ Vector2d turned(double angle, const Vector2d& v) {
 // Either clamp bears half of a change of the chord: its share of the squares is 1/2.
 constexpr double kHalf = std::numbers::sqrt2 / 2;
 
-// 1 - chord^2 of a blade that is a line but for rounding.
-constexpr double kLeastSlack = 1e-12;
+// Sizes below which a shape is the straight blade, which is looked at by itself.
+constexpr double kStraightSize = 1e-5;
+
+PressedBlade pressed(const Vector4d& q) {
+  return {q[1], q[2], q[3]};
+}
+
+// How much a change by one of each unknown is made for: about as much bending.
+Vector4d units_at(const Vector4d& q) {
+  return {1, 1, 1 / std::max(kStraightSize, std::abs(q[1])), kBendRate * kBendRate};
+}
+
+// (turn, kappa, force in A's axes) as numbers a change of which by one bends about as much: shapes are
+// compared by them.
+Vector4d bending(const Vector4d& q) {
+  constexpr double kForce = 5;
+  const Elastica e = pressed(q).elastica();
+  return {q[0], e.kappa, e.lambda1 / kForce, e.lambda2 / kForce};
+}
 
 // What the unknowns make of the blade.
 struct Place {
@@ -51,26 +59,17 @@ struct Place {
   // The clamps' error as four numbers whose norm is its size: change of the chord, turns of A and B.
   Vector4d error = Vector4d::Zero();
   Matrix4d slope = Matrix4d::Zero();  // d error / d q
-  // Vanishes at folds: determinant of the end fields, over what it loses where the blade becomes a line and
-  // its end cannot move along it.
-  double fold = 0;
-  JacobiFields end;  // with A's tangent along x
+  double fold = 0;                    // fold_value()
+  JacobiFields end;                   // with A's tangent along x
   [[nodiscard]] double squared() const { return error.squaredNorm(); }
 };
 
-// Slopes of distance and fold along the unknowns.
+// Of distance and fold at a place, by units of the unknowns there.
 struct Slopes {
   Vector4d distance = Vector4d::Zero();  // of half the squared error
   Vector4d fold = Vector4d::Zero();
   Matrix4d bend = Matrix4d::Zero();  // second derivatives of half the squared error
 };
-
-FollowOptions search_walk(double smallest_step) {
-  FollowOptions options;
-  options.smallest_step = smallest_step;
-  options.exactness = Exactness::kSearch;
-  return options;
-}
 
 class FoldSearch {
  public:
@@ -78,57 +77,17 @@ class FoldSearch {
       : e_(e),
         weight_(options.mm_per_rad > 0 ? options.mm_per_rad / e.length : 0.5),
         largest_(options.largest_mm / e.length) {
-    const JacobiFields end = end_map(unit_blade(fold_unknowns(e)), Exactness::kSearch);
+    const PressedBlade blade = PressedBlade::of(e);
+    const JacobiFields end = end_map(blade.elastica(), Exactness::kSearch);
     held_ = {e, end.index, 0, end};
     clamps_ = clamps_of(e);
     chord_ = end.point.position();
     turn_ = end.point.theta;
-    home_ = placed(fold_unknowns(e), end);
+    stable_sign_ = end.fields.determinant() < 0 ? -1 : 1;
     // Of a shallow blade curvatures and forces square to its chord are as small as the root of what the chord
     // lacks.
     constexpr double kSame = 0.02;
     same_ = kSame * std::min(1.0, 2 * std::numbers::pi * std::sqrt(std::max(0.0, 1 - chord_.norm())));
-  }
-
-  // Leads the clamps straight in a direction of errors and starts the descent where, of some places on the
-  // way, the fold's value is smallest: at a fold met, or beside one.
-  void look_along(const Vector4d& direction) {
-    if (!direction.allFinite() || !(direction.norm() > 0)) return;
-    constexpr int kPlaces = 4;
-    const FollowOptions walk = search_walk(1.0 / 16);  // a start need not be exact
-    const Vector4d leg = largest_ / kPlaces * direction.normalized();
-    Place best = home_;
-    bool moved = false;
-    ClampedShape shape = held_;
-    const int places = leads_along(walk.smallest_step * leg) ? kPlaces : 0;
-    for (int i = 1; i <= places; ++i) {
-      const FollowReport way = follow_on(shape, clamps_at(i * leg), walk);
-      const auto end = seen(way.shape);
-      if (!end) break;
-      if (std::abs(end->fold) < std::abs(best.fold)) {
-        best = *end;
-        moved = true;
-      }
-      if (way.status != FollowStatus::kFollowed) break;
-      shape = way.shape;
-    }
-    // Many directions lead nowhere where a step of the way is large for the shape.
-    if (!moved && std::exchange(from_home_, true)) return;
-    descend(best);
-  }
-
-  // Whether the shape can be followed to an error at once.
-  [[nodiscard]] bool leads_along(const Vector4d& error) const {
-    return follow_on(held_, clamps_at(error), search_walk(1)).status == FollowStatus::kFollowed;
-  }
-
-  // Starts where a blade whose ends are turned parallel buckles, as a straight one does (Euler):
-  // theta = m (1 - cos 2 pi s) at lambda = 4 pi^2 along the chord. There the folds of both ways to bow meet
-  // in an edge, which no direction of errors leads to.
-  void look_where_parallel_ends_buckle() {
-    constexpr double kEuler = 4 * std::numbers::pi * std::numbers::pi / kForce;
-    const double turn = 0.5 * turn_, m = std::atan2(chord_.y(), chord_.x()) - turn;
-    if (const auto place = at({turn, 0, kEuler * std::cos(m), kEuler * std::sin(m)})) descend(*place);
   }
 
   // Starts from a fold of a neighbouring pose.
@@ -136,17 +95,13 @@ class FoldSearch {
     if (const auto place = seen(shape)) descend(*place);
   }
 
-  // Turns of the clamps: of each, of both alike, towards an S, and against each other, towards an arch. From
-  // what these lead to a descent finds the folds that changes of the chord lead to as well.
-  [[nodiscard]] static std::vector<Vector4d> directions() {
-    std::vector<Vector4d> all;
-    for (const double turn : {1.0, -1.0}) {
-      all.emplace_back(0, 0, turn, 0);
-      all.emplace_back(0, 0, 0, turn);
-      all.emplace_back(0, 0, turn, turn);
-      all.emplace_back(0, 0, turn, -turn);
-    }
-    return all;
+  // Starts from every tabled fold that is nearer than those around it, and along the edges.
+  void look_everywhere() {
+    look_in(FoldTable::shallow());
+    for (const FoldEdge edge : {FoldEdge::kTangents, FoldEdge::kCurvatures})
+      for (const double side : {1.0, -1.0}) look_along(FoldTable::shallow().edge(edge), edge, side);
+    // Either clamp takes half of what the chords differ by.
+    if (kHalf * (chord_.norm() - FoldTable::kLongestDeepChord) < largest_) look_in(FoldTable::deep());
   }
 
   // Whether the shape can be led to a minimum along a straight way.
@@ -165,7 +120,7 @@ class FoldSearch {
     leads_to_a_fold();
     std::vector<Fold> folds;
     for (const Place& p : reached_) {
-      // At an edge a descent ends short of the nearest place of the pair.
+      // By ends exact to rounding.
       const Elastica shape = shape_of(p);
       folds.push_back({clamp_distance(clamps_, clamps_of(shape), weight_ * e_.length), shape});
     }
@@ -177,21 +132,117 @@ class FoldSearch {
   }
 
  private:
+  // The nearest pair of clamps of a fold's shape, or of the mirrored one.
+  struct Turned {
+    Vector4d q = Vector4d::Zero();
+    double squared = 0;  // the distance
+  };
+  [[nodiscard]] Turned nearest(const TabledFold& fold, double side) const {
+    const Vector2d c(fold.end.x, side * fold.end.y);
+    const double more = side * fold.end.theta - turn_, w2 = weight_ * weight_;
+    // Newton's method for the turn between them.
+    constexpr int kSteps = 2;
+    double by = -0.5 * more;
+    Vector2d r = turned(by, c);
+    for (int i = 0; i < kSteps; ++i) {
+      const double slope = 0.5 * (chord_.x() * r.y() - chord_.y() * r.x()) + w2 * (2 * by + more);
+      by -= slope / (0.5 * std::max(0.0, chord_.dot(r)) + 2 * w2);
+      r = turned(by, c);
+    }
+    const double squared = 0.5 * (chord_ - r).squaredNorm() + w2 * (by * by + (by + more) * (by + more));
+    return {{by, side * fold.blade.size, fold.blade.phase, fold.blade.force}, squared};
+  }
+
+  void look_in(const FoldTable& table) {
+    const int columns = 2 * table.phases();  // the second half mirrored
+    std::vector<std::vector<Turned>> cells;
+    cells.reserve(static_cast<std::size_t>(table.sizes() * columns));
+    for (int i = 0; i < table.sizes(); ++i) {
+      for (int j = 0; j < columns; ++j) {
+        std::vector<Turned>& cell = cells.emplace_back();
+        for (const TabledFold& fold : table.at(i, j % table.phases()))
+          cell.push_back(nearest(fold, j < table.phases() ? 1 : -1));
+      }
+    }
+    const auto least = [&](const Turned& here, int i, int j) {
+      for (int k = std::max(0, i - 1); k <= std::min(table.sizes() - 1, i + 1); ++k) {
+        for (const int l : {j + columns - 1, j, j + 1}) {
+          for (const Turned& other : cells[static_cast<std::size_t>(k * columns + l % columns)]) {
+            constexpr double kBeside = 0.3;  // of the force, for the same sheet of folds
+            if (other.squared < here.squared && std::abs(other.q[3] - here.q[3]) < kBeside * here.q[3])
+              return false;
+          }
+        }
+      }
+      return true;
+    };
+    for (int i = 0; i < table.sizes(); ++i) {
+      for (int j = 0; j < columns; ++j) {
+        for (const Turned& here : cells[static_cast<std::size_t>(i * columns + j)]) {
+          // Half a cell away there may be one this much nearer.
+          const double reach = largest_ + kHalf * std::abs(here.q[1]);
+          if (here.squared > reach * reach || !least(here, i, j)) continue;
+          if (const auto place = at(here.q)) descend(*place);
+        }
+      }
+    }
+  }
+
+  // The nearest places of an edge: from those of its tabled sizes by parabolas through three.
+  void look_along(std::span<const TabledFold> folds, FoldEdge edge, double side) {
+    std::vector<Turned> all;
+    for (const TabledFold& fold : folds) all.push_back(nearest(fold, side));
+    for (std::size_t i = 1; i + 1 < all.size(); ++i) {
+      if (all[i - 1].squared < all[i].squared || !(all[i].squared <= all[i + 1].squared)) continue;
+      narrow(edge, side, all[i - 1], all[i], all[i + 1]);
+    }
+  }
+
+  void narrow(FoldEdge edge, double side, Turned a, Turned b, Turned c) {
+    constexpr int kMostSteps = 12;
+    constexpr double kSame = 1e-5;  // of the size
+    for (int i = 0; i < kMostSteps; ++i) {
+      const double x = std::abs(a.q[1]), y = std::abs(b.q[1]), z = std::abs(c.q[1]);
+      const double left = (b.squared - a.squared) / (y - x), right = (c.squared - b.squared) / (z - y);
+      double size = 0.5 * (x + y) - 0.5 * left * (z - x) / (right - left);
+      if (!(size > x && size < z) || std::abs(size - y) < kSame * y) break;
+      const auto fold = edge_at(edge, size, b.q[2], b.q[3]);
+      if (!fold) return;
+      const Turned next = nearest(*fold, side);
+      if (next.squared < b.squared) {
+        (size < y ? c : a) = b;
+        b = next;
+      } else {
+        (size < y ? a : c) = next;
+      }
+    }
+    const auto place = at(b.q);
+    if (!place || place->squared() > largest_ * largest_) return;
+    keep(*place);
+    // Aside of the edge a fold may be nearer.
+    constexpr double kAside = 0.03;
+    for (const double aside : {kAside, -kAside}) {
+      const auto fold = fold_at(std::abs(b.q[1]), b.q[2] + aside, b.q[3]);
+      if (!fold) continue;
+      const Turned next = nearest(*fold, side);
+      if (!(next.squared < b.squared)) continue;
+      if (const auto start = at(next.q)) descend(*start);
+    }
+  }
+
   // Winds no more than a blade can.
   [[nodiscard]] static bool usable(const Vector4d& q) {
     constexpr double kLargestRate = 60;
-    const Elastica blade = unit_blade(q);
-    return q.allFinite() && taylor_rate(0, blade.kappa, blade.lambda1, blade.lambda2) < kLargestRate;
+    if (!q.allFinite() || !(q[3] > 0)) return false;
+    const Elastica blade = pressed(q).elastica();
+    return taylor_rate(0, blade.kappa, blade.lambda1, blade.lambda2) < kLargestRate;
   }
 
   // Nothing where the blade is taut, or not usable.
   [[nodiscard]] std::optional<Place> at(const Vector4d& q) const {
     if (!usable(q)) return {};
-    return untaut(q, end_map(unit_blade(q), Exactness::kSearch));
-  }
-
-  [[nodiscard]] std::optional<Place> untaut(const Vector4d& q, const JacobiFields& end) const {
-    const Elastica blade = unit_blade(q);
+    const Elastica blade = pressed(q).elastica();
+    const JacobiFields end = end_map(blade, Exactness::kSearch);
     const Vector2d c = end.point.position();
     if (blade.lambda1 * c.x() + blade.lambda2 * c.y() < -kLargestTension) return {};
     return placed(q, end);
@@ -205,27 +256,20 @@ class FoldSearch {
     p.error << kHalf * (moved - chord_), weight_ * q[0], weight_ * (q[0] + end.point.theta - turn_);
     p.slope.block<2, 1>(0, 0) = kHalf * Vector2d(-moved.y(), moved.x());
     p.slope(2, 0) = p.slope(3, 0) = weight_;
-    const Vector3d per(1, kForce, kForce);
+    const Matrix3d fields = end.fields * pressed(q).slopes();
     for (Eigen::Index i = 0; i < 3; ++i) {
-      p.slope.block<2, 1>(0, i + 1) = per[i] * kHalf * turned(q[0], end.fields.block<2, 1>(0, i));
-      p.slope(3, i + 1) = per[i] * weight_ * end.fields(2, i);
+      p.slope.block<2, 1>(0, i + 1) = kHalf * turned(q[0], fields.block<2, 1>(0, i));
+      p.slope(3, i + 1) = weight_ * fields(2, i);
     }
-    const double slack = 1 - end.point.position().squaredNorm();
-    p.fold = end.fields.determinant() / std::max(slack, kLeastSlack);
+    p.fold = fold_value(end);
     return p;
   }
 
   // A shape of this blade between erring clamps.
-  [[nodiscard]] std::optional<Place> seen(const Elastica& shape) const { return at(seen_by(shape)); }
-  [[nodiscard]] std::optional<Place> seen(const ClampedShape& shape) const {
-    const Vector4d q = seen_by(shape.elastica);
-    if (!usable(q)) return {};
-    return untaut(q, shape.end);
-  }
-  [[nodiscard]] Vector4d seen_by(const Elastica& shape) const {
-    Vector4d q = fold_unknowns(shape);
-    q[0] = std::remainder(shape.theta - e_.theta, 2 * std::numbers::pi);
-    return q;
+  [[nodiscard]] std::optional<Place> seen(const Elastica& shape) const {
+    const PressedBlade blade = PressedBlade::of(shape);
+    const double turn = std::remainder(shape.theta - e_.theta, 2 * std::numbers::pi);
+    return at({turn, blade.size, blade.phase, blade.force});
   }
 
   // By differences of the exact first derivatives; a turn of A alone needs no other curve.
@@ -233,93 +277,58 @@ class FoldSearch {
     // Half the digits of a number of size 1.
     constexpr double kStep = 1e-6;
     Slopes s;
+    const Vector4d units = units_at(p.q);
     s.distance = p.slope.transpose() * p.error;
     for (Eigen::Index i = 0; i < 4; ++i) {
-      const Vector4d q = p.q + kStep * Vector4d::Unit(i);
+      const double step = kStep * std::min(1.0, std::abs(p.q[1])) * units[i];
+      const Vector4d q = p.q + step * Vector4d::Unit(i);
       const auto other = i == 0 ? placed(q, p.end) : at(q);
       if (!other) return {};
-      s.bend.col(i) = (other->slope.transpose() * other->error - s.distance) / kStep;
-      s.fold[i] = (other->fold - p.fold) / kStep;
+      s.bend.col(i) =
+          units[i] * units.cwiseProduct(other->slope.transpose() * other->error - s.distance) / step;
+      s.fold[i] = units[i] * (other->fold - p.fold) / step;
     }
+    s.distance = units.cwiseProduct(s.distance);
     s.fold[0] = 0;
     s.bend = (0.5 * (s.bend + s.bend.transpose())).eval();
     return s;
   }
 
-  // Onto the fold along its slope; nothing when that fails.
-  [[nodiscard]] std::optional<Place> onto_fold(Place p, const Vector4d& slope) const {
-    constexpr int kMostSteps = 8;
-    constexpr double kOn = 1e-9;  // of the fold's value at home
+  // Onto the fold at these unknowns by the force alone, from a guess of it and of the fold's slope along it:
+  // secants, held between a stable shape and one that is not.
+  [[nodiscard]] std::optional<Place> onto_fold(Vector4d q, double slope) const {
+    constexpr int kMostSteps = 16;
+    constexpr double kOn = 1e-8, kMostForce = 1e4;
+    double low = 0, high = kMostForce, growth = 0.02;
+    const bool stable_below = slope * stable_sign_ < 0;
+    std::optional<Place> before;
     for (int i = 0; i < kMostSteps; ++i) {
-      if (std::abs(p.fold) <= kOn * std::abs(home_.fold)) return p;
-      const double before = std::abs(p.fold);
-      const auto next = at(p.q - p.fold / slope.squaredNorm() * slope);
-      if (!next || !(std::abs(next->fold) < 0.9 * before)) return {};
-      p = *next;
-    }
-    return {};
-  }
-
-  // The change of the unknowns that makes a fold's value vanish, by its slope and what is known of its bend,
-  // and asks for the smallest change of the clamps; where none does, one that lowers it the most.
-  [[nodiscard]] static Vector4d step_to_fold(const Place& p, const Vector4d& slope, const Matrix4d& bend) {
-    // A floor for directions that no clamp feels: they are what a fold is left by.
-    constexpr double kFloor = 1e-5;
-    const Matrix4d metric = p.slope.transpose() * p.slope + kFloor * Matrix4d::Identity();
-    const auto left = [&](const Vector4d& d) {
-      return 1 + (slope.dot(d) + 0.5 * d.dot(bend * d)) / p.fold;  // of the value
-    };
-    const Vector4d steepest = solve_symmetric(metric, slope);
-    double multiplier = -p.fold / slope.dot(steepest);
-    Vector4d d = multiplier * steepest;
-    // Along a direction that no clamp feels the value has a least one beside an edge of folds, where steps by
-    // the slope alone go from side to side.
-    constexpr double kEnough = 0.25;  // of the value, that the bend leaves
-    constexpr int kMostDoublings = 12;
-    double least = left(d);
-    for (int i = 0; i < kMostDoublings && least > kEnough; ++i) {
-      multiplier *= 2;
-      const Vector4d next = multiplier * (metric - multiplier * bend).partialPivLu().solve(slope);
-      const double rest = left(next);
-      if (!(rest < least) || !(next.norm() < kFurthest)) break;
-      least = rest;
-      d = next;
-    }
-    return d;
-  }
-
-  // Onto a fold from anywhere: Newton's steps for its value, its bend gathered by symmetric rank-one updates
-  // (Nocedal and Wright, Numerical Optimization, 6.2).
-  [[nodiscard]] std::optional<Place> to_fold(Place p) const {
-    constexpr int kMostSteps = 25, kMostHalvings = 6;
-    // A way that has led three times too far hardly comes back.
-    constexpr double kOn = 1e-3, kTooFar = 9, kHopeless = 36;
-    Matrix4d bend = Matrix4d::Zero();
-    auto s = slopes(p);
-    for (int i = 0; s && i < kMostSteps; ++i) {
-      if (std::abs(p.fold) < kOn * std::abs(home_.fold)) return onto_fold(p, s->fold);
-      Vector4d d = step_to_fold(p, s->fold, bend);
-      // The value falls with the square root of the way that is left: a step asks for twice the way at most.
-      if ((p.slope * d).squaredNorm() > kHopeless * largest_ * largest_) return {};
-      if (d.norm() > kFurthest) d *= kFurthest / d.norm();
-      std::optional<Place> next;
-      for (int k = 0; k < kMostHalvings; ++k, d *= 0.5) {
-        next = at(p.q + d);
-        if (next && std::abs(next->fold) < std::abs(p.fold)) break;
-        next.reset();
+      auto p = at(q);
+      if (!p) return {};
+      ((p->end.index == 0) == stable_below ? low : high) = q[3];
+      if (before) slope = (p->fold - before->fold) / (q[3] - before->q[3]);
+      double next = q[3] - p->fold / slope;
+      if (std::abs(next - q[3]) <= kOn * q[3] || high - low <= kOn * q[3]) {
+        // Not where a shape becomes unstable once more.
+        if ((slope * stable_sign_ < 0) != stable_below) return {};
+        return p;
       }
-      if (!next || next->squared() > kTooFar * largest_ * largest_) return {};
-      const auto there = slopes(*next);
-      if (there) gather(bend, next->q - p.q, there->fold - s->fold);
-      p = *next;
-      s = there;
+      if (!(next > low && next < high)) {
+        next = high == kMostForce ? low * (1 + growth) : low == 0 ? high * (1 - growth) : 0.5 * (low + high);
+        growth *= 2;
+      }
+      q[3] = next;
+      before = std::move(p);
     }
     return {};
   }
 
-  // What a change of the slope over a step tells of the second derivatives.
-  static void gather(Matrix4d& bend, const Vector4d& step, const Vector4d& change) {
+  // What a change of the slope over a step tells of the second derivatives, by symmetric rank-one updates
+  // (Nocedal and Wright, Numerical Optimization, 6.2). All by the unknowns themselves.
+  static void gather(Matrix4d& bend, const Place& p, const Slopes& at_p, const Place& q, const Slopes& at_q) {
     constexpr double kTelling = 1e-8;
+    const Vector4d step = q.q - p.q;
+    const Vector4d change = at_q.fold.cwiseQuotient(units_at(q.q)) - at_p.fold.cwiseQuotient(units_at(p.q));
     const Vector4d more = change - bend * step;
     const double along = more.dot(step);
     if (std::abs(along) > kTelling * more.norm() * step.norm()) bend += more * more.transpose() / along;
@@ -337,58 +346,52 @@ class FoldSearch {
     return q.rightCols<3>();
   }
 
+  struct Step {
+    Vector4d d = Vector4d::Zero();  // by the units
+    double gain = 0;                // of the squared distance, that the second derivatives tell of it
+  };
+
   // One step of sequential quadratic programming: nearest along the fold's tangent space by the second
-  // derivatives, made positive there, and no farther than the blade's shape changes smoothly.
-  [[nodiscard]] static Vector4d step(const Place& p, const Slopes& s) {
+  // derivatives of the distance and, by its multiplier, of the fold, made positive there, and no farther than
+  // the blade's shape changes smoothly.
+  [[nodiscard]] static Step step(const Place& p, const Slopes& s, const Matrix4d& fold_bend) {
     const Eigen::Matrix<double, 4, 3> tangent = square_to(s.fold);
-    const Vector4d to_fold = -p.fold / s.fold.squaredNorm() * s.fold;
-    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(tangent.transpose() * s.bend * tangent);
+    const Vector4d to_fold = -p.fold / s.fold.squaredNorm() * s.fold, units = units_at(p.q);
+    const double multiplier = -s.distance.dot(s.fold) / s.fold.squaredNorm();
+    const Matrix4d bend = s.bend + multiplier * units.asDiagonal() * fold_bend * units.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(tangent.transpose() * bend * tangent);
     const Vector3d slope =
-        eigen.eigenvectors().transpose() * tangent.transpose() * (s.distance + s.bend * to_fold);
+        eigen.eigenvectors().transpose() * tangent.transpose() * (s.distance + bend * to_fold);
     const double floor = 1e-9 * eigen.eigenvalues().cwiseAbs().maxCoeff();
     const Vector3d along = -slope.cwiseQuotient(eigen.eigenvalues().cwiseAbs().cwiseMax(floor));
-    Vector4d d = tangent * (eigen.eigenvectors() * along);
-    constexpr double kFurthest = 1.5;
-    if (d.norm() > kFurthest) d *= kFurthest / d.norm();
-    return d;
+    Step whole{tangent * (eigen.eigenvectors() * along), -slope.dot(along)};
+    constexpr double kFurthest = 0.5;
+    if (whole.d.norm() > kFurthest) whole.d *= kFurthest / whole.d.norm();
+    return whole;
   }
 
   void descend(const Place& start) {
-    auto here = to_fold(start);
+    // The fold's slope along the force.
+    constexpr double kBeside = 1e-4;
+    const auto beside = at(start.q + kBeside * start.q[3] * Vector4d::Unit(3));
+    if (!beside) return;
+    auto here = onto_fold(start.q, (beside->fold - start.fold) / (kBeside * start.q[3]));
     if (!here) return;
-    // A fold that another way has met already.
-    for (const Vector4d& q : started_) {
-      if ((q - here->q).norm() < same_) return;
-    }
-    started_.push_back(here->q);
-    constexpr int kMostSteps = 40, kMostHalvings = 12;
-    constexpr double kNear = 1e-7;  // of the distance: far below what clamps are known to
     auto s = slopes(*here);
     if (!s) return;
-    // Folds meet in edges, in the space of errors, where the unfelt change runs along the fold: beyond one it
-    // is the fold of another shape.
-    Vector4d free = unfelt(*here, Vector4d(0.1, 1, 1, 1).normalized());
-    const double side = free.dot(s->fold);
+    Matrix4d bend = Matrix4d::Zero();
+    constexpr int kMostSteps = 40;
+    constexpr double kNear = 1e-7;  // of the distance: far below what clamps are known to
     for (int i = 0; i < kMostSteps; ++i) {
-      Vector4d d = step(*here, *s);
-      std::optional<Place> next;
-      std::optional<Slopes> there;
-      for (int k = 0; k < kMostHalvings; ++k, d *= 0.5) {
-        const auto tried = at(here->q + d);
-        if (tried) next = onto_fold(*tried, s->fold);
-        if (next && next->squared() < here->squared()) {
-          there = slopes(*next);
-          if (there && unfelt(*next, free).dot(there->fold) * side >= 0) break;
-        }
-        next.reset();
-      }
-      const bool done = !next || next->squared() > (1 - kNear) * here->squared();
-      if (next) {
-        here = next;
-        s = there;
-        free = unfelt(*here, free);
-      }
-      if (done) break;
+      const Step whole = step(*here, *s, bend);
+      if (whole.gain < kNear * here->squared()) break;
+      // Too far by what the second derivatives tell.
+      constexpr double kTimes = 4;
+      if (here->squared() - kTimes * whole.gain > largest_ * largest_) return;
+      const double before = here->squared();
+      if (!stepped(*here, *s, whole.d, bend)) break;
+      if (here->squared() > (1 - kNear) * before) break;
+      if (std::abs(here->q[1]) < kStraightSize || known(*here)) return;
       // Steps are no smaller than the way that is left, so eight of them come near.
       constexpr int kSoon = 8;
       if (i >= kSoon && here->squared() > 1.5 * largest_ * largest_) return;
@@ -396,38 +399,67 @@ class FoldSearch {
     if (here->squared() < largest_ * largest_) keep(*here);
   }
 
-  // The change of shape at a fold that no clamp feels, turned as another one nearby.
-  [[nodiscard]] static Vector4d unfelt(const Place& fold, const Vector4d& as) {
-    constexpr double kSmall = 1e-12;
-    constexpr int kSteps = 3;  // of inverse iteration
-    const Matrix4d square = fold.slope.transpose() * fold.slope + kSmall * Matrix4d::Identity();
-    Vector4d v = as;
-    for (int i = 0; i < kSteps; ++i) v = solve_symmetric(square, v).normalized();
-    return v.dot(as) < 0 ? Vector4d(-v) : v;
+  // Goes the longest of a step and its halves that comes nearer; false where none does.
+  [[nodiscard]] bool stepped(Place& here, Slopes& s, Vector4d d, Matrix4d& bend) const {
+    constexpr int kMostHalvings = 8;
+    const Vector4d units = units_at(here.q);
+    for (int k = 0; k < kMostHalvings; ++k, d *= 0.5) {
+      const Vector4d by = units.cwiseProduct(d);
+      const double along = s.fold[3] / units[3];
+      // The force follows the fold's bend.
+      constexpr double kMost = 0.1;  // of it
+      const double more = std::clamp(-0.5 * by.dot(bend * by) / along, -kMost * here.q[3], kMost * here.q[3]);
+      const auto next = onto_fold(here.q + by + more * Vector4d::Unit(3), along);
+      if (!next || !(next->squared() < here.squared())) continue;
+      const auto there = slopes(*next);
+      if (!there) continue;
+      gather(bend, here, s, *next, *there);
+      here = *next;
+      s = *there;
+      return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool known(const Place& p) const {
+    return std::any_of(minima_.begin(), minima_.end(),
+                       [&](const Place& m) { return (bending(m.q) - bending(p.q)).norm() < same_; });
   }
 
   void keep(const Place& p) {
-    const bool known = std::any_of(minima_.begin(), minima_.end(),
-                                   [&](const Place& m) { return (m.q - p.q).norm() < same_; });
-    if (!known) minima_.push_back(p);
+    if (!known(p)) minima_.push_back(p);
   }
 
-  // Whether the shape, its clamps led straight to the fold's, is lost there: a fold beyond another one
-  // belongs to another shape, and the other one is looked into. Where folds meet in an edge the way may slip
-  // past on one side of it.
+  // Whether the shape, its clamps led straight to the fold's, becomes that one. A fold beyond another one
+  // belongs to another shape, and the other one is looked into.
   [[nodiscard]] bool reached(const Place& p) {
-    const FollowReport way = follow_on(held_, clamps_at(1.01 * p.error), search_walk(1e-3));
-    const auto end = seen(way.shape);
-    if (!end) return false;
-    // Near a fold shapes change with the square root of the way that is left.
-    constexpr double kThere = 0.97, kNear = 1.5, kAtEdge = 0.3;
-    const double away = (end->q - p.q).norm();
-    if (way.status == FollowStatus::kSnapped) {
-      if (way.fraction > kThere) return away < kNear;
-      descend(*end);
-      return false;
+    // Near a fold shapes change with the square root of the way that is left, near an edge with the third:
+    // most are soon alike, and those that are not come closer on the last tenth of a way.
+    constexpr double kSame = 0.1;    // of size and force
+    constexpr double kCloser = 0.6;  // an edge's is 0.46
+    constexpr double kEarly = 0.9;   // of the way: another fold
+    ClampedShape shape = held_;
+    double gone = 0, before = 0;
+    FollowStatus status = FollowStatus::kFollowed;
+    for (const double left : {1e-3, 1e-4}) {
+      FollowOptions walk;
+      walk.smallest_step = left / (1 - gone);
+      walk.exactness = Exactness::kSearch;
+      const FollowReport way = follow_on(shape, clamps_at((1 - left) * p.error), walk);
+      gone += (1 - left - gone) * way.fraction;
+      shape = way.shape;
+      status = way.status;
+      const PressedBlade end = PressedBlade::of(shape.elastica), fold = pressed(p.q);
+      const double apart = std::max((end.bend() - fold.bend()).norm() / std::abs(fold.size),
+                                    std::abs(end.force - fold.force) / fold.force);
+      if (apart < std::max(kSame, kCloser * before)) return true;
+      if (gone < kEarly) break;
+      before = apart;
     }
-    return way.status == FollowStatus::kFollowed && away < kAtEdge;
+    if (status == FollowStatus::kSnapped) {
+      if (const auto place = seen(shape.elastica)) descend(*place);
+    }
+    return false;
   }
 
   // The pair of clamps with this error, seen as the blade stands.
@@ -440,25 +472,23 @@ class FoldSearch {
   }
 
   [[nodiscard]] Elastica shape_of(const Place& p) const {
-    const double l = e_.length, l2 = l * l / kForce, turn = e_.theta + p.q[0];
-    const Vector2d force = turned(turn, p.q.tail<2>() / l2);
+    const double l = e_.length, l2 = l * l, turn = e_.theta + p.q[0];
+    const Elastica blade = pressed(p.q).elastica();
+    const Vector2d force = turned(turn, Vector2d(blade.lambda1, blade.lambda2)) / l2;
     const PlanarPose a = clamps_at(p.error).a;
-    return {a.x, a.y, turn, p.q[1] / l, force.x(), force.y(), l};
+    return {a.x, a.y, turn, blade.kappa / l, force.x(), force.y(), l};
   }
 
   Elastica e_;
   ClampedShape held_;  // e_ with its end
   ClampPair clamps_;
   double weight_, largest_;
-  static constexpr double kFurthest = 1;  // of a step to a fold
-  double same_ = 0;                       // shapes this close in bending are one
+  double same_ = 0;  // shapes this close in bending are one
   Vector2d chord_;
   double turn_ = 0;
-  Place home_;
+  double stable_sign_ = 1;  // of stable shapes' determinants
   std::vector<Place> minima_, reached_;
   std::size_t looked_at_ = 0;  // of the minima
-  std::vector<Vector4d> started_;
-  bool from_home_ = false;  // a descent has started there
 };
 
 void check(const ClampMarginOptions& options) {
@@ -501,14 +531,12 @@ ClampMargin clamp_margin(const Elastica& e, std::span<const Fold> near, const Cl
   if (pulled_taut(e, end)) return nearest(e, {}, options);
   if (end.index != 0) return {};
   // Folds beyond the straight pose are not the nearest loss.
+  constexpr double kLeastMm = 1e-12;
   ClampMarginOptions search_options = options;
-  search_options.largest_mm = std::min(options.largest_mm, std::max(straight_mm(e, options), kLeastSlack));
+  search_options.largest_mm = std::min(options.largest_mm, std::max(straight_mm(e, options), kLeastMm));
   FoldSearch search(e, search_options);
-  search.look_where_parallel_ends_buckle();
   for (const Fold& fold : near) search.look_near(fold.shape);
-  if (options.all_directions || near.empty() || !search.leads_to_a_fold()) {
-    for (const Vector4d& direction : search.directions()) search.look_along(direction);
-  }
+  if (options.everywhere || near.empty() || !search.leads_to_a_fold()) search.look_everywhere();
   return nearest(e, search.folds(), options);
 }
 

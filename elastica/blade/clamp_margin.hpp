@@ -25,8 +25,8 @@ struct ClampMarginOptions {
   // A turn of one rad counts as this many mm; 0 takes half the blade's length, the largest move that a turn
   // about its middle gives.
   double mm_per_rad = 0;
-  // Whether folds are looked for in all directions though those of a neighbouring pose lead to some.
-  bool all_directions = false;
+  // Whether folds are looked for everywhere though those of a neighbouring pose lead to some.
+  bool everywhere = false;
 };
 
 // A shape about to be lost, and the clamps' error that leads to it.
@@ -45,16 +45,16 @@ struct ClampMargin {
   std::vector<Fold> folds;
 };
 
-// The margin of a shape. The search starts where the blade would buckle between parallel ends and from folds
-// met along turns of the clamps, and goes down the surface of folds by Newton's method; the straight way to
-// each fold is followed, so that the shape is known to hold up to it. The nearest of the minima found is an
-// upper bound of the distance; tests/elastica/blade/clamp_margin_test.cpp compares with dense searches. All
-// distances are 0 for a shape that is not stable, and one pulled taut has no folds. Throws std::logic_error
-// when largest_mm is not positive, mm_per_rad is negative or the shape is not finite.
+// The margin of a shape. The search starts from a table of folds (fold_table.hpp) and along the edges in
+// which they meet, and goes down the surface of folds by Newton's method; the straight way to each fold is
+// followed, so that the shape is known to hold up to it. The nearest of the minima found is an upper bound of
+// the distance; tests/elastica/blade/clamp_margin_test.cpp compares with dense searches. All distances are 0
+// for a shape that is not stable, and one pulled taut has no folds. Throws std::logic_error when largest_mm
+// is not positive, mm_per_rad is negative or the shape is not finite.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, const ClampMarginOptions& options = {});
 
-// The margin, searched from the folds of neighbouring poses of the same blade with a tenth of the work; from
-// all directions as well when nothing leads to a fold of this pose so, or that is asked for.
+// The margin, searched from the folds of neighbouring poses of the same blade with a part of the work;
+// everywhere as well when nothing leads to a fold of this pose so, or that is asked for.
 [[nodiscard]] ClampMargin clamp_margin(const Elastica& elastica, std::span<const Fold> near,
                                        const ClampMarginOptions& options = {});
 

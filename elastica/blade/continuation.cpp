@@ -46,13 +46,14 @@ bool usable(const Vector3d& p, const Vector3d& wanted) {
          p[1] * wanted[0] + p[2] * wanted[1] > -kLargestTension;
 }
 
-// What Newton's method reaches on a relaxed blade.
-constexpr double kFineTolerance = 1e-12;
+// What Newton's method reaches on a relaxed blade; in a search it is as good as the ends.
+double fine_tolerance(Exactness exactness) {
+  return exactness == Exactness::kSearch ? 1e-9 : 1e-12;
+}
 
 struct Solved {
   Vector3d p;
   JacobiFields end;
-  double first_correction = 0;  // size of Newton's first step, in the measure of bend_of()
   int steps = 0;
 };
 
@@ -61,8 +62,11 @@ double bend_of(const Vector3d& d) {
   return std::abs(d[0]) + 0.5 * (std::abs(d[1]) + std::abs(d[2]));
 }
 
-std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exactness) {
+// Nothing where it does not converge, or its first step is larger than that.
+std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exactness,
+                             double largest_correction = std::numeric_limits<double>::infinity()) {
   constexpr int kMostSteps = 12;
+  const double fine = fine_tolerance(exactness);
   Solved s;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i <= kMostSteps; ++i) {
@@ -71,7 +75,7 @@ std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exact
     const Vector3d miss = wanted - Vector3d(s.end.point.x, s.end.point.y, s.end.point.theta);
     const double error = miss.cwiseAbs().maxCoeff();
     // Rounding may keep a taut blade from the tolerance proper: the step that no longer helps is the last.
-    if (error < kFineTolerance || (error < kClampTolerance && error > 0.25 * last)) {
+    if (error < fine || (error < kClampTolerance && error > 0.25 * last)) {
       s.p = p;
       s.steps = i;
       return s;
@@ -80,7 +84,7 @@ std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exact
     if (i > 3 && error > 0.5 * last) return std::nullopt;
     last = error;
     const Vector3d step = s.end.fields.partialPivLu().solve(miss);
-    if (i == 0) s.first_correction = bend_of(step);
+    if (i == 0 && !(bend_of(step) <= largest_correction)) return std::nullopt;
     p += step;
   }
   return std::nullopt;
@@ -142,13 +146,13 @@ class Walk {
   bool step_to(double t) {
     const Vector3d here(at_.end.point.x, at_.end.point.y, at_.end.point.theta);
     const Vector3d predicted = at_.end.fields.partialPivLu().solve(wanted(t) - here);
-    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t), exactness_);
     // The corrector's part of the step measures how far the branch bends; beyond this share, and beyond what
     // is small for any blade, another branch might have been met.
     constexpr double kBend = 0.2, kSmall = 1e-3;
+    const double correction = kBend * bend_of(predicted) + kSmall;
+    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t), exactness_, correction);
     if (!next || next->end.index != at_.end.index) return false;
-    if (next->first_correction > kBend * bend_of(predicted) + kSmall) return false;
-    if (bend_of(next->p - at_.p - predicted) > 2 * (kBend * bend_of(predicted) + kSmall)) return false;
+    if (bend_of(next->p - at_.p - predicted) > 2 * correction) return false;
     at_ = *next;
     place_ = t;
     return true;

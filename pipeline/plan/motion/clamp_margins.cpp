@@ -109,15 +109,14 @@ class MarginSearch {
     return found;
   }
 
-  [[nodiscard]] Found look(std::size_t i, const std::vector<elastica::Fold>& near,
-                           bool all_directions) const {
+  [[nodiscard]] Found look(std::size_t i, const std::vector<elastica::Fold>& near, bool everywhere) const {
     const elastica::Elastica& blade = poses_[i].blade;
     // Twice as far as the neighbours allow: searches of that radius take half the time of the farthest, and
     // one no larger misses more.
     constexpr double kLeastMm = 1e-3;  // a neighbour at the same place may be lost by itself
     const double far =
         std::clamp(2 * ceiling(i), kLeastMm, std::max(kFarFromFoldMm, kFoldSearchShare * blade.length));
-    elastica::ClampMargin margin = elastica::clamp_margin(blade, near, {far, 0, all_directions});
+    elastica::ClampMargin margin = elastica::clamp_margin(blade, near, {far, 0, everywhere});
     const bool by_straight = straight_[i] < margin.fold_mm;
     return {std::move(margin.folds), std::min(straight_[i], margin.fold_mm), by_straight};
   }

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <random>
 
 #include "elastica/blade/end_map.hpp"
@@ -115,6 +117,60 @@ TEST(ClampMargin, NamesFoldsThatTheShapeHoldsUpTo) {
     };
     EXPECT_EQ(follow(e, {part(held.a, lost.a), part(held.b, lost.b)}).status, FollowStatus::kFollowed);
   }
+}
+
+// Least stability on the last thousandth of the straight way to what is named, beyond it by as much; nothing
+// where the shape is lost there.
+std::optional<double> stability_at(const Elastica& e, const Elastica& fold) {
+  const ClampPair held = clamps_of(e), lost = clamps_of(fold);
+  const auto part = [](const PlanarPose& p, const PlanarPose& q, double t) {
+    return PlanarPose{p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.theta + t * (q.theta - p.theta)};
+  };
+  FollowOptions walk;
+  walk.smallest_step = 1e-5;
+  ClampedShape shape = *solve_clamped(e, held);
+  double least = std::numeric_limits<double>::infinity();
+  for (const double t : {0.5, 0.8, 0.9, 0.97, 0.99, 0.999, 0.9995, 1.0, 1.0005, 1.001}) {
+    const FollowReport way = follow_on(shape, {part(held.a, lost.a, t), part(held.b, lost.b, t)}, walk);
+    if (way.status != FollowStatus::kFollowed) {
+      EXPECT_GT(t, 0.98);
+      return std::nullopt;
+    }
+    shape = way.shape;
+    if (t >= 0.999) least = std::min(least, stability_margin(shape.elastica));
+  }
+  return least;
+}
+
+// Shallow shapes that lie closely beside others' folds, of which the one named is their own: at 0.0232 mm
+// another's is.
+TEST(ClampMargin, NamesTheShapesOwnFoldBesideAnothers) {
+  const Elastica e{
+      -299.58812852,     -10.93112738, 0.028400065637, -0.000336062870467, 4.5531553535399996e-06,
+      1.70842577771e-06, 400};
+  const ClampMargin margin = clamp_margin(e, {0.161, 0});
+  EXPECT_NEAR(margin.margin_mm, 0.03012, 1e-4);
+  std::mt19937_64 random(31);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int named = 0;
+  for (int i = 0; i < 150; ++i) {
+    const double force = 20 + 40 * unit(random), angle = 0.5 * unit(random), l2 = kBlade_mm * kBlade_mm;
+    const Elastica shape{0,
+                         0,
+                         0,
+                         3 * unit(random) / kBlade_mm,
+                         force * std::cos(angle) / l2,
+                         force * std::sin(angle) / l2,
+                         kBlade_mm};
+    if (end_map(shape).index != 0 || stability_margin(shape) < 0.3) continue;
+    const ClampMargin all = clamp_margin(shape, {60, 0});
+    if (all.folds.empty()) continue;
+    ++named;
+    const auto least = stability_at(shape, all.folds.front().shape);
+    if (!least) continue;
+    EXPECT_LT(*least, 0.3) << i;
+  }
+  EXPECT_GT(named, 50);
 }
 
 // Arches turned over towards their snap.
