@@ -69,7 +69,7 @@ class Surroundings {
   }
 
   [[nodiscard]] bool may_tell(const Vector3d& p, double half_mm) const {
-    return half_mm + 2 * limits_.tolerance_mm < border_mm(p) && half_mm <= longest_half_mm(limits_);
+    return half_mm < most_half_mm(p) && half_mm <= longest_half_mm(limits_);
   }
 
   // Whether no two samples of the surface, whose spacing is this, are as a and b would have to be: `doubt_mm`
@@ -80,14 +80,13 @@ class Surroundings {
     const double chord = 2 / k * std::sin(0.5 * k * half_mm),
                  allowed = k * half_mm * half_mm + 4 * t + 2 * doubt_mm;
     const Ring ring{p, chord - 2 * t - doubt_mm, half_mm + 2 * t + doubt_mm};
-    if (const auto few = few_.find(half_mm); few != few_.end()) {
-      std::vector<Vector3d> points;
-      visit(few->second, ring, [&](const Piece& piece) {
-        if (ring.holds(piece.middle)) points.push_back(piece.middle - p);
-        return true;
-      });
-      if (has_two(points, allowed)) return false;
-    }
+    const auto few = few_.find(half_mm);
+    std::vector<Vector3d> points;
+    visit(few == few_.end() ? pieces_ : few->second, ring, [&](const Piece& piece) {
+      if (ring.holds(piece.middle)) points.push_back(piece.middle - p);
+      return true;
+    });
+    if (has_two(points, allowed)) return false;
     std::optional<std::vector<Vector3d>> samples = samples_in(ring, spacing_mm);
     return samples && !has_two(*samples, allowed);
   }
@@ -105,19 +104,6 @@ class Surroundings {
     return lacks(p, half_mm, std::max(kOfTolerance * limits_.tolerance_mm, kOfLength * half_mm), 0);
   }
 
-  // The shortest of a ladder of half lengths, from `least_mm` on, that no blade follows through a place to
-  // both sides as `tells` has it; none: infinite.
-  [[nodiscard]] double shortest_half_mm(const Vector3d& p, double least_mm,
-                                        bool (Surroundings::*tells)(const Vector3d&, double) const) const {
-    const double most = border_mm(p) - 2 * limits_.tolerance_mm;
-    for (const double half : ladder()) {
-      if (!(half < most)) break;
-      if (half >= least_mm && (this->*tells)(p, half)) return half;
-    }
-    return std::numeric_limits<double>::infinity();
-  }
-
- private:
   // Half lengths that are asked about.
   [[nodiscard]] std::vector<double> ladder() const {
     // Over the root of four of these a circle of the blade's radius rises by two tolerances: nothing is told
@@ -133,6 +119,12 @@ class Surroundings {
     return halves;
   }
 
+  // Lengths from here on a blade may leave the design.
+  [[nodiscard]] double most_half_mm(const Vector3d& p) const {
+    return border_mm(p) - 2 * limits_.tolerance_mm;
+  }
+
+ private:
   [[nodiscard]] const Vector3d& at(int v) const { return vertices_[static_cast<std::size_t>(v)]; }
 
   [[nodiscard]] double border_mm(const Vector3d& p) const {
@@ -268,26 +260,42 @@ std::optional<BladeReach> shortest_reach(const surface::TriangleMesh& mesh, cons
   constexpr std::size_t kMostProofs = 12;
   const std::vector<Vector3d> places = spread_vertices(mesh.vertices(), place, around_mm);
   const Surroundings around(mesh, place, around_mm, limits);
-  // Places that blades seem to follow least come first, among them those nearest to the one that is asked.
-  std::vector<std::pair<double, std::size_t>> seeming(places.size());
-  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
-    seeming[i] = {around.shortest_half_mm(places[i], 0, &Surroundings::seems), i};
-  });
+  const std::vector<double> ladder = around.ladder();
+  std::vector<double> most(places.size()), seeming(places.size(), std::numeric_limits<double>::infinity());
+  tbb::parallel_for(std::size_t{0}, places.size(),
+                    [&](std::size_t i) { most[i] = around.most_half_mm(places[i]); });
   gpu::stop_point();
-  std::erase_if(seeming, [](const auto& place_of) { return !std::isfinite(place_of.first); });
-  std::stable_sort(seeming.begin(), seeming.end(), [&](const auto& a, const auto& b) {
-    return std::pair(a.first, (places[a.second] - place).norm()) <
-           std::pair(b.first, (places[b.second] - place).norm());
+  // Places that blades seem to follow least come first, among them those nearest to the one that is asked:
+  // longer ways, which take more samples, are not looked at once there are enough.
+  std::vector<std::size_t> first;
+  for (const double half : ladder) {
+    if (first.size() >= kMostProofs) break;
+    tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
+      if (!std::isfinite(seeming[i]) && half < most[i] && around.seems(places[i], half)) seeming[i] = half;
+    });
+    gpu::stop_point();
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (seeming[i] == half) first.push_back(i);
+  }
+  std::stable_sort(first.begin(), first.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(seeming[a], (places[a] - place).norm()) <
+           std::pair(seeming[b], (places[b] - place).norm());
   });
-  if (seeming.size() > kMostProofs) seeming.resize(kMostProofs);
-  std::vector<double> halves(seeming.size());
-  tbb::parallel_for(std::size_t{0}, seeming.size(), [&](std::size_t i) {
-    halves[i] = around.shortest_half_mm(places[seeming[i].second], seeming[i].first, &Surroundings::proved);
+  if (first.size() > kMostProofs) first.resize(kMostProofs);
+  std::vector<double> halves(first.size(), std::numeric_limits<double>::infinity());
+  tbb::parallel_for(std::size_t{0}, first.size(), [&](std::size_t k) {
+    const std::size_t i = first[k];
+    for (const double half : ladder) {
+      if (!(half < most[i])) break;
+      if (half < seeming[i] || !around.proved(places[i], half)) continue;
+      halves[k] = half;
+      break;
+    }
   });
   gpu::stop_point();
   const auto shortest = std::min_element(halves.begin(), halves.end());
   if (shortest == halves.end() || !std::isfinite(*shortest)) return std::nullopt;
-  const std::size_t i = seeming[static_cast<std::size_t>(shortest - halves.begin())].second;
+  const std::size_t i = first[static_cast<std::size_t>(shortest - halves.begin())];
   return BladeReach{*shortest, places[i]};
 }
 
