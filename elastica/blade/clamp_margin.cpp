@@ -155,19 +155,26 @@ class FoldSearch {
 
   void look_in(const FoldTable& table) {
     const int columns = 2 * table.phases();  // the second half mirrored
-    std::vector<std::vector<Turned>> cells;
-    cells.reserve(static_cast<std::size_t>(table.sizes() * columns));
+    // Those that no start lies near are left out: by their tangents, and by their chords alone.
+    std::vector<Turned> all;
+    std::vector<std::size_t> first;  // of each cell, and the end
+    first.reserve(static_cast<std::size_t>(table.sizes() * columns) + 1);
     for (int i = 0; i < table.sizes(); ++i) {
       for (int j = 0; j < columns; ++j) {
-        std::vector<Turned>& cell = cells.emplace_back();
+        first.push_back(all.size());
         for (const TabledFold& fold : table.at(i, j % table.phases()))
-          cell.push_back(nearest(fold, j < table.phases() ? 1 : -1));
+          if (may_be_near(fold, side_of(table, j))) all.push_back(nearest(fold, side_of(table, j)));
       }
     }
+    first.push_back(all.size());
+    const auto cell = [&](int i, int j) {
+      const auto k = static_cast<std::size_t>(i * columns + j);
+      return std::span<const Turned>(all).subspan(first[k], first[k + 1] - first[k]);
+    };
     const auto least = [&](const Turned& here, int i, int j) {
       for (int k = std::max(0, i - 1); k <= std::min(table.sizes() - 1, i + 1); ++k) {
         for (const int l : {j + columns - 1, j, j + 1}) {
-          for (const Turned& other : cells[static_cast<std::size_t>(k * columns + l % columns)]) {
+          for (const Turned& other : cell(k, l % columns)) {
             constexpr double kBeside = 0.3;  // of the force, for the same sheet of folds
             if (other.squared < here.squared && std::abs(other.q[3] - here.q[3]) < kBeside * here.q[3])
               return false;
@@ -178,14 +185,27 @@ class FoldSearch {
     };
     for (int i = 0; i < table.sizes(); ++i) {
       for (int j = 0; j < columns; ++j) {
-        for (const Turned& here : cells[static_cast<std::size_t>(i * columns + j)]) {
-          // Half a cell away there may be one this much nearer.
-          const double reach = largest_ + kHalf * std::abs(here.q[1]);
+        for (const Turned& here : cell(i, j)) {
+          const double reach = reach_of(here.q[1]);
           if (here.squared > reach * reach || !least(here, i, j)) continue;
           if (const auto place = at(here.q)) descend(*place);
         }
       }
     }
+  }
+
+  [[nodiscard]] static double side_of(const FoldTable& table, int column) {
+    return column < table.phases() ? 1 : -1;
+  }
+
+  // Half a cell away from a fold of this size there may be one this much nearer.
+  [[nodiscard]] double reach_of(double size) const { return largest_ + kHalf * std::abs(size); }
+
+  // By bounds of the distance that no turn of the pair lowers.
+  [[nodiscard]] bool may_be_near(const TabledFold& fold, double side) const {
+    const double reach = reach_of(fold.blade.size), more = side * fold.end.theta - turn_;
+    const double chords = chord_.norm() - fold.end.position().norm();
+    return 0.5 * (weight_ * weight_ * more * more + chords * chords) <= reach * reach;
   }
 
   // The nearest places of an edge: from those of its tabled sizes by parabolas through three.

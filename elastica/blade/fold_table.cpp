@@ -85,7 +85,7 @@ Eigen::Matrix3d PressedBlade::slopes() const {
   return by;
 }
 
-std::optional<TabledFold> fold_at(double size, double phase, double force, double exactness) {
+std::optional<TabledFold> fold_at(double size, double phase, double force, double exactness, double* slope) {
   // Secants, held between a stable shape and one that is not.
   constexpr int kMostSteps = 40;
   constexpr double kMostForce = 250, kLeastForce = 1, kBeside = 1e-4;
@@ -97,13 +97,14 @@ std::optional<TabledFold> fold_at(double size, double phase, double force, doubl
     const double value = fold_value(end);
     double& here = fold.blade.force;
     (end.index == 0 ? low : high) = here;
-    double next = i == 0 ? std::numeric_limits<double>::quiet_NaN()
-                         : here - value * (here - force_before) / (value - value_before);
+    const double along = i > 0 ? (value - value_before) / (here - force_before) : slope ? *slope : 0;
+    double next = here - value / along;
     if (std::abs(next - here) <= exactness * here || high - low <= exactness * here) {
       // A shape may become unstable once more, beyond the fold.
       PressedBlade less = fold.blade;
       less.force *= 1 - kBeside;
       if (low == kLeastForce && !stable(less)) return {};
+      if (slope) *slope = along;
       fold.end = end.point;
       return fold;
     }
@@ -153,14 +154,14 @@ const FoldTable& FoldTable::shallow() {
     const std::vector<double> phases = tabled_phases();
     FoldTable all;
     all.phases_ = static_cast<int>(phases.size());
-    std::vector<double> guesses(phases.size(), kFirst);
+    std::vector<double> guesses(phases.size(), kFirst), slopes(phases.size(), 0.0);
     std::array<PressedBlade, 2> edge{PressedBlade{0, 0, kFirst},
                                      PressedBlade{0, std::atan(2 / kBendRate), kSecond}};
     double size = kLargestShallow / std::pow(kRatio, kSizes - 1);
     for (int i = 0; i < kSizes; ++i, size *= kRatio) {
       for (std::size_t j = 0; j < phases.size(); ++j) {
         const double guess = i == 0 && j > 0 ? guesses[j - 1] : guesses[j];
-        const auto fold = fold_at(size, phases[j], guess, kTabled);
+        const auto fold = fold_at(size, phases[j], guess, kTabled, &slopes[j]);
         all.cells_.emplace_back();
         if (!fold) continue;
         all.cells_.back().push_back(*fold);

@@ -52,8 +52,9 @@ enum class FoldEdge {
 };
 
 // The fold of one size and phase, its force near a guess and to a part of itself; nothing where none is.
+// `slope` is a guess of fold_value()'s by the force, 0 for none, and what it is.
 [[nodiscard]] std::optional<TabledFold> fold_at(double size, double phase, double force,
-                                                double exactness = 1e-9);
+                                                double exactness = 1e-9, double* slope = nullptr);
 
 // The one at an edge, near a guess of its phase and force.
 [[nodiscard]] std::optional<TabledFold> edge_at(FoldEdge edge, double size, double phase, double force);
