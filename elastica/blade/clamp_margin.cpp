@@ -573,7 +573,11 @@ double clamp_distance(const ClampPair& a, const ClampPair& b, double mm_per_rad)
   for (int i = 0; i < kSteps; ++i) {
     const Vector2d r = turned(by, q);
     const double slope = p.x() * r.y() - p.y() * r.x() + w2 * (4 * by + 2 * more);
-    by -= slope / (std::max(0.0, p.dot(r)) + 4 * w2);
+    const double step = slope / (std::max(0.0, p.dot(r)) + 4 * w2);
+    by -= step;
+    // Squared it is lost in rounding.
+    constexpr double kEnough = 1e-9;
+    if (std::abs(step) < kEnough) break;
   }
   return std::sqrt(std::min(squared(by), squared(-0.5 * more)));
 }

@@ -139,10 +139,13 @@ std::vector<PoseMargin> weigh_margins(const Settings& settings, BladeMotion& mot
 // errors may bow it to another side.
 bool unheld(const BladePose& pose, const PoseMargin& margin, const Settings& settings) {
   const double length = pose.blade.length;
-  const elastica::CurvePoint b = elastica::point_at(pose.blade, length);
-  const Eigen::Vector2d chord(b.x - pose.blade.x, b.y - pose.blade.y);
-  const double tension = -Eigen::Vector2d(pose.blade.lambda1, pose.blade.lambda2).dot(chord) * length;
-  if (tension > elastica::kLargestTension) return true;
+  const Eigen::Vector2d force(pose.blade.lambda1, pose.blade.lambda2);
+  // A chord is no longer than its blade.
+  if (force.norm() * length * length > elastica::kLargestTension) {
+    const elastica::CurvePoint b = elastica::point_at(pose.blade, length);
+    const Eigen::Vector2d chord(b.x - pose.blade.x, b.y - pose.blade.y);
+    if (-force.dot(chord) * length > elastica::kLargestTension) return true;
+  }
   const double least = smallest_margin_mm(settings, length);
   return margin.straight_mm < least || (margin.fold_mm < least && nearly_straight(pose, settings.machine));
 }

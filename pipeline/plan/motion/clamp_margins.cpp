@@ -8,8 +8,10 @@
 #include <map>
 #include <set>
 
+#include "elastica/blade/blade_batch.hpp"
 #include "elastica/blade/clamp_margin.hpp"
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
 namespace hotblade::pipeline {
@@ -37,12 +39,23 @@ class MarginSearch {
         straight_(poses.size(), 0.0),
         bound_(poses.size(), 0.0) {
     std::vector<double> steps(poses.size(), 0.0);
-    tbb::parallel_for(std::size_t{0}, poses.size(), [&](std::size_t i) {
-      const double length = poses[i].blade.length;
-      held_[i] = elastica::clamps_of(poses[i].blade);
-      straight_[i] = elastica::clamp_distance(held_[i], {{0, 0, 0}, {length, 0, 0}}, 0.5 * length);
+    in_blocks(poses.size(), [&](std::size_t from, std::size_t to) {
+      std::vector<elastica::Elastica> blades;
+      std::vector<double> lengths;
+      for (std::size_t i = from; i < to; ++i) {
+        blades.push_back(poses[i].blade);
+        lengths.push_back(poses[i].blade.length);
+      }
+      std::vector<elastica::CurvePoint> ends(blades.size());
+      elastica::points_at(blades, lengths, ends);
+      for (std::size_t i = from; i < to; ++i) {
+        const elastica::Elastica& blade = blades[i - from];
+        const elastica::CurvePoint& end = ends[i - from];
+        held_[i] = {{blade.x, blade.y, blade.theta}, {end.x, end.y, end.theta}};
+        straight_[i] =
+            elastica::clamp_distance(held_[i], {{0, 0, 0}, {blade.length, 0, 0}}, 0.5 * blade.length);
+      }
     });
-    gpu::stop_point();
     tbb::parallel_for(std::size_t{1}, poses.size(), [&](std::size_t i) { steps[i] = direct(i - 1, i); });
     gpu::stop_point();
     for (std::size_t i = 1; i < poses.size(); ++i) way_[i] = way_[i - 1] + steps[i];

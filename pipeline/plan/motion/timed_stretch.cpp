@@ -107,6 +107,7 @@ FeedPoints feed_points(std::span<const elastica::Elastica> blades, std::span<con
         elastica::sample_parts(blades.subspan(from, to - from), foam.subspan(from, to - from), kFeedPoints);
     for (std::size_t i = from; i < to; ++i) {
       if (!(foam[i].last > foam[i].first)) continue;
+      all[i].reserve(kFeedPoints);
       for (std::size_t k = 0; k < kFeedPoints; ++k) {
         const Eigen::Vector2d q = points.at(i - from, k);
         all[i].push_back(frames[i].point(q.x(), q.y()));

@@ -47,7 +47,7 @@ TEST(ClampMargins, BoundTheMarginOfEveryPoseFromBelow) {
     EXPECT_LE(margins[i].fold_mm, exact.fold_mm * (1 + 1e-5)) << i;
     // Of the neighbour's value, which is at most a third more.
     EXPECT_GE(margins[i].fold_mm, kMarginShare / (2 - kMarginShare) * exact.fold_mm * (1 - 1e-5)) << i;
-    EXPECT_DOUBLE_EQ(margins[i].straight_mm, exact.straight_mm);
+    EXPECT_NEAR(margins[i].straight_mm, exact.straight_mm, 1e-8);
   }
   EXPECT_EQ(margins.front().fold_mm, kFarFromFoldMm);
   EXPECT_LT(margins.back().fold_mm, 1.5);
