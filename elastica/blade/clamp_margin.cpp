@@ -158,7 +158,7 @@ class FoldSearch {
     // Those that no start lies near are left out: by their tangents, and by their chords alone.
     std::vector<Turned> all;
     std::vector<std::size_t> first;  // of each cell, and the end
-    first.reserve(static_cast<std::size_t>(table.sizes() * columns) + 1);
+    first.reserve(static_cast<std::size_t>(table.sizes()) * static_cast<std::size_t>(columns) + 1);
     for (int i = 0; i < table.sizes(); ++i) {
       for (int j = 0; j < columns; ++j) {
         first.push_back(all.size());
@@ -168,7 +168,8 @@ class FoldSearch {
     }
     first.push_back(all.size());
     const auto cell = [&](int i, int j) {
-      const auto k = static_cast<std::size_t>(i * columns + j);
+      const auto k =
+          static_cast<std::size_t>(i) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(j);
       return std::span<const Turned>(all).subspan(first[k], first[k + 1] - first[k]);
     };
     const auto least = [&](const Turned& here, int i, int j) {

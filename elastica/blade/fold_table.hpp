@@ -72,7 +72,8 @@ class FoldTable {
   [[nodiscard]] int sizes() const { return static_cast<int>(cells_.size()) / phases_; }
   [[nodiscard]] int phases() const { return phases_; }
   [[nodiscard]] std::span<const TabledFold> at(int size, int phase) const {
-    return cells_[static_cast<std::size_t>(size * phases_ + phase)];
+    return cells_[static_cast<std::size_t>(size) * static_cast<std::size_t>(phases_) +
+                  static_cast<std::size_t>(phase)];
   }
   // Of each size, of the shallow ones.
   [[nodiscard]] const std::vector<TabledFold>& edge(FoldEdge edge) const {
