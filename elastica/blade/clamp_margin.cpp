@@ -11,7 +11,6 @@
 
 #include "elastica/blade/end_map.hpp"
 #include "elastica/blade/fold_table.hpp"
-#include "elastica/linear/solve.hpp"
 
 namespace hotblade::elastica {
 
@@ -95,13 +94,19 @@ class FoldSearch {
     if (const auto place = seen(shape)) descend(*place);
   }
 
-  // Starts from every tabled fold that is nearer than those around it, and along the edges.
+  // Starts from the shape itself, from every tabled fold that is nearer than those around it, and along the
+  // edges.
   void look_everywhere() {
-    look_in(FoldTable::shallow());
+    // Folds of shapes that are pressed as much as folds are lie closer to them than tabled ones to each
+    // other.
+    constexpr double kPressed = 30;  // the least force of a fold is 4 pi^2
+    const auto own = seen(e_);
+    if (own && own->q[3] > kPressed) descend(*own);
+    look_in(FoldTable::shallow(), false);
     for (const FoldEdge edge : {FoldEdge::kTangents, FoldEdge::kCurvatures})
       for (const double side : {1.0, -1.0}) look_along(FoldTable::shallow().edge(edge), edge, side);
     // Either clamp takes half of what the chords differ by.
-    if (kHalf * (chord_.norm() - FoldTable::kLongestDeepChord) < largest_) look_in(FoldTable::deep());
+    if (kHalf * (chord_.norm() - FoldTable::kLongestDeepChord) < largest_) look_in(FoldTable::deep(), true);
   }
 
   // Whether the shape can be led to a minimum along a straight way.
@@ -109,7 +114,11 @@ class FoldSearch {
     // A shape lost on the way to a minimum shows another one, which is looked at in turn.
     constexpr std::size_t kMost = 16;
     for (; looked_at_ < std::min(kMost, minima_.size()); ++looked_at_) {
-      const Place minimum = minima_[looked_at_];
+      const auto next = minima_.begin() + static_cast<std::ptrdiff_t>(looked_at_);
+      std::iter_swap(next, std::min_element(next, minima_.end(), [](const Place& a, const Place& b) {
+                       return a.squared() < b.squared();
+                     }));
+      const Place minimum = *next;
       if (reached(minimum)) reached_.push_back(minimum);
     }
     return !reached_.empty();
@@ -153,7 +162,7 @@ class FoldSearch {
     return {{by, side * fold.blade.size, fold.blade.phase, fold.blade.force}, squared};
   }
 
-  void look_in(const FoldTable& table) {
+  void look_in(const FoldTable& table, bool deep) {
     const int columns = 2 * table.phases();  // the second half mirrored
     // Those that no start lies near are left out: by their tangents, and by their chords alone.
     std::vector<Turned> all;
@@ -184,14 +193,22 @@ class FoldSearch {
       }
       return true;
     };
+    // Of the deep ones, whose sheets lie too close to be told apart, the nearest of all.
+    constexpr std::size_t kMostDeep = 16;
+    std::vector<Turned> starts;
     for (int i = 0; i < table.sizes(); ++i) {
       for (int j = 0; j < columns; ++j) {
         for (const Turned& here : cell(i, j)) {
           const double reach = reach_of(here.q[1]);
-          if (here.squared > reach * reach || !least(here, i, j)) continue;
-          if (const auto place = at(here.q)) descend(*place);
+          if (here.squared <= reach * reach && (deep || least(here, i, j))) starts.push_back(here);
         }
       }
+    }
+    std::stable_sort(starts.begin(), starts.end(),
+                     [](const Turned& a, const Turned& b) { return a.squared < b.squared; });
+    if (deep && starts.size() > kMostDeep) starts.resize(kMostDeep);
+    for (const Turned& start : starts) {
+      if (const auto place = at(start.q)) descend(*place);
     }
   }
 
@@ -228,7 +245,7 @@ class FoldSearch {
       double size = 0.5 * (x + y) - 0.5 * left * (z - x) / (right - left);
       if (!(size > x && size < z) || std::abs(size - y) < kSame * y) break;
       const auto fold = edge_at(edge, size, b.q[2], b.q[3]);
-      if (!fold) return;
+      if (!fold) break;
       const Turned next = nearest(*fold, side);
       if (next.squared < b.squared) {
         (size < y ? c : a) = b;
@@ -237,9 +254,10 @@ class FoldSearch {
         (size < y ? a : c) = next;
       }
     }
+    constexpr double kMore = 1.5;  // than what is looked for, where folds aside are not nearer by as much
+    if (b.squared > kMore * largest_ * largest_) return;
     const auto place = at(b.q);
-    if (!place || place->squared() > largest_ * largest_) return;
-    keep(*place);
+    if (place && place->squared() < largest_ * largest_) keep(*place);
     // Aside of the edge a fold may be nearer.
     constexpr double kAside = 0.03;
     for (const double aside : {kAside, -kAside}) {
@@ -442,9 +460,12 @@ class FoldSearch {
     return false;
   }
 
+  // One that is no farther: a place of an edge may be a saddle, from which a descent goes on.
   [[nodiscard]] bool known(const Place& p) const {
-    return std::any_of(minima_.begin(), minima_.end(),
-                       [&](const Place& m) { return (bending(m.q) - bending(p.q)).norm() < same_; });
+    constexpr double kRounding = 1e-6;
+    return std::any_of(minima_.begin(), minima_.end(), [&](const Place& m) {
+      return m.squared() <= (1 + kRounding) * p.squared() && (bending(m.q) - bending(p.q)).norm() < same_;
+    });
   }
 
   void keep(const Place& p) {
@@ -470,7 +491,9 @@ class FoldSearch {
       gone += (1 - left - gone) * way.fraction;
       shape = way.shape;
       status = way.status;
-      const PressedBlade end = PressedBlade::of(shape.elastica), fold = pressed(p.q);
+      // Both with the force less than half a turn from the tangent.
+      const PressedBlade end = PressedBlade::of(shape.elastica),
+                         fold = PressedBlade::of(pressed(p.q).elastica());
       const double apart = std::max((end.bend() - fold.bend()).norm() / std::abs(fold.size),
                                     std::abs(end.force - fold.force) / fold.force);
       if (apart < std::max(kSame, kCloser * before)) return true;

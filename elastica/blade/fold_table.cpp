@@ -182,15 +182,15 @@ const FoldTable& FoldTable::shallow() {
 
 const FoldTable& FoldTable::deep() {
   static const FoldTable table = [] {
-    constexpr double kStep = 0.3, kLeastForce = 5, kMostForce = 157, kForceStep = 8;
-    constexpr int kSizes = 3, kForces = static_cast<int>((kMostForce - kLeastForce) / kForceStep);
+    constexpr double kFirst = 2.06, kStep = 0.14, kLeastForce = 41, kMostForce = 161, kForceStep = 8;
+    constexpr int kSizes = 5, kForces = static_cast<int>((kMostForce - kLeastForce) / kForceStep);
     const std::vector<double> phases = tabled_phases();
     FoldTable all;
     all.phases_ = static_cast<int>(phases.size());
     for (int i = 0; i < kSizes; ++i) {
       for (const double phase : phases) {
         std::vector<TabledFold>& cell = all.cells_.emplace_back();
-        PressedBlade blade{kLargestShallow + kStep * (i + 1), phase, 0};
+        PressedBlade blade{kFirst + kStep * i, phase, 0};
         bool before = false;
         for (int k = 0; k <= kForces; ++k) {
           blade.force = kLeastForce + kForceStep * k;

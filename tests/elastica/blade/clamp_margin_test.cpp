@@ -150,6 +150,10 @@ TEST(ClampMargin, NamesTheShapesOwnFoldBesideAnothers) {
       1.70842577771e-06, 400};
   const ClampMargin margin = clamp_margin(e, {0.161, 0});
   EXPECT_NEAR(margin.margin_mm, 0.03012, 1e-4);
+  // Its own lies beside it, closer than the table's step.
+  const Elastica pressed{0,  0, 0, -0.00024892106722218933, 0.00010998473750236408, 9.1834555568333216e-06,
+                         600};
+  EXPECT_NEAR(clamp_margin(pressed).margin_mm, 0.0369, 1e-4);
   std::mt19937_64 random(31);
   std::uniform_real_distribution<double> unit(-1, 1);
   int named = 0;
