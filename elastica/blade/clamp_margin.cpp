@@ -3,9 +3,9 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -25,8 +25,7 @@ using Eigen::Vector4d;
 // Everything below is for a blade of length 1. Unknowns q = (turn of clamp A, size, phase, force), the last
 // three those of PressedBlade.
 Vector2d turned(double angle, const Vector2d& v) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+  return Eigen::Rotation2Dd(angle) * v;
 }
 
 // Either clamp bears half of a change of the chord: its share of the squares is 1/2.
@@ -242,7 +241,7 @@ class FoldSearch {
     for (int i = 0; i < kMostSteps; ++i) {
       const double x = std::abs(a.q[1]), y = std::abs(b.q[1]), z = std::abs(c.q[1]);
       const double left = (b.squared - a.squared) / (y - x), right = (c.squared - b.squared) / (z - y);
-      double size = 0.5 * (x + y) - 0.5 * left * (z - x) / (right - left);
+      const double size = 0.5 * (x + y) - 0.5 * left * (z - x) / (right - left);
       if (!(size > x && size < z) || std::abs(size - y) < kSame * y) break;
       const auto fold = edge_at(edge, size, b.q[2], b.q[3]);
       if (!fold) break;

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -145,9 +144,8 @@ std::optional<TabledFold> edge_at(FoldEdge edge, double size, double phase, doub
 
 const FoldTable& FoldTable::shallow() {
   static const FoldTable table = [] {
-    // Shapes half a per mille of a rad large are straight to a blade's thickness.
     constexpr double kRatio = 1.5;
-    constexpr int kSizes = 21;
+    constexpr int kSizes = 21;  // down to 6e-4: smaller shapes are straight to a blade's thickness
     // Of a straight column between clamps: its first two modes, the second at the root of tan(sqrt(force)/2)
     // = sqrt(force)/2, where an arch has kappa = 2 alpha.
     constexpr double kFirst = 4 * std::numbers::pi * std::numbers::pi, kSecond = 80.7629;
