@@ -359,11 +359,12 @@ void take(PlanResult other, PlanResult& result) {
   result = std::move(other);
 }
 
-// Each strip as one swept family: the first such plan that passes is taken. `hooks` are told of what is
-// looked at in full, `progress` of the rest. Returns the plan that is shown.
-SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& settings, const PlanHooks& hooks,
-                     PlanProgress& progress, Stopwatch& watch, PlanResult& result,
-                     std::size_t most_parts = kMostStrips) {
+// Each strip as one swept family: the first such plan that passes is taken. Families follow `formed`, which
+// is the design or its one face, and all of the design is measured. `hooks` are told of what is looked at in
+// full, `progress` of the rest. Returns the plan that is shown.
+SweptPlan try_sweeps(const surface::DesignSurface& design, const surface::DesignSurface& formed,
+                     const Settings& settings, const PlanHooks& hooks, PlanProgress& progress,
+                     Stopwatch& watch, PlanResult& result, std::size_t most_parts = kMostStrips) {
   std::optional<SweptPlan> taken;
   Nearest nearest;
   PlanLooks looks(design, settings, hooks, watch, result);
@@ -403,7 +404,7 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const Settings& setti
     bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
   std::vector<PlanesTried> ranking;
   try {
-    ranking = search_sweeps(design, settings, judges, watched, bands, most_parts);
+    ranking = search_sweeps(formed, settings, judges, watched, bands, most_parts);
   } catch (const surface::FanError& error) {
     throw Error(ErrorKind::kNotCuttable, error.what());
   }
@@ -428,7 +429,7 @@ SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surf
     face.program = result.program;
     const surface::DesignSurface alone = face_of(design, mesh);
     const std::size_t strips = whole.strips.size();
-    append(whole, try_sweeps(alone, own, hooks, progress, watch, face));
+    append(whole, try_sweeps(alone, alone, own, hooks, progress, watch, face));
     result.faces.push_back({{strips, whole.strips.size() - strips},
                             {result.decisions.size(), face.decisions.size()},
                             {result.ranking.size(), face.ranking.size()},
@@ -461,8 +462,11 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
   const auto plan_faces = [&](const std::vector<surface::TriangleMesh>& faces, PlanResult& planned,
                               std::size_t most = kMostStrips) {
-    return faces.size() == 1 ? try_sweeps(design, settings, hooks, progress, watch, planned, most)
-                             : try_faces(design, faces, settings, hooks, progress, watch, planned);
+    if (faces.size() > 1) return try_faces(design, faces, settings, hooks, progress, watch, planned);
+    // Slivers at a hull are of no face.
+    const bool all = faces.front().triangles().size() == design.mesh.triangles().size();
+    return try_sweeps(design, all ? design : face_of(design, faces.front()), settings, hooks, progress, watch,
+                      planned, most);
   };
   const ShallowFolds asked = settings.slice.shallow_folds;
   if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result), result);

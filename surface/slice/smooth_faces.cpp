@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <map>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "surface/slice/face_turn.hpp"
@@ -256,10 +259,70 @@ TriangleMesh piece_of(const TriangleMesh& mesh, const std::vector<int>& triangle
   return TriangleMesh(std::move(soup));
 }
 
+// Triangles at a border that fold away from the rest by what is no smooth surface's, and end so soon that
+// what goes straight on is off by a tolerance at most: triangulations leave such slivers at a hull, of
+// points nearly in line. Off these there may be others.
+std::vector<int> hull_slivers(const TriangleMesh& mesh, const CreaseLimits& limits) {
+  const double least_rad = FoldLimits(limits).least_rad();
+  std::vector<bool> gone(mesh.triangles().size(), false);
+  const auto beyond = [&](int corner) {
+    const int other = mesh.beyond(corner);
+    return other == TriangleMesh::kNone || gone[static_cast<std::size_t>(other / 3)] ? TriangleMesh::kNone
+                                                                                     : other / 3;
+  };
+  const auto length_mm = [&](int corner) {
+    const auto at = [&](int c) { return mesh.vertices()[static_cast<std::size_t>(vertex_at(mesh, c))]; };
+    return (at(next_corner(corner)) - at(corner)).norm();
+  };
+  const auto is_sliver = [&](int face) {
+    double longest_mm = 0, ends_mm = 0, beside_mm = 0, fold = 0;
+    for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
+      const double length = length_mm(corner);
+      longest_mm = std::max(longest_mm, length);
+      const int other = beyond(corner);
+      (other == TriangleMesh::kNone ? ends_mm : beside_mm) += length;
+      if (other != TriangleMesh::kNone) fold = std::max(fold, turn_between(mesh, face, other));
+    }
+    // Every point of it is as near to the rest as its height over its longest edge, which is the rest's or
+    // has the rest's edges above it.
+    const bool beside = ends_mm > 0 && beside_mm >= longest_mm;
+    const double height_mm = across_face(mesh, face).norm() / longest_mm;
+    return beside && fold > least_rad &&
+           height_mm * std::sin(std::min(fold, 0.5 * std::numbers::pi)) <= limits.tolerance_mm;
+  };
+  std::vector<int> open, slivers;
+  for (const int corner : mesh.border()) open.push_back(corner / 3);
+  while (!open.empty()) {
+    const int face = open.back();
+    open.pop_back();
+    if (gone[static_cast<std::size_t>(face)] || !is_sliver(face)) continue;
+    for (int corner = 3 * face; corner < 3 * face + 3; ++corner)
+      if (const int other = beyond(corner); other != TriangleMesh::kNone) open.push_back(other);
+    gone[static_cast<std::size_t>(face)] = true;
+    slivers.push_back(face);
+  }
+  std::sort(slivers.begin(), slivers.end());
+  return slivers;
+}
+
 }  // namespace
 
 std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
                                        std::vector<int>* face_of_triangle) {
+  if (const std::vector<int> slivers = hull_slivers(mesh, limits); !slivers.empty()) {
+    std::vector<int> all(mesh.triangles().size()), rest, face_of_rest;
+    std::iota(all.begin(), all.end(), 0);
+    std::set_difference(all.begin(), all.end(), slivers.begin(), slivers.end(), std::back_inserter(rest));
+    if (!rest.empty()) {
+      std::vector<TriangleMesh> faces = smooth_faces(piece_of(mesh, rest), limits, &face_of_rest);
+      if (face_of_triangle) {
+        face_of_triangle->assign(all.size(), -1);
+        for (std::size_t i = 0; i < rest.size(); ++i)
+          (*face_of_triangle)[static_cast<std::size_t>(rest[i])] = face_of_rest[i];
+      }
+      return faces;
+    }
+  }
   if (face_of_triangle) face_of_triangle->assign(mesh.triangles().size(), 0);
   const Creases found = creases(mesh, limits);
   if (found.empty()) return {mesh};

@@ -12,7 +12,7 @@
 
 #include "elastica/blade/stability.hpp"
 #include "gpu/backend/stop.hpp"
-#include "pipeline/plan/ribs/rib_spline.hpp"
+#include "pipeline/plan/motion/clamps_between.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -120,9 +120,7 @@ Points free_in_stock(const elastica::PartPoints& whole, std::size_t i, const ela
 // A rib with what it sees of the block, and gravity in its axes and along its plane's normal.
 struct PlacedRib {
   const RibFit& rib;
-  // Of its own plane and, where planes turn, half-way to its neighbours': the block's corners come nearer
-  // there.
-  std::vector<Block> blocks;
+  Block block;
   Eigen::Vector3d down;
 };
 
@@ -156,16 +154,12 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, double 
   if (c.curvature > sharpest) return {Limit::kBladeYield, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
-  c.clearance = std::numeric_limits<double>::infinity();
-  for (const Block& block : placed.blocks) {
-    c.clearance = std::min(
-        {c.clearance, block.distance_mm(in_plane(a.position())), block.distance_mm(in_plane(b.position()))});
-  }
+  c.clearance = std::min(placed.block.distance_mm(in_plane(a.position())),
+                         placed.block.distance_mm(in_plane(b.position())));
   if (c.clearance < kClearanceReserve * settings.stock.clearance_mm)
     return {Limit::kClampClearance, c.clearance};
   const double s0 = share * spare;
-  const FreeParts free =
-      examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.blocks.front());
+  const FreeParts free = examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.block);
   if (free.depth_mm > kFreePartDepthMm) return {Limit::kFreePart, free.depth_mm};
   if (free.crosses_itself) return {Limit::kSelfCrossing, 1};
   c.margin = elastica::stability_margin(curve);
@@ -243,39 +237,6 @@ bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
   return q.clamp_curvature_per_mm < kWorthIt * p.clamp_curvature_per_mm;
 }
 
-// Blades as they stand between two ribs, at quarters of the gap, and what they see of the block.
-struct BetweenRibs {
-  elastica::MidState rib;
-  Block block;
-  int after = 0;  // the rib before it
-};
-
-std::vector<BetweenRibs> between_ribs(const std::vector<RibFit>& ribs, const RibAxes& axes,
-                                      const Block& block) {
-  std::vector<BetweenRibs> all;
-  const RibSpline spline(ribs);
-  for (std::size_t i = 0; i + 1 < ribs.size(); ++i) {
-    for (const double share : {0.25, 0.5, 0.75}) {
-      const double offset = ribs[i].offset_mm + share * (ribs[i + 1].offset_mm - ribs[i].offset_mm);
-      all.push_back({spline.mid_at(offset), block.seen_from(axes.plane(offset)), static_cast<int>(i)});
-    }
-  }
-  return all;
-}
-
-// What the clamps have left between ribs, at the nearest place, and the rib before it.
-std::pair<double, int> clearance_between(const std::vector<BetweenRibs>& between, double length,
-                                         double share) {
-  std::pair<double, int> nearest{std::numeric_limits<double>::infinity(), 0};
-  for (const BetweenRibs& b : between) {
-    if (winds_up(b.rib, length)) return {0, b.after};
-    const elastica::ElasticaCurve curve(extended(from_mid_state(b.rib), length, share));
-    for (const double s : {0.0, length})
-      nearest = std::min(nearest, {b.block.distance_mm(in_plane(curve.at(s).position())), b.after});
-  }
-  return nearest;
-}
-
 // What the shares of one length came to.
 struct LengthTrial {
   std::optional<BladeChoice> choice;
@@ -283,8 +244,8 @@ struct LengthTrial {
   int rib = -1;
 };
 
-LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<BetweenRibs>& between,
-                       double length, double most_sag_mm, const Settings& settings) {
+LengthTrial try_length(const std::vector<PlacedRib>& ribs, const ClampsBetween& between, double length,
+                       double most_sag_mm, const Settings& settings) {
   // Of the extension, on clamp A's side; the more even ones first.
   constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
   LengthTrial trial;
@@ -297,7 +258,7 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const std::vector<Bet
     gpu::stop_point();
     auto worst = std::min_element(checks.begin(), checks.end(), worse);
     if (worst->limit == Limit::kNone) {
-      const auto [clearance, rib] = clearance_between(between, length, share);
+      const auto [clearance, rib] = between.least(length, share, settings.stock.clearance_mm);
       if (clearance < settings.stock.clearance_mm) {
         worst = checks.begin() + rib;
         worst->limit = Limit::kClampClearance;
@@ -368,18 +329,13 @@ BladeReport choose_blade(const std::vector<RibFit>& ribs, const RibAxes& axes, c
   const double most_sag_mm = sag_mm.value_or(kSagShare * settings.design.tolerance_mm);
   const Eigen::Vector3d down = axes.planes.normal(0.5 * (ribs.front().offset_mm + ribs.back().offset_mm));
   std::vector<PlacedRib> placed;
-  for (std::size_t i = 0; i < ribs.size(); ++i) {
-    const double offset = ribs[i].offset_mm;
-    const Frame plane = axes.plane(offset);
-    PlacedRib& rib =
-        placed.emplace_back(PlacedRib{ribs[i], {block.seen_from(plane)}, -Eigen::Vector3d::UnitZ()});
-    if (!axes.planes.turns()) continue;  // level planes see gravity along their normals exactly
-    rib.down = {down.dot(plane.x), down.dot(plane.y), down.dot(plane.normal())};
-    if (i > 0) rib.blocks.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i - 1].offset_mm))));
-    if (i + 1 < ribs.size())
-      rib.blocks.push_back(block.seen_from(axes.plane(0.5 * (offset + ribs[i + 1].offset_mm))));
+  for (const RibFit& rib : ribs) {
+    const Frame plane = axes.plane(rib.offset_mm);
+    PlacedRib& seen = placed.emplace_back(PlacedRib{rib, block.seen_from(plane), -Eigen::Vector3d::UnitZ()});
+    // Level planes see gravity along their normals exactly.
+    if (axes.planes.turns()) seen.down = {down.dot(plane.x), down.dot(plane.y), down.dot(plane.normal())};
   }
-  const std::vector<BetweenRibs> between = between_ribs(ribs, axes, block);
+  const ClampsBetween between(ribs, axes, block);
   BladeReport report;
   std::size_t furthest = 0;
   std::vector<std::string> details;

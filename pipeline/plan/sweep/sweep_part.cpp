@@ -211,7 +211,7 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
     PartFit tried = fit;
     static_cast<SweepFitReport&>(tried) = fit_sweep(data, options, from);
     tried.blade_length_mm = blade;
-    weigh(tried, {blade, 0.5 * blade}, data);
+    weigh(tried, part.axes, {blade, 0.5 * blade}, data);
     tried.cost_mm = cost_of(tried, part.axes.planes.turns());
     if (!needed && !(tried.cost_mm < fit.cost_mm)) break;
     fit = std::move(tried);
@@ -224,9 +224,9 @@ PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const 
   return fit;
 }
 
-// Sag and margin of a strip whose planes lie level.
-void PartFitter::weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const {
-  fit.sag = std::make_shared<SweepSag>(fit.family, blade, settings_.blade);
+void PartFitter::weigh(PartFit& fit, const RibAxes& axes, const SweepBlade& blade,
+                       const SweepData& data) const {
+  fit.sag = std::make_shared<SweepSag>(fit.family, axes, blade, settings_.blade);
   fit.margin = fit.sag->smallest_margin();
   fit.sag_mm = fit.sag->moved_mm(fit.arc_low_mm, fit.arc_high_mm, data.steepest_rad);
 }
@@ -259,7 +259,7 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
         std::abs(was.before_mm - made.blade.before_mm) <= kSameBladeMm)
       return made;
     PartFit start = fit;
-    start.sag = std::make_shared<SweepSag>(fit.family, made.blade, settings_.blade);
+    start.sag = std::make_shared<SweepSag>(fit.family, part.axes, made.blade, settings_.blade);
     PartFit again = this->fit(part, effort, &start);
     if (!again.holds()) return made;
     fit = std::move(again);
@@ -430,7 +430,7 @@ PartPlan PartFitter::met(const SweepPart& part, const JointPart& joint, const Sw
     SweepFamily family = together;
     family.coefficients = share * together.coefficients + (1 - share) * own.fit.family.coefficients;
     static_cast<SweepFitReport&>(plan.fit) = measured_family(joint.data, joint.options, family);
-    weigh(plan.fit, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joint.data);
+    weigh(plan.fit, part.axes, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joint.data);
     plan.fit.cost_mm = cost_of(plan.fit, part.axes.planes.turns());
     SweptStrip made =
         make_swept_strip(*part.surface, part.axes, part.seams, plan.fit, plan.fit.formed_by.get(),

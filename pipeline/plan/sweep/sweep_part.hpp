@@ -141,7 +141,7 @@ class PartFitter {
   [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
   [[nodiscard]] double cost_of(const SweepData& data) const;
   [[nodiscard]] SweepFitOptions options_for(const SweepData& data, const SweepEffort& effort) const;
-  void weigh(PartFit& fit, const SweepBlade& blade, const SweepData& data) const;
+  void weigh(PartFit& fit, const RibAxes& axes, const SweepBlade& blade, const SweepData& data) const;
   [[nodiscard]] double cost_of(const PartFit& fit, bool turns) const;
   // By which a plan's blade snaps at its ribs, and by which it may: those that snap sooner are no better than
   // what they come of.

@@ -14,9 +14,18 @@ namespace {
 
 constexpr int kNodes = 64;  // cells across a blade
 
+// Gravity on the axes of the plane at an offset, its sweep last: the planes' middle lies level.
+Eigen::Vector3d down_at(double offset_mm, double middle_mm, const RibAxes& axes) {
+  if (!axes.planes.turns()) return Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d down = axes.planes.normal(middle_mm);
+  const Frame plane = axes.plane(offset_mm);
+  return {down.dot(plane.x), down.dot(plane.y), down.dot(axes.planes.normal(offset_mm))};
+}
+
 }  // namespace
 
-SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const robot::Blade& section)
+SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBlade& blade,
+                   const robot::Blade& section)
     : first_mm_(family.first_mm),
       last_mm_(family.last_mm),
       half_width_mm_(0.5 * section.width_mm),
@@ -34,7 +43,8 @@ SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const rob
     const elastica::Elastica shape = segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
                                              0.5 * reach - blade.before_mm + blade.length_mm);
     margin_ = std::min(margin_, elastica::stability_margin(shape));
-    const robot::SagProfile sag = sag_profile(shape, section, Eigen::Vector3d::UnitZ());
+    const Eigen::Vector3d down = down_at(offset, 0.5 * (first_mm_ + last_mm_), axes);
+    const robot::SagProfile sag = sag_profile(shape, section, down);
     stable_ = stable_ && sag.stable;
     const elastica::ElasticaCurve curve(shape);
     nodes_[k].reserve(kNodes + 1);
@@ -46,6 +56,7 @@ SweepSag::SweepSag(const SweepFamily& family, const SweepBlade& blade, const rob
       const auto value = sag.at(share);
       nodes_[k].push_back(
           {p.x, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, p.theta}});
+      if (axes.planes.turns()) in_plane_mm_[k].push_back(value.in_plane_mm.norm());
     }
   }
 }
@@ -71,15 +82,17 @@ SweepSag::Value SweepSag::at(double offset_mm, double x_mm) const {
 
 double SweepSag::moved_mm(double arc_low_mm, double arc_high_mm, double steepest_rad) const {
   if (!stable_) return std::numeric_limits<double>::infinity();
-  double droop = 0, twist = 0;
-  for (const std::vector<Node>& nodes : nodes_) {
-    for (const Node& n : nodes) {
+  double droop = 0, twist = 0, in_plane = 0;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    for (std::size_t i = 0; i < nodes_[k].size(); ++i) {
+      const Node& n = nodes_[k][i];
       if (n.s_mm < arc_low_mm || n.s_mm > arc_high_mm) continue;
       droop = std::max(droop, std::abs(n.value.droop_mm));
       twist = std::max(twist, std::abs(n.value.twist_rad));
+      if (!in_plane_mm_[k].empty()) in_plane = std::max(in_plane, in_plane_mm_[k][i]);
     }
   }
-  return droop * std::sin(steepest_rad) + half_width_mm_ * twist;
+  return droop * std::sin(steepest_rad) + half_width_mm_ * twist + in_plane;
 }
 
 }  // namespace hotblade::pipeline

@@ -2,12 +2,14 @@
 //
 // Planes lie level, sweep downwards: a blade hangs along the sweep, so that the pose at an offset forms what
 // lies lower by the droop. It is planned to form just that (sweep_sections.hpp), and the droop compensates
-// itself.
+// itself. Of a fan only the middle plane is level: in the others a blade sags in its plane too, by which
+// nothing is moved.
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/plan/sweep/sweep_family.hpp"
 #include "robot/blade/blade.hpp"
 
@@ -20,8 +22,9 @@ struct SweepBlade {
 
 class SweepSag {
  public:
-  // Solved at a few places of the sweep; in between and across linear.
-  SweepSag(const SweepFamily& family, const SweepBlade& blade, const robot::Blade& section);
+  // Solved at a few places of the sweep, on its axes; in between and across linear.
+  SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBlade& blade,
+           const robot::Blade& section);
 
   struct Value {
     double droop_mm = 0;   // along the sweep
@@ -32,7 +35,7 @@ class SweepSag {
   [[nodiscard]] Value at(double offset_mm, double x_mm) const;
 
   // Largest over the part between two arc lengths from the middle: what the cut is moved by where the design
-  // is so steep; infinite where a blade tips out of its plane.
+  // is so steep, in tilted planes by the sag in them too; infinite where a blade tips out of its plane.
   [[nodiscard]] double moved_mm(double arc_low_mm, double arc_high_mm, double steepest_rad) const;
 
   [[nodiscard]] const SweepBlade& blade() const { return blade_; }
@@ -52,7 +55,8 @@ class SweepSag {
   SweepBlade blade_;
   bool stable_ = true;
   double margin_ = 0;
-  std::array<std::vector<Node>, kPlaces> nodes_;  // ascending in x
+  std::array<std::vector<Node>, kPlaces> nodes_;          // ascending in x
+  std::array<std::vector<double>, kPlaces> in_plane_mm_;  // at the nodes; empty where planes are level
 };
 
 }  // namespace hotblade::pipeline
