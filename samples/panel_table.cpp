@@ -1,5 +1,6 @@
 // Makes the panels of a seed, plans each with the program and prints what came out as a Markdown table:
-//   panel_table [SEED | dented:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out DIRECTORY]
+//   panel_table [SEED | dented:SEED | shells:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out
+//   DIRECTORY]
 // Of a directory every OBJ is planned, in mm. Exit code 1 when fewer than N panels pass (all, unless said).
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <exception>
@@ -193,16 +195,22 @@ std::vector<fs::path> designs(const std::string& set, const fs::path& directory)
     std::sort(files.begin(), files.end());
     return files;
   }
-  constexpr std::string_view kDented = "dented:";
-  const bool dented = set.starts_with(kDented);
+  using namespace hotblade::samples;
+  struct Kind {
+    std::string_view before;
+    std::vector<Panel> (*of)(std::uint64_t seed);
+  };
+  constexpr std::array<Kind, 3> kKinds{{{"dented:", dented_panels}, {"shells:", shell_panels}, {"", panels}}};
+  const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(),
+                                   [&](const Kind& each) { return set.starts_with(each.before); });
   std::uint64_t seed = 0;
-  const char* first = set.data() + (dented ? kDented.size() : 0);
+  const char* first = set.data() + kind.before.size();
   const auto [end, error] = std::from_chars(first, set.data() + set.size(), seed);
   if (error != std::errc() || end != set.data() + set.size())
-    throw std::invalid_argument(set + ": neither a seed (a whole number), dented:SEED nor a directory");
+    throw std::invalid_argument(
+        set + ": neither a seed (a whole number), dented:SEED, shells:SEED nor a directory");
   fs::create_directories(directory);
-  using namespace hotblade::samples;
-  for (const Panel& panel : dented ? dented_panels(seed) : panels(seed)) {
+  for (const Panel& panel : kind.of(seed)) {
     files.push_back(directory / (panel.name + ".obj"));
     std::ofstream out(files.back(), std::ios::binary);
     out << obj_text(panel);
@@ -261,11 +269,11 @@ int main(int argc, char** argv) {
   try {
     return table(parsed({argv + 1, argv + argc}));
   } catch (const std::logic_error& error) {
-    std::fprintf(
-        stderr,
-        "%s\nusage: panel_table [SEED | dented:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out "
-        "DIRECTORY]\n",
-        error.what());
+    std::fprintf(stderr,
+                 "%s\nusage: panel_table [SEED | dented:SEED | shells:SEED | DIRECTORY]... [--tolerance MM] "
+                 "[--at-least N] [--out "
+                 "DIRECTORY]\n",
+                 error.what());
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -349,9 +349,130 @@ Panel dented(Draws& draws, int number) {
   return panel;
 }
 
-}  // namespace
+// Surfaces of parts of buildings, over the unit square.
+Surface tube(Draws& draws) {
+  const double radius = draws.uniform(200, 700), turn = draws.uniform(1.5, 4.5),
+               length = draws.uniform(400, 1500);
+  return [=](double u, double v) {
+    const double angle = turn * (u - 0.5);
+    return Vector3d(radius * std::sin(angle), length * v, radius * std::cos(angle));
+  };
+}
 
-namespace {
+Surface cone_part(Draws& draws) {
+  const double narrow = draws.uniform(200, 400), wide = narrow + draws.uniform(100, 400),
+               turn = draws.uniform(1.2, 3.6), length = draws.uniform(500, 1200);
+  return [=](double u, double v) {
+    const double angle = turn * (u - 0.5), radius = narrow + (wide - narrow) * v;
+    return Vector3d(radius * std::sin(angle), length * v, radius * std::cos(angle));
+  };
+}
+
+Surface dome(Draws& draws) {
+  const double radius = draws.uniform(400, 1500), a = draws.uniform(0.5, 1.4), b = draws.uniform(0.5, 1.4);
+  return [=](double u, double v) -> Vector3d {
+    return radius * Vector3d(std::tan(a * (u - 0.5)), std::tan(b * (v - 0.5)), 1).normalized();
+  };
+}
+
+Surface ribbon(Draws& draws) {
+  const double length = draws.uniform(1500, 4000), width = draws.uniform(150, 500),
+               rise = draws.uniform(30, 140), waves = draws.uniform(0.7, 2.5);
+  return [=](double u, double v) {
+    return Vector3d(length * u, width * (v - 0.5), rise * std::sin(2 * pi * waves * u));
+  };
+}
+
+Surface propeller(Draws& draws) {
+  const double length = draws.uniform(800, 2500), width = draws.uniform(200, 600),
+               turn = draws.uniform(0.5, 2.2), rise = draws.uniform(-90, 90);
+  return [=](double u, double v) {
+    const double angle = turn * u, out = width * (v - 0.5);
+    return Vector3d(length * u, out * std::cos(angle), out * std::sin(angle) + rise * std::sin(pi * u));
+  };
+}
+
+Surface ramp(Draws& draws) {
+  const double inner = draws.uniform(400, 1000), width = draws.uniform(200, 500),
+               turn = draws.uniform(0.8, 2.5), rise = draws.uniform(150, 700),
+               cant = draws.uniform(-0.3, 0.3);
+  return [=](double u, double v) {
+    return turned_about_z(inner + width * v, turn * u, rise * u + cant * width * v);
+  };
+}
+
+Surface swells(Draws& draws) {
+  const double a = draws.uniform(500, 1800), b = draws.uniform(400, 1300);
+  const Height up =
+                   bump(draws.uniform(30, 170), draws.uniform(-0.3, 0), draws.uniform(-0.3, 0.3), 0.25, 0.25),
+               down =
+                   bump(-draws.uniform(20, 120), draws.uniform(0, 0.3), draws.uniform(-0.3, 0.3), 0.22, 0.25);
+  return [=](double u, double v) {
+    return Vector3d(a * u, b * v, up(u - 0.5, v - 0.5) + down(u - 0.5, v - 0.5));
+  };
+}
+
+Surface askew_wave(Draws& draws) {
+  const double a = draws.uniform(700, 2200), b = draws.uniform(500, 1100), rise = draws.uniform(20, 80),
+               along = draws.uniform(-1.3, 1.3), across = draws.uniform(-1, 1);
+  return [=](double u, double v) {
+    return Vector3d(a * u, b * v, rise * std::sin(2 * pi * (along * u + across * v)));
+  };
+}
+
+// Borders of parts of buildings, in turn.
+bool in_shell(int number, int i, int j) {
+  constexpr int kBorders = 7;
+  const double u = grid(i) - 0.5, v = grid(j) - 0.5;
+  switch (number % kBorders) {
+    case 1: {
+      const double across = std::max(std::abs(v), 0.5 * std::abs(v) + 0.5 * std::sqrt(3.0) * std::abs(u));
+      return across <= 0.43;  // a hexagon
+    }
+    case 2:
+      return u < 0 || v < 0;  // an angle
+    case 3:
+      return std::abs(u) >= 0.15 || v <= -0.1;  // a fork
+    case 4:
+      return std::abs(u) >= 0.02 || v <= -0.2;  // a slit
+    case 5:
+      return std::abs(u) >= 0.18 || std::abs(v) >= 0.2;  // a window
+    case 6: {
+      const double out = std::hypot(u, v);
+      return out <= 0.5 && out >= 0.2;
+    }
+    default:
+      return true;
+  }
+}
+
+Panel shell(Draws& draws, int number) {
+  struct Kind {
+    const char* name;
+    Surface (*drawn)(Draws& draws);
+  };
+  constexpr std::array<Kind, 8> kKinds{{{"tube", tube},
+                                        {"cone", cone_part},
+                                        {"dome", dome},
+                                        {"ribbon", ribbon},
+                                        {"propeller", propeller},
+                                        {"ramp", ramp},
+                                        {"swells", swells},
+                                        {"wave", askew_wave}}};
+  const Kind& kind = kKinds[static_cast<std::size_t>(number) % kKinds.size()];
+  Panel panel;
+  panel.name = numbered('s', number, kind.name);
+  Surface surface;
+  do {
+    surface = kind.drawn(draws);
+    panel.radius_mm = smallest_radius(surface);
+  } while (panel.radius_mm < kPanelRadiusMm);
+  const auto turn = number % 4 == 3 ? random_turn(draws) : Eigen::Quaterniond::Identity();
+  mesh(
+      surface, turn, [number](int i, int j) { return in_shell(number, i, j); }, panel,
+      [&] { return draws.uniform(0, 1) < 0.5; });
+  return panel;
+}
 
 std::vector<Panel> all_drawn(std::uint64_t seed, Panel (*draw)(Draws& draws, int number)) {
   Draws draws(seed);
@@ -369,6 +490,10 @@ std::vector<Panel> panels(std::uint64_t seed) {
 
 std::vector<Panel> dented_panels(std::uint64_t seed) {
   return all_drawn(seed, dented);
+}
+
+std::vector<Panel> shell_panels(std::uint64_t seed) {
+  return all_drawn(seed, shell);
 }
 
 std::string obj_text(const Panel& panel) {

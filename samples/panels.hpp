@@ -36,6 +36,12 @@ inline constexpr double kDentedLeastMm = 100, kDentedMostMm = 350;
 // to and fro more often than a blade can.
 [[nodiscard]] std::vector<Panel> dented_panels(std::uint64_t seed);
 
+// Parts of buildings of a seed, 0.3 to 4 m: in turn tubes and cones of up to 260 degrees, domes, ribbons,
+// propellers, ramps, swells and waves askew. In turn they are whole, hexagons, angles, forks, and have a
+// slit, a window and a round border with a round window; every fourth is turned in space. Each cell's
+// diagonal is drawn. None bends more sharply than kPanelRadiusMm.
+[[nodiscard]] std::vector<Panel> shell_panels(std::uint64_t seed);
+
 // The panel as an OBJ file's text, to 1e-6 mm.
 [[nodiscard]] std::string obj_text(const Panel& panel);
 

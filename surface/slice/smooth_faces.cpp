@@ -270,25 +270,31 @@ std::vector<int> hull_slivers(const TriangleMesh& mesh, const CreaseLimits& limi
     return other == TriangleMesh::kNone || gone[static_cast<std::size_t>(other / 3)] ? TriangleMesh::kNone
                                                                                      : other / 3;
   };
-  const auto length_mm = [&](int corner) {
-    const auto at = [&](int c) { return mesh.vertices()[static_cast<std::size_t>(vertex_at(mesh, c))]; };
-    return (at(next_corner(corner)) - at(corner)).norm();
+  const auto at = [&](int corner) -> const Vector3d& {
+    return mesh.vertices()[static_cast<std::size_t>(vertex_at(mesh, corner))];
+  };
+  // How far a triangle that has one edge of the rest goes from it.
+  const auto reach_mm = [&](int corner) {
+    const Vector3d edge = at(next_corner(corner)) - at(corner),
+                   out = at(next_corner(next_corner(corner))) - at(corner);
+    return (out - std::clamp(out.dot(edge) / edge.squaredNorm(), 0.0, 1.0) * edge).norm();
   };
   const auto is_sliver = [&](int face) {
-    double longest_mm = 0, ends_mm = 0, beside_mm = 0, fold = 0;
+    double end_mm = 0, beside_mm = 0, off_mm = 0, fold = 0;  // its longest edges at the border and at others
+    int beside = 0;
     for (int corner = 3 * face; corner < 3 * face + 3; ++corner) {
-      const double length = length_mm(corner);
-      longest_mm = std::max(longest_mm, length);
       const int other = beyond(corner);
-      (other == TriangleMesh::kNone ? ends_mm : beside_mm) += length;
-      if (other != TriangleMesh::kNone) fold = std::max(fold, turn_between(mesh, face, other));
+      double& longest_mm = other == TriangleMesh::kNone ? end_mm : beside_mm;
+      longest_mm = std::max(longest_mm, (at(next_corner(corner)) - at(corner)).norm());
+      if (other == TriangleMesh::kNone) continue;
+      ++beside;
+      off_mm = reach_mm(corner);
+      fold = std::max(fold, turn_between(mesh, face, other));
     }
-    // Every point of it is as near to the rest as its height over its longest edge, which is the rest's or
-    // has the rest's edges above it.
-    const bool beside = ends_mm > 0 && beside_mm >= longest_mm;
-    const double height_mm = across_face(mesh, face).norm() / longest_mm;
-    return beside && fold > least_rad &&
-           height_mm * std::sin(std::min(fold, 0.5 * std::numbers::pi)) <= limits.tolerance_mm;
+    // Between two edges of the rest and a longer one it is nowhere farther from them than it is high.
+    if (beside == 2) off_mm = across_face(mesh, face).norm() / end_mm;
+    return (beside == 1 || (beside == 2 && end_mm >= beside_mm)) && fold > least_rad &&
+           off_mm * std::sin(std::min(fold, 0.5 * std::numbers::pi)) <= limits.tolerance_mm;
   };
   std::vector<int> open, slivers;
   for (const int corner : mesh.border()) open.push_back(corner / 3);

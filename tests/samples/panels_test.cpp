@@ -225,10 +225,44 @@ TEST(DentedPanels, AreOfFiveKindsWholeWithoutACornerAndWithAWindow) {
                        {"bumps", 8}, {"dome", 8}, {"saddle", 8}, {"step", 8}, {"waves", 8}}));
 }
 
+TEST(ShellPanels, FollowFromTheSeedAlone) {
+  const auto text_of = [](std::uint64_t seed) {
+    std::string text;
+    for (const Panel& panel : shell_panels(seed)) text += obj_text(panel);
+    return text;
+  };
+  const std::string first = text_of(1);
+  EXPECT_TRUE(first == text_of(1));
+  EXPECT_FALSE(first == text_of(2));
+  EXPECT_EQ(hash(first), 17915365536069310514u);
+}
+
+TEST(ShellPanels, AreOfEightKindsAndSevenBorders) {
+  const std::vector<Panel> all = shell_panels(3);
+  ASSERT_EQ(all.size(), static_cast<std::size_t>(kPanels));
+  std::map<std::string, int> kinds;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const Panel& panel = all[i];
+    ++kinds[panel.name.substr(4)];
+    EXPECT_GE(panel.radius_mm, kPanelRadiusMm) << panel.name;
+    EXPECT_EQ(border_lines(panel), i % 7 >= 5 ? 2 : 1) << panel.name;
+    EXPECT_EQ(panel.points.size() == static_cast<std::size_t>(kSide * kSide), i % 7 == 0) << panel.name;
+  }
+  EXPECT_EQ(kinds, (std::map<std::string, int>{{"cone", 5},
+                                               {"dome", 5},
+                                               {"propeller", 5},
+                                               {"ramp", 5},
+                                               {"ribbon", 5},
+                                               {"swells", 5},
+                                               {"tube", 5},
+                                               {"wave", 5}}));
+}
+
 TEST(Panels, CheckReadsEveryOne) {
   const TemporaryDirectory directory;
   std::vector<Panel> all = panels(1);
   for (Panel& dented : dented_panels(1)) all.push_back(std::move(dented));
+  for (Panel& shell : shell_panels(1)) all.push_back(std::move(shell));
   for (const Panel& panel : all) {
     const std::string file = (directory / (panel.name + ".obj")).string();
     std::ofstream(file, std::ios::binary) << obj_text(panel);

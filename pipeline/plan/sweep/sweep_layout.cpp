@@ -32,6 +32,8 @@ constexpr double kReachMm = 60;
 // Share of the area that may be too steep for planes: the 98 of a hundred vertices that sections are judged
 // by.
 constexpr double kLittle = 0.02;
+// That parts share their whole's axes up to.
+constexpr double kSharedTurn_rad = 1;
 
 SweepSeam seam_across_sweep(const RibAxes& axes, double offset, double side) {
   const Vector3d normal = side * axes.planes.normal(offset);
@@ -122,10 +124,27 @@ SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surfa
 }
 
 SweepLayouts::Whole SweepLayouts::whole_in(const surface::PlaneFamily& planes) const {
-  Whole whole{axes(planes), {}, {}};
+  Whole whole{axes(planes), {}, {}, 0};
   whole.box = extent_of(whole.axes);
   whole.least = least_grid(whole.box);
+  whole.turn_rad = turn_in(whole.axes);
   return whole;
+}
+
+double SweepLayouts::turn_in(const RibAxes& axes) const {
+  const WasteSurface& surface = surface_->few ? *surface_->few : *surface_;
+  std::vector<double> turns;
+  turns.reserve(surface.points.size());
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Frame plane = axes.plane(axes.planes.offset(surface.points[i]));
+    const Vector3d& n = surface.normals[i];
+    if (!n.isZero()) turns.push_back(std::atan2(std::abs(n.dot(plane.x)), n.dot(plane.y)));
+  }
+  if (turns.empty()) return 0;
+  const auto at =
+      turns.begin() + static_cast<std::ptrdiff_t>((1 - kLittle) * static_cast<double>(turns.size() - 1));
+  std::nth_element(turns.begin(), at, turns.end());
+  return *at;
 }
 
 RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
@@ -190,6 +209,8 @@ std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGri
       if (r > 0) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r - 1], -1));
       if (r < across.size()) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r], 1));
       SweepPart part = grid.along_ribs > 1 ? part_behind(axes, std::move(seams), row.surface) : row;
+      if (grid.along_ribs > 1 && whole.turn_rad > kSharedTurn_rad)
+        part.axes = sweep_axes(*part.surface, axes.planes);
       // A triangle's grid has cells without design.
       if (grid.count() > 1 && !meets_design(part)) continue;
       parts.push_back(std::move(part));
@@ -486,8 +507,7 @@ FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
 
 std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFit& fit,
                                              const std::optional<Refusal>& why) const {
-  constexpr double kLeastMm = 50;        // of a part that is split
-  constexpr double kSharedTurn_rad = 1;  // that parts share their parent's axes up to
+  constexpr double kLeastMm = 50;  // of a part that is split
   const Box& box = fit.extent;
   if (box.isEmpty()) return {};
   const bool parted = why && why->limit == Limit::kGap && fit.gap;

@@ -91,9 +91,11 @@ class SweepLayouts {
   struct Whole {
     RibAxes axes;
     Eigen::AlignedBox<double, 2> box;
-    SweepGrid least;  // of what blocks and blades hold
+    SweepGrid least;      // of what blocks and blades hold
+    double turn_rad = 0;  // between y and the normals, in the planes: of 98 of a hundred vertices
   };
   [[nodiscard]] Whole whole_in(const surface::PlaneFamily& planes) const;
+  [[nodiscard]] double turn_in(const RibAxes& axes) const;
   [[nodiscard]] std::vector<SweepPart> parts_of(const Whole& whole, const SweepGrid& grid) const;
   [[nodiscard]] Layout fitted(const Whole& whole, std::size_t named, const SweepGrid& grid,
                               const SweepEffort& effort, const Layout* start) const;

@@ -11,6 +11,7 @@
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/rib_clamp_error.hpp"
 #include "pipeline/plan/motion/rib_fold.hpp"
+#include "pipeline/plan/sweep/sweep_block.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -21,8 +22,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Of a family beyond the design at an end; at a seam it goes as far as its samples do.
-constexpr double kOverMm = 4;
 // Of the design against the middle of its normals, in a plane: beyond, no blade forms it as one graph.
 constexpr double kMostTurnRad = 1.55;
 
@@ -33,19 +32,6 @@ double rib_length(const SweepFitReport& fit) {
 Vector3d sorted(Vector3d size) {
   std::sort(size.begin(), size.end());
   return size;
-}
-
-double over_first_mm(const SweepData& data) {
-  return data.seam_first ? 0 : kOverMm;
-}
-
-double over_last_mm(const SweepData& data) {
-  return data.seam_last ? 0 : kOverMm;
-}
-
-Vector3d stock_for(const SweepData& data, const StockSettings& stock) {
-  return sorted(data.size_mm + Vector3d(2 * stock.border_mm, stock.base_mm + stock.border_mm,
-                                        2 * stock.border_mm + over_first_mm(data) + over_last_mm(data)));
 }
 
 }  // namespace
@@ -139,10 +125,7 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   constexpr double kRadiusReserve = 1.06, kSteadyReserve = 1.2;
   const double reserve = effort.steadying.weight > 0 ? kSteadyReserve : kRadiusReserve;
   options.smallest_radius_mm = reserve / max_curvature_per_mm(settings_.blade);
-  const Vector2d around(clear_mm(), clear_mm());
-  options.block = SweepFitOptions::Box{
-      data.low - around - Vector2d(0, settings_.stock.base_mm - settings_.stock.border_mm),
-      data.high + around};
+  options.block = block_in_planes(data, settings_.stock, clear_mm() - settings_.stock.border_mm);
   return options;
 }
 

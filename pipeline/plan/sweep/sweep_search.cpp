@@ -54,6 +54,7 @@ class Search {
   // Planes that are split before any strip is looked at, and the most parts that come of it.
   static constexpr std::size_t kPartedPlanes = 6, kMostParted = 12;
   static constexpr int kPartedTries = 3, kPartedRounds = 3;
+  static constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
 
   // A design of many parts, in rows of blocks.
   void run_rows() const {
@@ -72,6 +73,7 @@ class Search {
   void run_even(std::size_t fewest) {
     constexpr std::size_t kMostTries = 3;
     constexpr int kMostRounds = 8;
+    const double tolerance = settings_.design.tolerance_mm;
     std::size_t tries = 0;
     Tried nearest, first;
     std::vector<Tried> open;  // what parted() has not split yet
@@ -88,6 +90,8 @@ class Search {
       }
       const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
+      if (near.empty() && nearest.layout.parts.empty())
+        nearest = hanging_too_far(ranked, kNear * tolerance, tolerance);
       if (first.layout.parts.empty() && !ranked.empty()) {
         first = first_try(ranked.front(), SweepWay::kEven);
         open = first_tries(ranked, kPartedPlanes, SweepWay::kParted);
@@ -350,7 +354,7 @@ class Search {
     if (tried.lone) return false;
     const SweepVerdict verdict = judges_.together(plan);
     if (verdict.taken) return true;
-    note(tried, plan, verdict);
+    note_met(tried, plan, verdict);
     return false;
   }
 
@@ -371,24 +375,6 @@ class Search {
     };
     note(tried, tried.joined, doubtful, judges_.alone(plan_of(tried, tried.joined, is_doubtful)));
     return tried.failing() == 0;
-  }
-
-  // What a look found of parts as they meet.
-  static void note(Tried& tried, const SweptPlan& plan, const SweepVerdict& verdict) {
-    const std::size_t count = tried.layout.parts.size();
-    tried.forget();
-    if (verdict.taken) return;
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::optional<Refusal>& refusal = tried.joined[i].refusal;
-      const bool refused = !plan.refusals.empty();
-      tried.failed[i] = refused ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
-      tried.too_far[i] = refused ? refusal && refusal->limit == Limit::kDeviation
-                                 : !verdict.too_far.empty() && verdict.too_far[i];
-      tried.misshapen[i] = refused ? refusal && is_of_the_shape(refusal->limit)
-                                   : !verdict.misshapen.empty() && verdict.misshapen[i];
-      if (!refused && !verdict.deviation_mm.empty())
-        tried.plans[i].beyond_fit_mm = verdict.deviation_mm[i] - tried.joined[i].fit.max_mm;
-    }
   }
 
   // Planes that served their samples and failed when all of the cut was looked at are turned on, as those are
@@ -500,7 +486,6 @@ class Search {
   // The best few with more coefficients, turned where need be; none where cheap fits are hopelessly far off.
   [[nodiscard]] std::vector<Layout> refined(const std::vector<Layout>& ranked) const {
     constexpr std::size_t kBest = 3;
-    constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
     const double tolerance = settings_.design.tolerance_mm;
     std::vector<Layout> best;
     for (const Layout& layout : ranked) {

@@ -365,9 +365,7 @@ class Slicer {
     const double middle = 0.5 * (data_.first_mm + data_.last_mm);
     const Frame plane = axes_.plane(middle);
     const Vector3d sweep = axes_.planes.normal(middle);
-    Eigen::AlignedBox3d box;
-    for (const Vector3d& p : own) box.extend(Vector3d(p.dot(plane.x), p.dot(plane.y), p.dot(sweep)));
-    data_.size_mm = box.sizes();
+    for (const Vector3d& p : own) data_.box.extend(Vector3d(p.dot(plane.x), p.dot(plane.y), p.dot(sweep)));
   }
 
   // Seams that lie along the planes end the sweep.

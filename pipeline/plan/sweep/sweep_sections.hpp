@@ -11,6 +11,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <memory>
 #include <optional>
@@ -96,8 +97,7 @@ struct SweepData {
   Eigen::Vector2d low{0, 0}, high{0, 0};       // corners of the design in the planes, not moved
   double first_mm = 0, last_mm = 0;            // of the moved surface, along the sweep
   bool seam_first = false, seam_last = false;  // ends of the sweep at seams
-  Eigen::Vector3d size_mm{0, 0,
-                          0};  // of the design in the axes of the middle plane, the third along the sweep
+  Eigen::AlignedBox3d box;  // of the design on the axes of the middle plane, the third along the sweep
 };
 
 // Where the blade's middle line passes when it forms a point of the design with this unit normal: in the

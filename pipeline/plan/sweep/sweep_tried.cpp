@@ -28,6 +28,36 @@ std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t m
   return tries;
 }
 
+Tried hanging_too_far(const std::vector<Layout>& layouts, double most_mm, double tolerance_mm) {
+  for (const Layout& layout : layouts) {
+    if (layout.parts.size() > 1 || layout.cost_mm > most_mm) continue;
+    const PartFit& fit = layout.fits.front();
+    if (!layout.planes.turns() || layout.cost_mm - fit.sag_mm > tolerance_mm) continue;
+    Tried tried = first_try(layout, SweepWay::kEven);
+    tried.forget();
+    tried.failed[0] = true;
+    return tried;
+  }
+  return {};
+}
+
+void note_met(Tried& tried, const SweptPlan& plan, const SweepVerdict& verdict) {
+  const std::size_t count = tried.layout.parts.size();
+  tried.forget();
+  if (verdict.taken) return;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::optional<Refusal>& refusal = tried.joined[i].refusal;
+    const bool refused = !plan.refusals.empty();
+    tried.failed[i] = refused ? !tried.joined[i].strip : verdict.failed.empty() || verdict.failed[i];
+    tried.too_far[i] = refused ? refusal && refusal->limit == Limit::kDeviation
+                               : !verdict.too_far.empty() && verdict.too_far[i];
+    tried.misshapen[i] = refused ? refusal && is_of_the_shape(refusal->limit)
+                                 : !verdict.misshapen.empty() && verdict.misshapen[i];
+    if (!refused && !verdict.deviation_mm.empty())
+      tried.plans[i].beyond_fit_mm = verdict.deviation_mm[i] - tried.joined[i].fit.max_mm;
+  }
+}
+
 bool all_made(const std::vector<PartPlan>& plans) {
   return std::all_of(plans.begin(), plans.end(), [](const PartPlan& plan) { return plan.strip.has_value(); });
 }

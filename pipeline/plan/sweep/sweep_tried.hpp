@@ -64,6 +64,14 @@ struct Tried {
 [[nodiscard]] std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t most,
                                              SweepWay way);
 
+// Returns the first of these layouts that costs no more than `most_mm`, whose one part comes within the
+// tolerance but for what weight moves: as failed, since a narrower fan hangs less. An empty one where there
+// is none.
+[[nodiscard]] Tried hanging_too_far(const std::vector<Layout>& layouts, double most_mm, double tolerance_mm);
+
+// Notes what a look found of all parts as they meet.
+void note_met(Tried& tried, const SweptPlan& plan, const SweepVerdict& verdict);
+
 // Tells whether every part has a strip.
 [[nodiscard]] bool all_made(const std::vector<PartPlan>& plans);
 

@@ -223,6 +223,22 @@ TEST(FanPlan, AnAxisFarAwayPlansAsParallelPlanesDo) {
   EXPECT_LT(size.cwiseAbs().maxCoeff(), 0.1);
 }
 
+// Of half a tunnel its rulings are no worse to follow than its arcs, but in planes that turn as far a
+// straight blade hangs by centimetres.
+TEST(FanPlan, IsNotTakenWhereBladesWouldHang) {
+  for (const double turn : {2.6, 3.5}) {
+    const surface::DesignSurface tunnel = grid_design("tunnel", 80, 20, [&](double u, double v) {
+      const double phi = turn * (u - 0.5);
+      return Vector3d(400 * std::sin(phi), 800 * v, 400 * std::cos(phi));
+    });
+    const PlanResult result = plan(tunnel, back_kept(), {});
+    EXPECT_THAT(result.refusals, ::testing::IsEmpty());
+    EXPECT_LE(result.program.strips.size(), 2U);
+    for (const Strip& strip : result.program.strips)
+      for (const Rib& rib : strip.ribs) EXPECT_GT(std::abs(rib.frame.normal().y()), 0.99);
+  }
+}
+
 TEST(FanPlan, AnAxisThroughTheDesignIsRefusedWithThePlace) {
   Settings settings;
   settings.design.units = "mm";

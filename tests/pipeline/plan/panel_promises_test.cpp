@@ -167,6 +167,13 @@ TEST(DentedPanelPromises, Hold) {
   expect_promises(samples::dented_panels(1)[30]);
 }
 
+// A tube of 206 degrees cut to a hexagon: its strips have axes of their own.
+TEST(ShellPanelPromises, Hold) {
+  const samples::Panel tube = samples::shell_panels(1)[8];
+  ASSERT_EQ(tube.name, "s08_tube");
+  expect_promises(tube);
+}
+
 struct Passed {
   std::size_t strips = 0;
   double deviation_mm = 0;

@@ -374,6 +374,44 @@ TEST(Creases, ThatFadeTowardsABorderReachIt) {
   }
 }
 
+// A hull of points nearly in line has long thin triangles, which noise or a bend tilts as it likes.
+TEST(Creases, SliversAtAHullAreOfNoFace) {
+  const auto with_slivers = [](double high_mm, double drop_mm) {
+    TriangleSoup soup =
+        sheet(10, 10, [](double u, double v) { return Vector3d(600 * u, 400 * v, 20 * u * u); });
+    // Beside the border at v = 1 a point that hangs, and one beside that.
+    const int a = 10, b = 21, c = 32;
+    soup.vertices.push_back(soup.vertices[b] + Vector3d(5, high_mm, -drop_mm));
+    soup.vertices.push_back(soup.vertices[b] + Vector3d(5, high_mm + 0.3, -drop_mm));
+    const int p = static_cast<int>(soup.vertices.size()) - 2;
+    soup.triangles.push_back({a, b, p});
+    soup.triangles.push_back({b, c, p});
+    soup.triangles.push_back({a, p, p + 1});
+    soup.triangles.push_back({p, c, p + 1});
+    return TriangleMesh(soup);
+  };
+  const TriangleMesh thin = with_slivers(0.05, 0.4);
+  std::vector<int> face_of;
+  const std::vector<TriangleMesh> faces = smooth_faces(thin, kLimits, &face_of);
+  ASSERT_EQ(faces.size(), 1U);
+  EXPECT_EQ(faces[0].triangles().size(), 200U);
+  ASSERT_EQ(face_of.size(), 204U);
+  EXPECT_EQ(std::count(face_of.begin(), face_of.begin() + 200, 0), 200);
+  EXPECT_EQ(std::count(face_of.begin() + 200, face_of.end(), -1), 4);
+  // What hangs down by more than the tolerance is design, but for what stands out from that by less, and
+  // smooth slivers are of the face.
+  EXPECT_EQ(std::count_if(faces[0].vertices().begin(), faces[0].vertices().end(),
+                          [](const Vector3d& v) { return v.y() > 400 + 1e-9; }),
+            0);
+  const auto triangles_of_faces = [](const TriangleMesh& mesh) {
+    std::size_t all = 0;
+    for (const TriangleMesh& face : smooth_faces(mesh, kLimits)) all += face.triangles().size();
+    return all;
+  };
+  EXPECT_EQ(triangles_of_faces(with_slivers(0.05, 40)), 202U);
+  EXPECT_EQ(triangles_of_faces(with_slivers(0.4, 0.02)), 204U);
+}
+
 // A slit that ends inside the surface parts nothing, but where folds meet in which it ends.
 TEST(Creases, ThatEndInsidePartNothing) {
   const auto dart = [](const std::function<double(double)>& rise) {
