@@ -4,10 +4,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstddef>
+#include <numeric>
 #include <string>
 #include <utility>
 
+#include "gpu/backend/stop.hpp"
+#include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/verify/mesh_view.hpp"
+#include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
 
@@ -26,6 +31,69 @@ surface::DesignSurface face_of(const surface::DesignSurface& design, const surfa
     face.health.area_mm2 += facet(view, static_cast<int>(f)).area();
   face.mesh = mesh;
   return face;
+}
+
+std::vector<surface::TriangleMesh> parts_apart(const surface::TriangleMesh& mesh) {
+  const std::vector<int> of = surface::connected_parts(mesh);
+  const auto count = static_cast<std::size_t>(1 + *std::max_element(of.begin(), of.end()));
+  if (count == 1) return {mesh};
+  std::vector<std::vector<int>> triangles(count);
+  for (std::size_t f = 0; f < of.size(); ++f)
+    triangles[static_cast<std::size_t>(of[f])].push_back(static_cast<int>(f));
+  struct Part {
+    surface::TriangleMesh mesh;
+    Eigen::AlignedBox3d box;
+    gpu::MeshDistance distance;
+    explicit Part(surface::TriangleMesh own)
+        : mesh(std::move(own)), distance(mesh.vertices(), mesh.triangles()) {
+      for (const Eigen::Vector3d& p : mesh.vertices()) box.extend(p);
+    }
+    [[nodiscard]] bool near(const Part& other) const {
+      if (box.exteriorDistance(other.box) > kTogetherMm) return false;
+      std::vector<Eigen::Vector3d> close;
+      for (const Eigen::Vector3d& p : other.mesh.vertices())
+        if (box.exteriorDistance(p) <= kTogetherMm) close.push_back(p);
+      const std::vector<gpu::Nearest> nearest = distance.query(close);
+      return std::any_of(nearest.begin(), nearest.end(),
+                         [](const gpu::Nearest& n) { return n.distance <= kTogetherMm; });
+    }
+  };
+  std::vector<Part> parts;
+  parts.reserve(count);
+  for (const std::vector<int>& own : triangles) parts.emplace_back(surface::mesh_of(mesh, own));
+  // Each part's group: the number of its first.
+  std::vector<std::size_t> group(count);
+  std::iota(group.begin(), group.end(), std::size_t{0});
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      gpu::stop_point();
+      if (group[i] == group[j] || !(parts[i].near(parts[j]) || parts[j].near(parts[i]))) continue;
+      const auto [first, second] = std::minmax(group[i], group[j]);
+      std::replace(group.begin(), group.end(), second, first);
+    }
+  }
+  std::vector<surface::TriangleMesh> apart;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (group[i] != i) continue;
+    std::vector<int> own;
+    for (std::size_t f = 0; f < of.size(); ++f)
+      if (group[static_cast<std::size_t>(of[f])] == i) own.push_back(static_cast<int>(f));
+    if (own.size() == of.size()) return {mesh};
+    apart.push_back(surface::mesh_of(mesh, own));
+  }
+  return apart;
+}
+
+bool may_share_a_block(const std::vector<surface::TriangleMesh>& parts, const StockSettings& stock) {
+  const double reach =
+      Eigen::Vector3d(stock.max_size_mm[0], stock.max_size_mm[1], stock.max_size_mm[2]).norm();
+  std::vector<Eigen::AlignedBox3d> boxes(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (const Eigen::Vector3d& p : parts[i].vertices()) boxes[i].extend(p);
+    for (std::size_t j = 0; j < i; ++j)
+      if (boxes[i].exteriorDistance(boxes[j]) < reach) return true;
+  }
+  return false;
 }
 
 void append(SweptPlan& whole, SweptPlan face) {

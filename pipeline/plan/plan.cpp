@@ -457,7 +457,7 @@ std::vector<surface::TriangleMesh> faces_with(ShallowFolds folds, const surface:
 
 // A blade that is swept across a shallow fold rounds it, but none goes far to both sides of one. So where the
 // settings leave it open strips go over such folds where fewer of these serve than there are faces between
-// them. Returns the plan that is shown.
+// them, and likewise over parts of a design that lie apart. Returns the plan that is shown.
 SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, const PlanHooks& hooks,
                     PlanProgress& progress, Stopwatch& watch, PlanResult& result) {
   const auto plan_faces = [&](const std::vector<surface::TriangleMesh>& faces, PlanResult& planned,
@@ -469,9 +469,13 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
                       planned, most);
   };
   const ShallowFolds asked = settings.slice.shallow_folds;
-  if (asked != ShallowFolds::kAuto) return plan_faces(faces_with(asked, design, settings, result), result);
-  const auto parted = faces_with(ShallowFolds::kParted, design, settings, result);
-  const auto crossed = faces_with(ShallowFolds::kCrossed, design, settings, result);
+  const bool open = asked == ShallowFolds::kAuto;
+  auto parted = faces_with(open ? ShallowFolds::kParted : asked, design, settings, result);
+  const auto crossed = open ? faces_with(ShallowFolds::kCrossed, design, settings, result) : parted;
+  // As parts are planned one by one: without such folds it is the same.
+  const ShallowFolds folds =
+      open && parted.size() > crossed.size() ? ShallowFolds::kParted : settings.slice.shallow_folds;
+  if (parted.size() == 1) parted = parts_apart(parted.front());
   if (parted.size() == crossed.size()) return plan_faces(crossed, result);
   const Program blank = result.program;
   const auto passes = [](const PlanResult& planned) {
@@ -494,10 +498,11 @@ SweptPlan try_folds(const surface::DesignSurface& design, Settings& settings, co
     return swept;
   };
   const std::size_t most = parted.size() - 1;
-  if (crossed.size() == 1 && strips_lower_bound(design.health.area_mm2, settings) <= most) {
+  if (crossed.size() == 1 && strips_lower_bound(design.health.area_mm2, settings) <= most &&
+      may_share_a_block(parted, settings.stock)) {
     if (std::optional<SweptPlan> swept = over_folds(most)) return std::move(*swept);
   }
-  (void)faces_with(ShallowFolds::kParted, design, settings, result);
+  settings.slice.shallow_folds = result.program.settings.slice.shallow_folds = folds;
   SweptPlan apart = plan_faces(parted, result);
   if (passes(result)) return apart;
   const auto creases = surface::creases(design.mesh, crease_limits(settings, settings.blade));

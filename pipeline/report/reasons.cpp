@@ -216,8 +216,9 @@ std::string split_reason(const PlanResult& result, const Words& w) {
 std::string creases_reason(const PlanResult& result, const Words& w) {
   if (result.faces.empty() || taken(result) == nullptr) return "";
   return w.format(
-             "The design has {} smooth faces that meet in creases, which no strip follows far to both sides "
-             "within the tolerance; each was planned as a design of its own.",
+             "The design has {} smooth faces that lie apart or meet in creases, which no strip follows far "
+             "to "
+             "both sides within the tolerance; each was planned as a design of its own.",
              result.faces.size()) +
          " " + cost_text(result.strips, w);
 }
@@ -238,7 +239,7 @@ std::string reasons_section(const PlanResult& result, const Words& w) {
             item(w("Split"), split_reason(result, w));
   } else {
     html +=
-        "<ul>" + item(w("Creases"), creases_reason(result, w)) + "</ul>\n" + faces_table(result, w) + "<ul>";
+        "<ul>" + item(w("Faces"), creases_reason(result, w)) + "</ul>\n" + faces_table(result, w) + "<ul>";
   }
   html +=
       item(w("Blade"), w("The shortest that clears the block, bends within yield and holds its shape, or a "

@@ -333,11 +333,12 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"all faces", "alle Flächen"},
     // why a plan is as it is
     {"Why this plan", "Warum dieser Plan"},
-    {"Creases", "Kanten"},
-    {"The design has {} smooth faces that meet in creases, which no strip follows far to both sides within "
-     "the tolerance; each was planned as a design of its own.",
-     "Der Entwurf hat {} glatte Flächen, die an Kanten zusammenstoßen, denen kein Streifen weit nach beiden "
-     "Seiten innerhalb der Toleranz folgt; jede wurde wie ein eigener Entwurf geplant."},
+    {"Faces", "Flächen"},
+    {"The design has {} smooth faces that lie apart or meet in creases, which no strip follows far to both "
+     "sides within the tolerance; each was planned as a design of its own.",
+     "Der Entwurf hat {} glatte Flächen, die auseinanderliegen oder an Kanten zusammenstoßen, denen kein "
+     "Streifen weit nach beiden Seiten innerhalb der Toleranz folgt; jede wurde wie ein eigener Entwurf "
+     "geplant."},
     {"Direction", "Richtung"},
     {"Split", "Teilung"},
     {"Blade", "Klinge"},

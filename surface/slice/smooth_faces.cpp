@@ -239,26 +239,6 @@ Pieces without_slivers(const TriangleMesh& mesh, Pieces parted) {
   return left;
 }
 
-TriangleMesh piece_of(const TriangleMesh& mesh, const std::vector<int>& triangles) {
-  TriangleSoup soup;
-  std::vector<int> vertices;
-  for (const int f : triangles) {
-    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
-    vertices.insert(vertices.end(), t.begin(), t.end());
-  }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  const auto number = [&](int v) {
-    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
-  };
-  for (const int v : vertices) soup.vertices.push_back(mesh.vertices()[static_cast<std::size_t>(v)]);
-  for (const int f : triangles) {
-    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
-    soup.triangles.push_back({number(t[0]), number(t[1]), number(t[2])});
-  }
-  return TriangleMesh(std::move(soup));
-}
-
 // Triangles at a border that fold away from the rest by what is no smooth surface's, and end so soon that
 // what goes straight on is off by a tolerance at most: triangulations leave such slivers at a hull, of
 // points nearly in line. Off these there may be others.
@@ -313,6 +293,30 @@ std::vector<int> hull_slivers(const TriangleMesh& mesh, const CreaseLimits& limi
 
 }  // namespace
 
+TriangleMesh mesh_of(const TriangleMesh& mesh, const std::vector<int>& triangles) {
+  TriangleSoup soup;
+  std::vector<int> vertices;
+  for (const int f : triangles) {
+    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
+    vertices.insert(vertices.end(), t.begin(), t.end());
+  }
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  const auto number = [&](int v) {
+    return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin());
+  };
+  for (const int v : vertices) soup.vertices.push_back(mesh.vertices()[static_cast<std::size_t>(v)]);
+  for (const int f : triangles) {
+    const auto& t = mesh.triangles()[static_cast<std::size_t>(f)];
+    soup.triangles.push_back({number(t[0]), number(t[1]), number(t[2])});
+  }
+  return TriangleMesh(std::move(soup));
+}
+
+std::vector<int> connected_parts(const TriangleMesh& mesh) {
+  return pieces(mesh, std::vector<bool>(3 * mesh.triangles().size(), false), {}).of_triangle;
+}
+
 std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
                                        std::vector<int>* face_of_triangle) {
   if (const std::vector<int> slivers = hull_slivers(mesh, limits); !slivers.empty()) {
@@ -320,7 +324,7 @@ std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLim
     std::iota(all.begin(), all.end(), 0);
     std::set_difference(all.begin(), all.end(), slivers.begin(), slivers.end(), std::back_inserter(rest));
     if (!rest.empty()) {
-      std::vector<TriangleMesh> faces = smooth_faces(piece_of(mesh, rest), limits, &face_of_rest);
+      std::vector<TriangleMesh> faces = smooth_faces(mesh_of(mesh, rest), limits, &face_of_rest);
       if (face_of_triangle) {
         face_of_triangle->assign(all.size(), -1);
         for (std::size_t i = 0; i < rest.size(); ++i)
@@ -352,7 +356,7 @@ std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLim
   }
   std::vector<TriangleMesh> faces;
   faces.reserve(triangles.size());
-  for (const std::vector<int>& own : triangles) faces.push_back(piece_of(mesh, own));
+  for (const std::vector<int>& own : triangles) faces.push_back(mesh_of(mesh, own));
   return faces;
 }
 

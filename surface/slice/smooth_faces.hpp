@@ -16,4 +16,11 @@ namespace hotblade::surface {
 [[nodiscard]] std::vector<TriangleMesh> smooth_faces(const TriangleMesh& mesh, const CreaseLimits& limits,
                                                      std::vector<int>* face_of_triangle = nullptr);
 
+// Returns for each triangle the number of the connected part that it is of, from 0 in the order of their
+// first triangles.
+[[nodiscard]] std::vector<int> connected_parts(const TriangleMesh& mesh);
+
+// Returns the mesh of some of its triangles, in their order, with the vertices of these in theirs.
+[[nodiscard]] TriangleMesh mesh_of(const TriangleMesh& mesh, const std::vector<int>& triangles);
+
 }  // namespace hotblade::surface

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include "pipeline/plan/face_plans.hpp"
 #include "pipeline/plan/forecast.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/verify/budget.hpp"
@@ -318,6 +319,46 @@ TEST(DesignFaces, SliversAtTheBorderAreCutWithTheRest) {
   const PlanResult result = plan(design, back(), {});
   expect_passes(result, 1, 1);
   EXPECT_TRUE(result.faces.empty());
+}
+
+// Two panels of 600 mm in one file, so many mm apart: one bent along x, the other one along y.
+surface::DesignSurface two_panels(double apart_mm, double up_mm = 0) {
+  return grid_design(
+      "two", 61, 30,
+      [=](double u, double v) {
+        const double i = 61 * u;
+        const bool right = i > 30.5;
+        const double share = (right ? i - 31 : i) / 30;
+        const double x = right ? 600 + apart_mm + 600 * share : 600 * share;
+        return Vector3d(x, 500 * v, right ? up_mm + 90 * std::sin(3 * v) : 90 * std::sin(3 * share));
+      },
+      [](int i, int) { return i != 30; });
+}
+
+TEST(PlanParts, ThatLieApartArePlannedOneByOne) {
+  const PlanResult far = plan(two_panels(2500, 400), back(), {});
+  expect_passes(far, 2, 0.5);
+  ASSERT_EQ(far.faces.size(), 2U);
+  const auto planes = [&](std::size_t strip) {
+    return far.program.strips[strip].ribs.front().frame.normal();
+  };
+  EXPECT_LT(std::abs(planes(0).dot(planes(1))), 0.1);
+  // One block holds both of these, and one blade follows them.
+  const PlanResult near = plan(two_panels(100), back(), {});
+  EXPECT_TRUE(near.refusals.empty());
+  EXPECT_LE(near.program.strips.size(), 2U);
+}
+
+TEST(PlanParts, NearEachOtherAreOneSurfaceWithAJoint) {
+  const surface::DesignSurface joint = grid_design(
+      "joint", 60, 20, [](double u, double v) { return Vector3d(600 * u, 400 * v, 80 * std::sin(3 * u)); },
+      [](int, int j) { return j != 10; });
+  const PlanResult result = plan(joint, back(), {});
+  expect_passes(result, 1, 1);
+  EXPECT_TRUE(result.faces.empty());
+  EXPECT_EQ(parts_apart(joint.mesh).size(), 1U);
+  EXPECT_EQ(parts_apart(two_panels(59).mesh).size(), 1U);
+  EXPECT_EQ(parts_apart(two_panels(61).mesh).size(), 2U);
 }
 
 TEST(Forecast, TellsTheFacesThatCreasesPart) {

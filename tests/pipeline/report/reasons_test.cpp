@@ -155,7 +155,7 @@ TEST(Reasons, OfADesignWithCreasesAreToldOfEachFace) {
   for (Rib& rib : result.program.strips[1].ribs)
     rib.frame = {rib.frame.origin, own.unitOrthogonal(), own.cross(own.unitOrthogonal())};
   const std::string html = reasons_section(result, kEnglish);
-  EXPECT_THAT(html, AllOf(HasSubstr("<b>Creases.</b> The design has 2 smooth faces that meet in creases"),
+  EXPECT_THAT(html, AllOf(HasSubstr("<b>Faces.</b> The design has 2 smooth faces that lie apart or meet in creases"),
                           HasSubstr("<td class=\"l\">1</td><td class=\"l\">S001</td>"),
                           HasSubstr("<td class=\"l\">2</td><td class=\"l\">S002</td>"),
                           HasSubstr("l of foam on average"), Not(HasSubstr("<b>Direction.</b>")),
