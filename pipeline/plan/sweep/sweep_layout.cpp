@@ -68,6 +68,10 @@ double excess_of(const PartFit& fit) {
 
 }  // namespace
 
+bool hangs_too_far(const SweepPart& part, const PartFit& fit, double most_mm) {
+  return part.axes.planes.turns() && fit.sag_mm > most_mm;
+}
+
 void Layout::add(FittedPart part) {
   cost_mm = std::max(cost_mm, part.fit.cost_mm);
   parts.push_back(std::move(part.part));
@@ -494,13 +498,15 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
 }
 
 FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
+  constexpr double kNear = 4;  // tolerances: a split or two brings it down
   const std::vector<double> steep = too_steep_shares(*best.part.surface, all_planes_);
   for (std::size_t i = 0; i < all_planes_.size(); ++i) {
     if (steep[i] > kLittle) continue;
     SweepPart part = best.part;
     part.axes = sweep_axes(*part.surface, all_planes_[i]);
     PartFit fit = fitter_.fit(part, cheap_effort());
-    if (fit.cost_mm < best.fit.cost_mm) best = {std::move(part), std::move(fit)};
+    if (fit.cost_mm < best.fit.cost_mm && !hangs_too_far(part, fit, kNear * settings_.design.tolerance_mm))
+      best = {std::move(part), std::move(fit)};
   }
   return best;
 }
@@ -526,7 +532,9 @@ std::vector<FittedPart> SweepLayouts::halves(const SweepPart& part, const PartFi
       PartFit fitted = fitter_.fit(half, cheap_effort());
       two.push_back({std::move(half), std::move(fitted)});
       const std::optional<Refusal>& refusal = two.back().fit.refusal;
-      if (refusal && (refusal->limit == Limit::kSlope || refusal->limit == Limit::kFacing))
+      const bool faces_away =
+          refusal && (refusal->limit == Limit::kSlope || refusal->limit == Limit::kFacing);
+      if (faces_away || hangs_too_far(two.back().part, two.back().fit, settings_.design.tolerance_mm))
         two.back() = in_best_planes(std::move(two.back()));
     }
     return two;

@@ -22,6 +22,25 @@ Eigen::Vector3d down_at(double offset_mm, double middle_mm, const RibAxes& axes)
   return {down.dot(plane.x), down.dot(plane.y), down.dot(axes.planes.normal(offset_mm))};
 }
 
+// What a blade sags in its plane if only its stiffness holds it, where it is too straight to stand as an arch
+// or to hang as a chain: by more than it rises over its chord. To first order in a load the ends hold it
+// then, with a force that no clamp keeps up.
+double slack_sag_mm(const elastica::ElasticaCurve& curve, const Eigen::Vector3d& down,
+                    const robot::Blade& section) {
+  constexpr int kPlaces = 16;
+  constexpr double kClampedBeam = 384;
+  const double length = curve.elastica().length;
+  const double sag = robot::weight_n_mm(section) * down.head<2>().norm() * std::pow(length, 4) /
+                     (kClampedBeam * robot::bending_stiffness_n_mm2(section));
+  const Eigen::Vector2d start = curve.at(0).position(), chord = curve.at(length).position() - start;
+  double rise = 0;
+  for (int i = 1; i < kPlaces; ++i) {
+    const Eigen::Vector2d off = curve.at(length * i / kPlaces).position() - start;
+    rise = std::max(rise, std::abs(chord.x() * off.y() - chord.y() * off.x()) / chord.norm());
+  }
+  return rise < sag ? sag : 0;
+}
+
 }  // namespace
 
 SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBlade& blade,
@@ -47,6 +66,7 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
     const robot::SagProfile sag = sag_profile(shape, section, down);
     stable_ = stable_ && sag.stable;
     const elastica::ElasticaCurve curve(shape);
+    const double slack_mm = axes.planes.turns() ? slack_sag_mm(curve, down, section) : 0;
     nodes_[k].reserve(kNodes + 1);
     for (int i = 0; i <= kNodes; ++i) {
       const double share = static_cast<double>(i) / kNodes;
@@ -56,7 +76,7 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
       const auto value = sag.at(share);
       nodes_[k].push_back(
           {p.x, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, p.theta}});
-      if (axes.planes.turns()) in_plane_mm_[k].push_back(value.in_plane_mm.norm());
+      if (axes.planes.turns()) in_plane_mm_[k].push_back(std::max(slack_mm, value.in_plane_mm.norm()));
     }
   }
 }

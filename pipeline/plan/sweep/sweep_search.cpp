@@ -53,7 +53,7 @@ class Search {
   static constexpr std::size_t kMostEven = 4;
   // Planes that are split before any strip is looked at, and the most parts that come of it.
   static constexpr std::size_t kPartedPlanes = 6, kMostParted = 12;
-  static constexpr int kPartedTries = 3, kPartedRounds = 3;
+  static constexpr int kPartedTries = 3, kPartedRounds = 5;
   static constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
 
   // A design of many parts, in rows of blocks.
@@ -134,8 +134,12 @@ class Search {
       Tried tried = std::move(*next);
       open.erase(next);
       tried.failed.clear();
-      for (const PartFit& fit : tried.layout.fits)
-        tried.failed.push_back(!(fit.cost_mm <= kPlanned * settings_.design.tolerance_mm));
+      for (std::size_t i = 0; i < tried.layout.fits.size(); ++i) {
+        const PartFit& fit = tried.layout.fits[i];
+        const double tolerance = settings_.design.tolerance_mm;
+        tried.failed.push_back(!(fit.cost_mm <= kPlanned * tolerance) ||
+                               hangs_too_far(tried.layout.parts[i], fit, tolerance));
+      }
       if (tried.failing() == 0) {
         plan_parts(tried);
         if (all_made(tried.plans)) return attempt(std::move(tried));
