@@ -91,7 +91,8 @@ std::string keep_text(const Forecast& f) {
 
 std::string forecast_table(const Forecast& f) {
   std::string text;
-  if (f.faces > 1) text += row("faces", fmt::format("{} that meet in creases, planned one by one", f.faces));
+  if (f.faces > 1)
+    text += row("faces", fmt::format("{} that lie apart or meet in creases, planned one by one", f.faces));
   if (f.faces_between_folds > f.faces) {
     text += row("shallow folds", fmt::format("{} faces between them, planned one by one where strips across "
                                              "are as many or do not serve",

@@ -44,8 +44,7 @@ std::vector<surface::TriangleMesh> parts_apart(const surface::TriangleMesh& mesh
     surface::TriangleMesh mesh;
     Eigen::AlignedBox3d box;
     gpu::MeshDistance distance;
-    explicit Part(surface::TriangleMesh own)
-        : mesh(std::move(own)), distance(mesh.vertices(), mesh.triangles()) {
+    explicit Part(const surface::TriangleMesh& own) : mesh(own), distance(mesh.vertices(), mesh.triangles()) {
       for (const Eigen::Vector3d& p : mesh.vertices()) box.extend(p);
     }
     [[nodiscard]] bool near(const Part& other) const {

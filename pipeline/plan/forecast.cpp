@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pipeline/plan/face_plans.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/thinned.hpp"
@@ -351,7 +352,9 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   surface::side_by_side(
       [&] {
         const auto faces = [&](const Settings& with) {
-          return surface::smooth_faces(cut, crease_limits(with, with.blade)).size();
+          const auto found = surface::smooth_faces(cut, crease_limits(with, with.blade));
+          const bool apart = found.size() == 1 && design.health.components > 1;
+          return apart ? parts_apart(found.front()).size() : found.size();
         };
         f.faces = f.faces_between_folds = faces(settings);
         if (settings.slice.shallow_folds != ShallowFolds::kAuto) return;

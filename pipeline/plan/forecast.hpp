@@ -27,7 +27,7 @@ struct Bending {
 
 struct Forecast {
   double blade_radius_mm = 0;  // the smallest that the blade may have
-  std::size_t faces = 1;       // smooth ones, that meet in creases and are planned each of its own
+  std::size_t faces = 1;       // smooth ones, that lie apart or meet in creases, planned each of its own
   // Those between shallow folds too, where it is left open whether strips go over these; else as many.
   std::size_t faces_between_folds = 1;
   Bending surface;  // in any direction

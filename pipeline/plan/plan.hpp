@@ -123,7 +123,7 @@ struct PlanResult {
   VerifyReport verification;
   double spacing_mm = 0;  // largest between the ribs of a strip
   std::vector<Decision> decisions;
-  std::vector<FacePlanned> faces;      // that meet in creases, in the order of the strips; empty: it has none
+  std::vector<FacePlanned> faces;      // that lie apart or meet in creases, in the order of the strips; or none
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;   // what was tried and passed
   std::optional<Nesting> foam;         // what to buy, where settings say what is sold

@@ -368,6 +368,8 @@ TEST(Forecast, TellsTheFacesThatCreasesPart) {
   const Forecast shallow = forecast(crossed_folds(700, 0.12), back());
   EXPECT_EQ(shallow.faces, 1U);
   EXPECT_EQ(shallow.faces_between_folds, 4U);
+  EXPECT_EQ(forecast(two_panels(500), back()).faces, 2U);
+  EXPECT_EQ(forecast(two_panels(20), back()).faces, 1U);
   Settings crossed = back();
   crossed.slice.shallow_folds = ShallowFolds::kCrossed;
   EXPECT_EQ(forecast(crossed_folds(700, 0.12), crossed).faces_between_folds, 1U);

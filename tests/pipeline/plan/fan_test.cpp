@@ -4,6 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
 
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/plan/motion/clamp_plane.hpp"
@@ -13,6 +16,7 @@
 #include "robot/blade/blade_section.hpp"
 #include "robot/blade/common_plane.hpp"
 #include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/temporary_directory.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -237,6 +241,38 @@ TEST(FanPlan, IsNotTakenWhereBladesWouldHang) {
     for (const Strip& strip : result.program.strips)
       for (const Rib& rib : strip.ribs) EXPECT_GT(std::abs(rib.frame.normal().y()), 0.99);
   }
+}
+
+// A column, its foam inside: all round.
+surface::DesignSurface column() {
+  constexpr int kRound = 120, kUp = 30;
+  const testing::TemporaryDirectory directory;
+  const std::filesystem::path file = directory / "column.obj";
+  {
+    std::ofstream out(file);
+    for (int i = 0; i <= kUp; ++i) {
+      for (int j = 0; j < kRound; ++j) {
+        const double phi = 2 * std::numbers::pi * j / kRound;
+        out << "v " << 300 * std::cos(phi) << " " << 300 * std::sin(phi) << " " << 900.0 * i / kUp << "\n";
+      }
+    }
+    for (int i = 0; i < kUp; ++i) {
+      for (int j = 0; j < kRound; ++j) {
+        const int a = i * kRound + j + 1, b = i * kRound + (j + 1) % kRound + 1, c = b + kRound,
+                  d = a + kRound;
+        out << "f " << d << " " << c << " " << b << "\nf " << d << " " << b << " " << a << "\n";
+      }
+    }
+  }
+  return surface::read_obj(file, {"mm", 'z'});
+}
+
+// In planes along it blades would hang at its sides however they are halved.
+TEST(FanPlan, OfAColumnIsLeftForItsArcs) {
+  const PlanResult result = plan(column(), back_kept(), {});
+  EXPECT_TRUE(result.refusals.empty());
+  EXPECT_LE(result.program.strips.size(), 4U);
+  EXPECT_LE(result.verification.deviation.max, 0.3);
 }
 
 TEST(FanPlan, AnAxisThroughTheDesignIsRefusedWithThePlace) {
