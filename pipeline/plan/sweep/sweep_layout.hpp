@@ -32,9 +32,9 @@ struct PlanesTried {
   std::optional<double> fit_mm{};  // of cheap fits of all parts; none: not fitted, or a part has no fit
 };
 
-// Tells whether a part's planes turn so far that its blades hang by more than the tolerance, which no closer
-// fit mends.
-[[nodiscard]] bool hangs_too_far(const SweepPart& part, const PartFit& fit, double tolerance_mm);
+// Tells whether a part's planes turn so far that its blades hang by more than this, which no closer fit
+// mends.
+[[nodiscard]] bool hangs_too_far(const SweepPart& part, const PartFit& fit, double most_mm);
 
 struct Layout {
   surface::PlaneFamily planes;
