@@ -251,7 +251,8 @@ void SweepLayouts::fit_parts(Layout& layout, const SweepEffort& effort, const La
 // its edges allow where the surface rises, and as long as a rib may be.
 double SweepLayouts::blocks_in(const surface::PlaneFamily& planes) const {
   const auto& edges = settings_.stock.max_size_mm;
-  const double deepest = fitter_.longest_edge_mm(), longest = std::min(deepest, fitter_.longest_rib_mm()),
+  const double deepest = fitter_.longest_edge_mm() - 2 * kSeamOverlapMm,
+               longest = std::min(deepest, fitter_.longest_rib_mm() - 2 * kSeamOverlapMm),
                highest = *std::min_element(edges.begin(), edges.end()) - settings_.stock.base_mm -
                          settings_.stock.border_mm;
   double blocks = 0;
@@ -280,11 +281,15 @@ Layout SweepLayouts::in_rows() const {
     if (fans || !planes_[i].turns()) estimated.emplace_back(blocks_in(planes_[i]), i);
   }
   std::sort(estimated.begin(), estimated.end());
-  // The estimate counts no waste at borders, which may be as much again: the rows say.
-  constexpr std::size_t kLaid = 6;
-  if (estimated.size() > kLaid) estimated.resize(kLaid);
+  // The estimate counts no waste at borders and no edge that is too long: the rows of other planes say more,
+  // as long as these may be fewer.
   std::vector<Rows> laid;
-  for (const auto& [blocks, i] : estimated) laid.push_back(even_rows(whole_[i]));
+  double fewest = std::numeric_limits<double>::infinity();
+  for (const auto& [blocks, i] : estimated) {
+    if (blocks >= fewest) break;
+    laid.push_back(even_rows(whole_[i]));
+    fewest = std::min(fewest, static_cast<double>(laid.back().needs));
+  }
   std::stable_sort(laid.begin(), laid.end(), [](const Rows& a, const Rows& b) { return a.needs < b.needs; });
   const Rows* best = nullptr;
   for (Rows& rows : laid) {
