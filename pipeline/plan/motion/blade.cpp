@@ -306,6 +306,13 @@ std::vector<FreeParts> examine_free_parts(std::span<const Elastica> blades, cons
   std::vector<Elastica> cutting;
   std::vector<elastica::Part> cut;
   for (std::size_t i = 0; i < blades.size(); ++i) {
+    // All tangents of a blade that turns by less than a quarter in all are within a right angle of each
+    // other: it makes no loop, and its distance from a place beyond its cutting part falls all along that to
+    // its end.
+    if (turns_at_most(blades[i], blades[i].length) < std::numbers::pi / 2) {
+      free.push_back({false, 0});
+      continue;
+    }
     free.push_back({turns_into_itself(whole, i), 0});
     Points points = free_in_stock(whole, i, intervals[i], blades[i].length, blocks[i]);
     if (points.empty()) continue;
