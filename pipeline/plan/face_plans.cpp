@@ -26,11 +26,30 @@ surface::DesignSurface face_of(const surface::DesignSurface& design, const surfa
   Eigen::AlignedBox3d box;
   for (const Eigen::Vector3d& p : mesh.vertices()) box.extend(p);
   face.health.bbox_mm = {box.min(), box.max()};
-  const MeshView view{mesh.vertices(), mesh.triangles()};
-  for (std::size_t f = 0; f < mesh.triangles().size(); ++f)
-    face.health.area_mm2 += facet(view, static_cast<int>(f)).area();
+  face.health.area_mm2 = area_mm2(mesh);
   face.mesh = mesh;
   return face;
+}
+
+double area_mm2(const surface::TriangleMesh& mesh) {
+  const MeshView view{mesh.vertices(), mesh.triangles()};
+  double area = 0;
+  for (std::size_t f = 0; f < mesh.triangles().size(); ++f) area += facet(view, static_cast<int>(f)).area();
+  return area;
+}
+
+void largest_first(const std::vector<surface::TriangleMesh>& faces,
+                   const std::function<bool(std::size_t)>& plan) {
+  // Whoever is told that a face cannot be cut is not helped by strips for a hundredth of it.
+  constexpr double kSmall = 0.01;
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < faces.size(); ++i) order.emplace_back(-area_mm2(faces[i]), i);
+  std::sort(order.begin(), order.end());
+  double least = 0;
+  for (const auto& [area, i] : order) {
+    if (-area < least) break;
+    if (!plan(i)) least = std::max(least, kSmall * -area);
+  }
 }
 
 std::vector<surface::TriangleMesh> parts_apart(const surface::TriangleMesh& mesh) {

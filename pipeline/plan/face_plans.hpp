@@ -1,6 +1,8 @@
 // The smooth faces of a design as designs of their own, and their plans as one.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_search.hpp"
@@ -12,6 +14,13 @@ namespace hotblade::pipeline {
 // Returns a face of a design, in its units.
 [[nodiscard]] surface::DesignSurface face_of(const surface::DesignSurface& design,
                                              const surface::TriangleMesh& mesh);
+
+[[nodiscard]] double area_mm2(const surface::TriangleMesh& mesh);
+
+// Plans faces by their index, the largest first; `plan` says whether there are any strips. Those that are
+// small beside one that there are none for are left out: the design cannot be cut whatever they are.
+void largest_first(const std::vector<surface::TriangleMesh>& faces,
+                   const std::function<bool(std::size_t)>& plan);
 
 // Parts of a design that lie farther apart are planned one by one: strips that go from one to the other cut
 // foam in between for nothing. Nearer ones are one surface with a joint.

@@ -118,8 +118,8 @@ void judge(const Settings& settings, PlanResult& result) {
 }
 
 // Ribs follow the facets of the file, not the surface that they stand for.
-void warn_of_facets(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
-  const double chord = mesh_chord_mm(design.mesh, crease_limits(settings, settings.blade));
+void warn_of_facets(const Settings& settings, PlanResult& result) {
+  const double chord = result.program.verification.budget_mm.front().second;  // the mesh's line
   const double allowed = settings.fit.deviation_share * settings.design.tolerance_mm;
   if (chord <= allowed) return;
   result.warnings.push_back(say(Saying::kFacets, {chord, allowed}));
@@ -336,17 +336,6 @@ class Nearest {
   std::optional<PlanResult> verified_;
 };
 
-// What the strips of a plan melt, each by the speeds of its own motion; none where it has none.
-std::vector<std::shared_ptr<const SweptBands>> bands_of(const SweptPlan& swept, const Settings& settings) {
-  std::vector<std::shared_ptr<const SweptBands>> bands(swept.strips.size());
-  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t i) {
-    BladeSpeeds speeds(move_blade(swept.strips[i], settings).poses);
-    if (!speeds.empty()) bands[i] = std::make_shared<SweptBands>(settings.blade, std::move(speeds));
-  });
-  gpu::stop_point();
-  return bands;
-}
-
 SweepVerdict verdict_on(const PlanResult& looked) {
   return {looked.refusals.empty(), failed_strips(looked), too_far_strips(looked), misshapen_strips(looked),
           deviations_with_sag_mm(looked)};
@@ -401,7 +390,7 @@ SweptPlan try_sweeps(const surface::DesignSurface& design, const surface::Design
   const auto watched = [&] { progress.fitted(); };
   BandsOfSweep bands;
   if (settings.blade.melt.by_speed())
-    bands = [&](const SweptPlan& swept) { return bands_of(swept, settings); };
+    bands = [&](const SweptPlan& swept) { return bands_of(swept.strips, settings); };
   std::vector<PlanesTried> ranking;
   try {
     ranking = search_sweeps(formed, settings, judges, watched, bands, most_parts);
@@ -422,22 +411,32 @@ SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surf
   // The whole tells the waste's side: a face may stand upright.
   if (const double side = waste_side(design.mesh, settings.design.keep); side != 0)
     own.design.keep = side > 0 ? Keep::kBack : Keep::kFront;
+  std::vector<SweptPlan> swept(meshes.size());
+  std::vector<PlanResult> planned(meshes.size());
+  std::vector<Refusal> untried;
+  largest_first(meshes, [&](std::size_t i) {
+    planned[i].program = result.program;
+    const surface::DesignSurface alone = face_of(design, meshes[i]);
+    swept[i] = try_sweeps(alone, alone, own, hooks, progress, watch, planned[i]);
+    planned[i].program = {};
+    // What is refused before any strip is tried is so of the whole.
+    if (swept[i].strips.empty() && swept[i].refusals.empty()) untried = planned[i].refusals;
+    return !swept[i].strips.empty();
+  });
   SweptPlan whole;
   whole.way = SweepWay::kFaces;
-  for (const surface::TriangleMesh& mesh : meshes) {
-    PlanResult face;
-    face.program = result.program;
-    const surface::DesignSurface alone = face_of(design, mesh);
-    const std::size_t strips = whole.strips.size();
-    append(whole, try_sweeps(alone, alone, own, hooks, progress, watch, face));
-    result.faces.push_back({{strips, whole.strips.size() - strips},
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    PlanResult& face = planned[i];
+    result.faces.push_back({{whole.strips.size(), swept[i].strips.size()},
                             {result.decisions.size(), face.decisions.size()},
                             {result.ranking.size(), face.ranking.size()},
-                            strips_lower_bound(alone.health.area_mm2, settings)});
+                            strips_lower_bound(area_mm2(meshes[i]), settings)});
+    append(whole, std::move(swept[i]));
     for (Decision& d : face.decisions) d.taken = false;
     std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
     std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));
   }
+  if (whole.strips.empty() && whole.refusals.empty()) whole.refusals = std::move(untried);
   PlanResult all = PlanLooks(design, settings, hooks, watch, result).whole(whole);
   all.faces = std::move(result.faces);
   all.ranking = std::move(result.ranking);
@@ -543,7 +542,6 @@ void conclude(const surface::DesignSurface& design, PlanResult& result) {
     throw std::logic_error("a deviation that is not a number must not pass");
   }
   v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
-  judge_budget(settings, result);
 }
 
 }  // namespace
@@ -572,8 +570,9 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   try_design(design, settings, looking, progress, watch, result);
   explain_deviations(design, settings, result.decisions.size(), result.refusals);
   result.strips_lower_bound = fewest;
-  warn_of_facets(design, settings, result);
   conclude(design, result);
+  warn_of_facets(settings, result);
+  judge_budget(program.settings, result);
   result.foam = foam_to_buy(program, [&] {
     gpu::stop_point();
     progress.looked_at("verify", 1);
@@ -590,6 +589,7 @@ void measure_again(const surface::DesignSurface& design, gpu::Backend backend, P
     set_bands(result.program.strips[i].poses, result.program.settings, result.strips[i]);
   judge(result.program.settings, result);
   conclude(design, result);
+  judge_budget(result.program.settings, result);
 }
 
 }  // namespace hotblade::pipeline

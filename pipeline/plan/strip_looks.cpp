@@ -107,6 +107,17 @@ void set_bands(const std::vector<BladePose>& poses, const Settings& settings, St
   facts.band_max_mm = settings.blade.band_mm(slowest);
 }
 
+std::vector<std::shared_ptr<const SweptBands>> bands_of(const std::vector<StripPlan>& strips,
+                                                        const Settings& settings) {
+  std::vector<std::shared_ptr<const SweptBands>> bands(strips.size());
+  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t i) {
+    BladeSpeeds speeds(move_blade(strips[i], settings).poses);
+    if (!speeds.empty()) bands[i] = std::make_shared<SweptBands>(settings.blade, std::move(speeds));
+  });
+  gpu::stop_point();
+  return bands;
+}
+
 void StripLooks::pose(const std::vector<StripPlan>& strips, const Settings& settings,
                       const std::function<void(double)>& posed) {
   std::vector<Looked> before = std::exchange(looked_, std::vector<Looked>(strips.size()));

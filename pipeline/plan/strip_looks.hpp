@@ -5,15 +5,21 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "pipeline/plan/plan.hpp"
+#include "pipeline/plan/sweep/swept_bands.hpp"
 #include "pipeline/verify/verify.hpp"
 
 namespace hotblade::pipeline {
 
 // Sets the narrowest and the widest band that a strip's blade melts, by the speeds of its poses.
 void set_bands(const std::vector<BladePose>& poses, const Settings& settings, StripFacts& facts);
+
+// Returns what the strips of a plan melt, each by the speeds of its own motion; none where it has none.
+[[nodiscard]] std::vector<std::shared_ptr<const SweptBands>> bands_of(const std::vector<StripPlan>& strips,
+                                                                      const Settings& settings);
 
 class StripLooks {
  public:

@@ -60,6 +60,29 @@ std::vector<double> cuts(double from, double to, const std::vector<double>& shar
   return at;
 }
 
+bool lies_behind(const std::vector<SweepSeam>& seams, const Vector3d& p) {
+  return std::all_of(seams.begin(), seams.end(),
+                     [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
+}
+
+// Between y and the normals, in the planes: of 98 of a hundred vertices behind the seams.
+double normals_turn_rad(const WasteSurface& surface, const std::vector<SweepSeam>& seams,
+                        const RibAxes& axes) {
+  std::vector<double> turns;
+  turns.reserve(surface.points.size());
+  for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    const Vector3d& n = surface.normals[i];
+    if (n.isZero() || !lies_behind(seams, surface.points[i])) continue;
+    const Frame plane = axes.plane(axes.planes.offset(surface.points[i]));
+    turns.push_back(std::atan2(std::abs(n.dot(plane.x)), n.dot(plane.y)));
+  }
+  if (turns.empty()) return 0;
+  const auto at =
+      turns.begin() + static_cast<std::ptrdiff_t>((1 - kLittle) * static_cast<double>(turns.size() - 1));
+  std::nth_element(turns.begin(), at, turns.end());
+  return *at;
+}
+
 // By how much a part is too large for any block or blade; at most 1: it is not.
 double excess_of(const PartFit& fit) {
   const bool too_long = fit.refusal && fit.refusal->limit == Limit::kRibLength;
@@ -136,19 +159,7 @@ SweepLayouts::Whole SweepLayouts::whole_in(const surface::PlaneFamily& planes) c
 }
 
 double SweepLayouts::turn_in(const RibAxes& axes) const {
-  const WasteSurface& surface = surface_->few ? *surface_->few : *surface_;
-  std::vector<double> turns;
-  turns.reserve(surface.points.size());
-  for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    const Frame plane = axes.plane(axes.planes.offset(surface.points[i]));
-    const Vector3d& n = surface.normals[i];
-    if (!n.isZero()) turns.push_back(std::atan2(std::abs(n.dot(plane.x)), n.dot(plane.y)));
-  }
-  if (turns.empty()) return 0;
-  const auto at =
-      turns.begin() + static_cast<std::ptrdiff_t>((1 - kLittle) * static_cast<double>(turns.size() - 1));
-  std::nth_element(turns.begin(), at, turns.end());
-  return *at;
+  return normals_turn_rad(surface_->few ? *surface_->few : *surface_, {}, axes);
 }
 
 RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
@@ -189,10 +200,7 @@ SweepPart SweepLayouts::part_behind(const RibAxes& axes, std::vector<SweepSeam> 
 }
 
 bool SweepLayouts::meets_design(const SweepPart& part) const {
-  const auto inside = [&](const Vector3d& p) {
-    return std::all_of(part.seams.begin(), part.seams.end(),
-                       [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
-  };
+  const auto inside = [&](const Vector3d& p) { return lies_behind(part.seams, p); };
   const std::vector<Vector3d>& points = part.surface->points;
   return std::any_of(points.begin(), points.end(), inside) || !fitter_.measured(part).extent.isEmpty();
 }
@@ -509,6 +517,9 @@ FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
     if (steep[i] > kLittle) continue;
     SweepPart part = best.part;
     part.axes = sweep_axes(*part.surface, all_planes_[i]);
+    // Planes that the design faces away from in any case: sections would only say so.
+    if (normals_turn_rad(*part.surface, part.seams, part.axes) > std::max(kMostTurnRad, best.fit.turn_rad))
+      continue;
     PartFit fit = fitter_.fit(part, cheap_effort());
     if (fit.cost_mm < best.fit.cost_mm && !hangs_too_far(part, fit, kNear * settings_.design.tolerance_mm))
       best = {std::move(part), std::move(fit)};

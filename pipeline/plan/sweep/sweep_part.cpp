@@ -22,8 +22,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-// Of the design against the middle of its normals, in a plane: beyond, no blade forms it as one graph.
-constexpr double kMostTurnRad = 1.55;
 
 double rib_length(const SweepFitReport& fit) {
   return 2 * std::max(-fit.arc_low_mm, fit.arc_high_mm);
@@ -80,11 +78,11 @@ Refusal PartFitter::unreached(double rib_mm) const {
 // What no fit can mend.
 std::optional<Refusal> PartFitter::refusal_of(const SweepData& data) const {
   constexpr double kDegrees = 57.29577951308232;
-  if (data.sections.empty()) return Refusal{"", "", Limit::kStrips, 0, 1};
   if (data.turn_rad > kMostTurnRad)
     return Refusal{"", "", Limit::kFacing, kDegrees * data.turn_rad, kDegrees * kMostTurnRad};
   if (data.steepest_rad > kMaxSlopeRad)
     return Refusal{"", "", Limit::kSlope, kDegrees * data.steepest_rad, kDegrees * kMaxSlopeRad};
+  if (data.sections.empty()) return Refusal{"", "", Limit::kStrips, 0, 1};
   if (data.gap)
     return Refusal{"", "", Limit::kGap, data.gap->width_mm(),
                    settings_.blade.band_mm(settings_.motion.feed_mm_s)};
@@ -101,7 +99,7 @@ double PartFitter::cost_of(const SweepData& data) const {
   const auto& most = settings_.stock.max_size_mm;
   const Vector3d size = stock_for(data, settings_.stock), held = sorted({most[0], most[1], most[2]});
   UnfollowedPart part;
-  part.empty = data.sections.empty();
+  part.empty = data.sections.empty() && data.followable();
   part.turn_rad = std::max(0.0, data.turn_rad - kMostTurnRad);
   part.slope_rad = std::max(0.0, data.steepest_rad - kMaxSlopeRad);
   part.gap_mm = data.gap ? data.gap->width_mm() : 0;
@@ -131,8 +129,9 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
 
 SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effort,
                                   const SweepSag* sag) const {
-  const SweepSectionOptions options =
+  SweepSectionOptions options =
       section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag, part.bands.get());
+  options.if_followable = true;
   // A gap may be narrower than the few are apart.
   const bool of_few = effort.of_few && part.surface->few && !options.gap_mm;
   return sweep_sections(of_few ? *part.surface->few : *part.surface, part.axes, options);
@@ -140,7 +139,7 @@ SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effo
 
 PartFit PartFitter::measured(const SweepData& data) const {
   PartFit fit;
-  if (!data.sections.empty()) {
+  if (!data.sections.empty() || !data.followable()) {
     fit.extent = {Vector2d(data.first_mm, data.low.x()), Vector2d(data.last_mm, data.high.x())};
     fit.height_mm = 0.5 * (data.low.y() + data.high.y());
     fit.turn_rad = data.turn_rad;

@@ -222,7 +222,7 @@ class Slicer {
   }
 
   SweepData run() {
-    if (!measure()) return data_;
+    if (!measure() || (options_.if_followable && !data_.followable())) return std::move(data_);
     offsets_ = section_offsets(data_.first_mm, data_.last_mm, options_.count);
     for (const double offset : options_.extra_mm) add(offset);
     add_corners();

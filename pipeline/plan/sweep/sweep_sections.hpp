@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "pipeline/plan/ribs/rib_axes.hpp"
+#include "pipeline/plan/ribs/rib_fit.hpp"
 #include "pipeline/plan/sweep/sweep_sag.hpp"
 #include "pipeline/plan/sweep/swept_bands.hpp"
 #include "surface/read/design_surface.hpp"
@@ -65,6 +66,9 @@ struct SweepSection {
   std::vector<SweepSample> samples;  // ascending in x; at least one
 };
 
+// Of the design against the middle of its normals, in a plane: beyond, no blade forms it as one graph.
+inline constexpr double kMostTurnRad = 1.55;
+
 struct SweepSectionOptions {
   double kerf_mm = 1, width_mm = 8;  // of the melted band
   int count = 24;                    // evenly spread sections
@@ -78,6 +82,7 @@ struct SweepSectionOptions {
   // looked for.
   std::optional<double> gap_mm = {};
   double gap_behind_mm = 0;
+  bool if_followable = false;  // no sections of what no blade follows (SweepData::followable)
 };
 
 // A gap in the design within a section, as of a window or between two arms.
@@ -94,6 +99,7 @@ struct SweepData {
   // Of 98 of a hundred vertices: the design's slope against the planes, and the angle in them between its
   // normals and y.
   double steepest_rad = 0, turn_rad = 0;
+  [[nodiscard]] bool followable() const { return turn_rad <= kMostTurnRad && steepest_rad <= kMaxSlopeRad; }
   Eigen::Vector2d low{0, 0}, high{0, 0};       // corners of the design in the planes, not moved
   double first_mm = 0, last_mm = 0;            // of the moved surface, along the sweep
   bool seam_first = false, seam_last = false;  // ends of the sweep at seams

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "pipeline/plan/face_plans.hpp"
 #include "pipeline/plan/forecast.hpp"
@@ -248,6 +250,51 @@ TEST(PlanCreases, AFaceThatNoBladeFollowsIsRefusedByItsStrip) {
   const PlanResult result = plan(design, back(), {});
   ASSERT_FALSE(result.refusals.empty());
   for (const Refusal& r : result.refusals) EXPECT_NE(r.strip, "S001") << describe(r);
+}
+
+// White noise: most of it is one face that no blade forms, with many of some facets in it.
+TEST(PlanCreases, SmallFacesAreNotTriedBesideOneThatNoBladeForms) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> height(0, 20);
+  const surface::DesignSurface design = grid_design(
+      "noise", 150, 150, [&](double u, double v) { return Vector3d(420 * u, 420 * v, height(random)); });
+  ASSERT_GT(faces_of(design, back()), 2U);
+  const PlanResult result = plan(design, back(), {});
+  EXPECT_TRUE(result.program.strips.empty());
+  ASSERT_FALSE(result.refusals.empty());
+  EXPECT_EQ(result.refusals.front().limit, Limit::kFacing) << describe(result.refusals.front());
+  ASSERT_EQ(result.faces.size(), faces_of(design, back()));
+  EXPECT_EQ(std::count_if(result.faces.begin(), result.faces.end(),
+                          [](const FacePlanned& face) { return face.decisions.count > 0; }),
+            1);
+  // Facets that steep lean towards no side: nothing is tried, and the refusal says why.
+  Settings below = back();
+  below.design.keep = Keep::kBelow;
+  const PlanResult untried = plan(design, below, {});
+  ASSERT_EQ(untried.refusals.size(), 1U);
+  EXPECT_EQ(untried.refusals.front().limit, Limit::kLean) << describe(untried.refusals.front());
+}
+
+TEST(FacePlans, AreMadeOfTheLargestFirst) {
+  const auto square = [](double edge_mm) {
+    return grid_design("square", 2, 2,
+                       [&](double u, double v) { return Vector3d(edge_mm * u, edge_mm * v, 0); })
+        .mesh;
+  };
+  const std::vector<surface::TriangleMesh> faces{square(20), square(300), square(29), square(200),
+                                                 square(31)};
+  const auto order = [&](std::size_t without) {
+    std::vector<std::size_t> planned;
+    largest_first(faces, [&](std::size_t i) {
+      planned.push_back(i);
+      return i != without;
+    });
+    return planned;
+  };
+  EXPECT_EQ(order(5), (std::vector<std::size_t>{1, 3, 4, 2, 0}));
+  // A hundredth of it is 30 mm long.
+  EXPECT_EQ(order(1), (std::vector<std::size_t>{1, 3, 4}));
+  EXPECT_EQ(order(4), (std::vector<std::size_t>{1, 3, 4, 2, 0}));
 }
 
 // Each strip is compared with the face that it forms: past the crease it cuts foam of its own block.
