@@ -33,8 +33,7 @@ double rise_mm(const WasteSurface& surface, const std::array<int, 3>& triangle) 
 
 }  // namespace
 
-FacetRise smooth_over_facets(const SweepPart& part) {
-  const WasteSurface& surface = *part.surface;
+FacetRise smooth_over_facets(const WasteSurface& surface, std::span<const SweepSeam> seams) {
   std::vector<std::pair<double, double>> rises;  // with areas
   double all = 0;
   for (const auto& triangle : surface.triangles) {
@@ -42,7 +41,7 @@ FacetRise smooth_over_facets(const SweepPart& part) {
       return surface.points[static_cast<std::size_t>(triangle[c])];
     };
     const Vector3d middle = (at(0) + at(1) + at(2)) / 3;
-    const bool inside = std::all_of(part.seams.begin(), part.seams.end(), [&](const SweepSeam& seam) {
+    const bool inside = std::all_of(seams.begin(), seams.end(), [&](const SweepSeam& seam) {
       return seam.normal.dot(middle) <= seam.at_mm;
     });
     if (!inside) continue;
@@ -57,19 +56,6 @@ FacetRise smooth_over_facets(const SweepPart& part) {
     if (passed >= all / 2) return {rise / 2, std::sqrt(2 * area)};
   }
   return {};
-}
-
-std::vector<std::pair<std::size_t, FacetRise>> coarsest(const Layout& layout, double tolerance_mm,
-                                                        std::size_t most) {
-  std::vector<std::pair<std::size_t, FacetRise>> parts;
-  for (std::size_t i = 0; i < layout.parts.size(); ++i) {
-    const FacetRise rise = smooth_over_facets(layout.parts[i]);
-    if (layout.fits[i].holds() && rise.off_mm > tolerance_mm) parts.emplace_back(i, rise);
-  }
-  std::stable_sort(parts.begin(), parts.end(),
-                   [](const auto& a, const auto& b) { return a.second.off_mm > b.second.off_mm; });
-  if (parts.size() > most) parts.resize(most);
-  return parts;
 }
 
 }  // namespace hotblade::pipeline

@@ -118,6 +118,19 @@ Eigen::Vector2d turn_of(const Layout& layout, double most_rad) {
   return step.norm() > most_rad ? Eigen::Vector2d(most_rad / step.norm() * step) : step;
 }
 
+std::vector<std::pair<std::size_t, FacetRise>> coarsest(const Layout& layout, double tolerance_mm,
+                                                        std::size_t most) {
+  std::vector<std::pair<std::size_t, FacetRise>> parts;
+  for (std::size_t i = 0; i < layout.parts.size(); ++i) {
+    const FacetRise rise = smooth_over_facets(*layout.parts[i].surface, layout.parts[i].seams);
+    if (layout.fits[i].holds() && rise.off_mm > tolerance_mm) parts.emplace_back(i, rise);
+  }
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const auto& a, const auto& b) { return a.second.off_mm > b.second.off_mm; });
+  if (parts.size() > most) parts.resize(most);
+  return parts;
+}
+
 bool layout_before(const Layout& a, const Layout& b) {
   return std::pair(a.cost_mm, a.named) < std::pair(b.cost_mm, b.named);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_cost.hpp"
+#include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "pipeline/plan/sweep/sweep_part.hpp"
 
 namespace hotblade::pipeline {
@@ -51,6 +52,11 @@ struct Layout {
 // Returns by how many rad about x and y of the whole's axes the planes should turn, as far as the terms of
 // the parts' fits say; zero where no fit says.
 [[nodiscard]] Eigen::Vector2d turn_of(const Layout& layout, double most_rad);
+
+// Returns, of the parts of a layout that have a fit and over whose facets a smooth surface is off by more
+// than the tolerance, the numbers of those that leave the most, at most so many.
+[[nodiscard]] std::vector<std::pair<std::size_t, FacetRise>> coarsest(const Layout& layout,
+                                                                      double tolerance_mm, std::size_t most);
 
 [[nodiscard]] bool layout_before(const Layout& a, const Layout& b);
 

@@ -12,6 +12,7 @@
 #include "pipeline/plan/motion/rib_clamp_error.hpp"
 #include "pipeline/plan/motion/rib_fold.hpp"
 #include "pipeline/plan/sweep/sweep_block.hpp"
+#include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -252,6 +253,7 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
 // Closer and closer fits of one pull towards few and smooth tensions, as long as these help.
 PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double calm) const {
   constexpr double kHelps = 0.8;  // of the deviation before
+  const double near_mm = near_enough_mm(part);
   PartPlan best{start, std::nullopt, start.refusal, calm};
   best.fit.max_mm = kInfinite;
   PartFit now = start;
@@ -272,7 +274,7 @@ PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double
     } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
       best = {std::move(fitted), std::nullopt, made.refusal, calm};
     }
-    if (best.strip && best.fit.max_mm <= wanted_mm()) break;
+    if (best.strip && best.fit.max_mm <= near_mm) break;
   }
   return best;
 }
@@ -305,6 +307,15 @@ PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double ca
 double PartFitter::wanted_mm() const {
   constexpr double kWanted = 0.5;
   return kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
+}
+
+// More coefficients bring no blade much nearer to facets than what these leave for a smooth cut, but where it
+// bends at their edges.
+double PartFitter::near_enough_mm(const SweepPart& part) const {
+  // The facets' own figure is of half of their area. A reserve stays for what lies between samples.
+  constexpr double kOver = 1.25, kMostShare = 0.6;
+  const double facets_mm = kOver * smooth_over_facets(*part.surface, part.seams).off_mm;
+  return std::max(wanted_mm(), std::min(facets_mm, kMostShare * settings_.design.tolerance_mm));
 }
 
 double PartFitter::most_mm(const PartPlan& plan) const {

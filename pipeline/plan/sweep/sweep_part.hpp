@@ -132,6 +132,7 @@ class PartFitter {
  private:
   [[nodiscard]] PartPlan plan_at(const SweepPart& part, const PartFit& start, double calm) const;
   [[nodiscard]] double wanted_mm() const;
+  [[nodiscard]] double near_enough_mm(const SweepPart& part) const;
   [[nodiscard]] double blade_for(double rib_mm) const;
   [[nodiscard]] Refusal unreached(double rib_mm) const;
   void explain(const SweepPart& part, PartPlan& plan) const;

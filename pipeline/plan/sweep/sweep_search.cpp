@@ -9,7 +9,6 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
-#include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
 #include "pipeline/plan/sweep/sweep_tried.hpp"
 #include "pipeline/sayings/saying.hpp"
@@ -135,10 +134,7 @@ class Search {
       open.erase(next);
       tried.failed.clear();
       for (std::size_t i = 0; i < tried.layout.fits.size(); ++i) {
-        const PartFit& fit = tried.layout.fits[i];
-        const double tolerance = settings_.design.tolerance_mm;
-        tried.failed.push_back(!(fit.cost_mm <= kPlanned * tolerance) ||
-                               hangs_too_far(tried.layout.parts[i], fit, tolerance));
+        tried.failed.push_back(!(tried.layout.fits[i].cost_mm <= kPlanned * settings_.design.tolerance_mm));
       }
       if (tried.failing() == 0) {
         plan_parts(tried);
