@@ -419,7 +419,7 @@ SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surf
     const surface::DesignSurface alone = face_of(design, meshes[i]);
     swept[i] = try_sweeps(alone, alone, own, hooks, progress, watch, planned[i]);
     planned[i].program = {};
-    // What is refused before any strip is tried is so of the whole.
+    // What is refused before any strip is tried, and told once.
     if (swept[i].strips.empty() && swept[i].refusals.empty()) untried = planned[i].refusals;
     return !swept[i].strips.empty();
   });
@@ -436,7 +436,7 @@ SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surf
     std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
     std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));
   }
-  if (whole.strips.empty() && whole.refusals.empty()) whole.refusals = std::move(untried);
+  whole.refusals.insert(whole.refusals.end(), untried.begin(), untried.end());
   PlanResult all = PlanLooks(design, settings, hooks, watch, result).whole(whole);
   all.faces = std::move(result.faces);
   all.ranking = std::move(result.ranking);
