@@ -133,9 +133,8 @@ class Search {
       Tried tried = std::move(*next);
       open.erase(next);
       tried.failed.clear();
-      for (std::size_t i = 0; i < tried.layout.fits.size(); ++i) {
-        tried.failed.push_back(!(tried.layout.fits[i].cost_mm <= kPlanned * settings_.design.tolerance_mm));
-      }
+      for (const PartFit& fit : tried.layout.fits)
+        tried.failed.push_back(!(fit.cost_mm <= kPlanned * settings_.design.tolerance_mm));
       if (tried.failing() == 0) {
         plan_parts(tried);
         if (all_made(tried.plans)) return attempt(std::move(tried));
