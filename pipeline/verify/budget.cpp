@@ -6,6 +6,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/verify/design_faces.hpp"
+#include "surface/read/blocks.hpp"
 #include "surface/slice/smooth_faces.hpp"
 
 namespace hotblade::pipeline {
@@ -59,20 +60,27 @@ double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLim
     if (!(length > 0) || !(n.norm() > 0)) return {};
     return {n.normalized(), n.norm() / length};
   };
-  std::vector<double> chords;
-  for (int c = 0; c < 3 * static_cast<int>(mesh.triangles().size()); ++c) {
-    gpu::stop_point();
+  // Where an arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.
+  const auto add_chord = [&](int c, std::vector<double>& chords) {
     const int beyond = mesh.beyond(c);
-    if (beyond < c) continue;  // none, or met from the other face
+    if (beyond < c) return;  // none, or met from the other face
     const int face = face_of[static_cast<std::size_t>(c / 3)];
-    if (face < 0 || face != face_of[static_cast<std::size_t>(beyond / 3)]) continue;
-    if (std::binary_search(creases.edges.begin(), creases.edges.end(), c)) continue;
+    if (face < 0 || face != face_of[static_cast<std::size_t>(beyond / 3)]) return;
+    if (std::binary_search(creases.edges.begin(), creases.edges.end(), c)) return;
     const Side p = side(static_cast<std::size_t>(c)), q = side(static_cast<std::size_t>(beyond));
-    if (!(p.height > 0) || !(q.height > 0)) continue;
+    if (!(p.height > 0) || !(q.height > 0)) return;
     const double angle = std::atan2(p.normal.cross(q.normal).norm(), p.normal.dot(q.normal));
-    // An arc that turns by `angle` over a chord of the mean face height rises by height * angle / 8.
     chords.push_back(0.5 * (p.height + q.height) * angle / 8);
-  }
+  };
+  constexpr std::size_t kCorners = 3 << 14;
+  const std::size_t corners = 3 * mesh.triangles().size();
+  std::vector<std::vector<double>> of((corners + kCorners - 1) / kCorners);
+  surface::for_blocks(corners, kCorners, [&](std::size_t first, std::size_t last) {
+    gpu::stop_point();
+    for (std::size_t c = first; c < last; ++c) add_chord(static_cast<int>(c), of[first / kCorners]);
+  });
+  std::vector<double> chords;
+  for (const std::vector<double>& block : of) chords.insert(chords.end(), block.begin(), block.end());
   if (chords.empty()) return 0;
   const auto nth =
       chords.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(chords.size() - 1));

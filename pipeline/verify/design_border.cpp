@@ -1,5 +1,6 @@
 #include "pipeline/verify/design_border.hpp"
 
+#include <algorithm>
 #include <array>
 
 namespace hotblade::pipeline {
@@ -7,8 +8,9 @@ namespace hotblade::pipeline {
 bool lies_on(const MeshView& mesh, const gpu::Nearest& nearest, const std::function<bool(int)>& vertex,
              const std::function<bool(int)>& edge) {
   constexpr double kOnEdge = 1e-7;  // shares of area below this are rounding
-  const Facet f = facet(mesh, nearest.triangle);
   const auto& t = mesh.triangles[static_cast<std::size_t>(nearest.triangle)];
+  if (std::none_of(t.begin(), t.end(), vertex)) return false;
+  const Facet f = facet(mesh, nearest.triangle);
   const double area = f.area();
   if (!(area > 0)) return false;
   const std::array<double, 3> share{Facet{nearest.point, f.b, f.c}.area() / area,

@@ -11,7 +11,8 @@
 namespace hotblade::pipeline {
 
 // Tells whether a point on the mesh lies on one of its vertices or edges that are asked for: `vertex(v)`
-// answers for vertex v, `edge(c)` for the edge that starts at corner c % 3 of triangle c / 3.
+// answers for vertex v, `edge(c)` for the edge that starts at corner c % 3 of triangle c / 3. Both ends of an
+// edge that is asked for are vertices that are.
 [[nodiscard]] bool lies_on(const MeshView& mesh, const gpu::Nearest& nearest,
                            const std::function<bool(int)>& vertex, const std::function<bool(int)>& edge);
 

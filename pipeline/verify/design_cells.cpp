@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <stdexcept>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
+
+#include "gpu/backend/stop.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -58,7 +62,10 @@ std::size_t DesignCells::longest_edge(const Cell& cell) const {
 
 class DesignCells::Places {
  public:
-  explicit Places(std::vector<Eigen::Vector3d>& points) : points_(points) {}
+  Places(std::vector<Eigen::Vector3d>& points, std::size_t about) : points_(points) {
+    known_.reserve(about);
+    points_.reserve(points_.size() + about);
+  }
 
   // Returns the point `i` of `n` even pieces of the edge from a to b.
   std::uint32_t at(std::uint32_t a, std::uint32_t b, std::size_t i, std::size_t n) {
@@ -77,13 +84,16 @@ class DesignCells::Places {
   using Key = std::tuple<std::uint64_t, std::size_t, std::size_t>;
   struct Hash {
     std::size_t operator()(const Key& key) const {
-      // Fibonacci hashing: indices of neighbours lie close.
-      constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15;
-      return ((std::get<0>(key) * kGolden) ^ std::get<1>(key)) * kGolden ^ std::get<2>(key);
+      // Edges of one kind, row after row, take places one after another; those that have an end in common, or
+      // lie across a strip, are spread by Fibonacci hashing.
+      constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15, kHalf = 0xffffffff;
+      const std::uint64_t low = std::get<0>(key) >> 32, high = std::get<0>(key) & kHalf;
+      return low + (((high - low) ^ (std::get<1>(key) << 40) ^ (std::get<2>(key) << 52)) * kGolden >> 16);
     }
   };
   std::vector<Eigen::Vector3d>& points_;
-  std::unordered_map<Key, std::uint32_t, Hash> known_;
+  std::pmr::monotonic_buffer_resource pool_;  // a million places are let go at once
+  std::pmr::unordered_map<Key, std::uint32_t, Hash> known_{&pool_};
 };
 
 void DesignCells::halve(const Cell& cell, std::size_t longest, Places& places, std::vector<Cell>& parts) {
@@ -110,26 +120,43 @@ void DesignCells::slice(const Cell& cell, std::size_t shortest, std::size_t piec
 
 void DesignCells::divide(std::span<const double> wanted_mm) {
   if (wanted_mm.size() != cells_.size()) throw std::logic_error("DesignCells::divide: one edge a cell");
-  constexpr double kNeedle = 0.25;  // shortest by longest edge
-  std::vector<Cell> parts;
-  Places places(points_);
-  for (std::size_t k = 0; k < cells_.size(); ++k) {
-    if (!(wanted_mm[k] > 0)) continue;
-    const Cell& cell = cells_[k];
-    const std::size_t longest = longest_edge(cell);
-    std::size_t shortest = 0;
-    for (std::size_t i = 1; i < 3; ++i) {
-      if (edge_mm(cell, i) < edge_mm(cell, shortest)) shortest = i;
+  // How each is cut is looked at beside the others; points have their places in one order.
+  std::vector<Cut> cuts(cells_.size());
+  constexpr std::size_t kCells = 1 << 12;
+  surface::for_blocks(cells_.size(), kCells, [&](std::size_t first, std::size_t last) {
+    gpu::stop_point();
+    for (std::size_t k = first; k < last; ++k) {
+      if (wanted_mm[k] > 0) cuts[k] = cut_of(cells_[k], wanted_mm[k]);
     }
-    const double long_mm = edge_mm(cell, longest);
-    const double pieces = std::max(2.0, std::ceil(long_mm / wanted_mm[k]));
-    if (edge_mm(cell, shortest) < kNeedle * long_mm) {
-      slice(cell, shortest, static_cast<std::size_t>(pieces), places, parts);
+  });
+  std::size_t divided = 0;
+  for (const Cut& cut : cuts) divided += cut.pieces > 0 ? 1 : 0;
+  std::vector<Cell> parts;
+  parts.reserve(2 * divided);
+  Places places(points_, divided);
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    const Cut& cut = cuts[k];
+    if (cut.pieces == 0) continue;
+    if (cut.needle) {
+      slice(cells_[k], cut.edge, cut.pieces, places, parts);
     } else {
-      halve(cell, longest, places, parts);
+      halve(cells_[k], cut.edge, places, parts);
     }
   }
   cells_ = std::move(parts);
+}
+
+DesignCells::Cut DesignCells::cut_of(const Cell& cell, double wanted_mm) const {
+  constexpr double kNeedle = 0.25;  // shortest by longest edge
+  const std::size_t longest = longest_edge(cell);
+  std::size_t shortest = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (edge_mm(cell, i) < edge_mm(cell, shortest)) shortest = i;
+  }
+  const double long_mm = edge_mm(cell, longest);
+  const bool needle = edge_mm(cell, shortest) < kNeedle * long_mm;
+  const double pieces = std::max(2.0, std::ceil(long_mm / wanted_mm));
+  return {needle ? shortest : longest, static_cast<std::size_t>(pieces), needle};
 }
 
 }  // namespace hotblade::pipeline

@@ -44,6 +44,13 @@ class DesignCells {
   [[nodiscard]] std::size_t longest_edge(const Cell& cell) const;
   [[nodiscard]] double edge_mm(const Cell& cell, std::size_t edge) const;
 
+  // How a cell is divided: a needle at its shortest edge, others in two at their longest.
+  struct Cut {
+    std::size_t edge = 0, pieces = 0;  // 0: it is not
+    bool needle = false;
+  };
+  [[nodiscard]] Cut cut_of(const Cell& cell, double wanted_mm) const;
+
   // Points of one division, by the edge and the place on it.
   class Places;
   void halve(const Cell& cell, std::size_t longest, Places& places, std::vector<Cell>& parts);

@@ -30,7 +30,7 @@ class DeviationStatistics {
 
   // Returns the deviation that each percentage of the area, 0 to 100 and rising (std::logic_error), stays
   // within; zeros without samples. All of them stay within the largest.
-  [[nodiscard]] std::vector<double> percentiles(std::span<const double> percents);
+  [[nodiscard]] std::vector<double> percentiles(std::span<const double> percents) const;
 
   // Returns thirty bins up to the tolerance and half as many more.
   [[nodiscard]] DeviationHistogram histogram(double tolerance_mm) const;

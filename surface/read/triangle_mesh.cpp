@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "surface/read/blocks.hpp"
 #include "surface/read/half_edges.hpp"
 
 namespace hotblade::surface {
@@ -66,8 +67,14 @@ Eigen::Vector3d area_centre(const TriangleMesh& mesh) {
     m << area * (a + b + c), 3 * area;
     return m;
   };
+  const std::size_t count = mesh.triangles().size(), blocks = (count + kBlock - 1) / kBlock;
+  std::vector<Eigen::Array4d> most(blocks, Eigen::Array4d::Zero());
+  for_blocks(count, kBlock, [&](std::size_t first, std::size_t last) {
+    for (const auto& t : mesh.triangles().subspan(first, last - first))
+      most[first / kBlock] = most[first / kBlock].max(moments(t).array().abs());
+  });
   Eigen::Array4d largest = Eigen::Array4d::Zero();
-  for (const auto& t : mesh.triangles()) largest = largest.max(moments(t).array().abs());
+  for (const Eigen::Array4d& of : most) largest = largest.max(of);
   if (!(largest[3] > 0) || !largest.isFinite().all()) return from;
   // In whole numbers, so that the order of the triangles does not matter: each with 62 bits less those that
   // the sum may take, 42 for a million of them.
@@ -76,11 +83,18 @@ Eigen::Vector3d area_centre(const TriangleMesh& mesh) {
   std::array<int, 4> shift{};
   for (Eigen::Index i = 0; i < 4; ++i)
     shift[static_cast<std::size_t>(i)] = largest[i] > 0 ? kBits - taken - (std::ilogb(largest[i]) + 1) : 0;
-  std::array<std::int64_t, 4> sums{};
-  for (const auto& t : mesh.triangles()) {
-    const Eigen::Vector4d m = moments(t);
-    for (std::size_t i = 0; i < 4; ++i)
-      sums[i] += std::llrint(std::ldexp(m[static_cast<Eigen::Index>(i)], shift[i]));
+  using Sums = std::array<std::int64_t, 4>;
+  std::vector<Sums> sum_of(blocks, Sums{});
+  for_blocks(count, kBlock, [&](std::size_t first, std::size_t last) {
+    for (const auto& t : mesh.triangles().subspan(first, last - first)) {
+      const Eigen::Vector4d m = moments(t);
+      for (std::size_t i = 0; i < 4; ++i)
+        sum_of[first / kBlock][i] += std::llrint(std::ldexp(m[static_cast<Eigen::Index>(i)], shift[i]));
+    }
+  });
+  Sums sums{};
+  for (const Sums& of : sum_of) {
+    for (std::size_t i = 0; i < 4; ++i) sums[i] += of[i];
   }
   const double total = std::ldexp(static_cast<double>(sums[3]), -shift[3]);
   Eigen::Vector3d centre = from;

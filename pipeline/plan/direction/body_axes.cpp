@@ -6,6 +6,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
+
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -22,6 +25,32 @@ void for_each_area(const surface::TriangleMesh& mesh, const F& f) {
     const Eigen::Vector3d &a = at(mesh, t[0]), &b = at(mesh, t[1]), &c = at(mesh, t[2]);
     f(0.5 * (b - a).cross(c - a).norm(), (a + b + c) / 3);
   }
+}
+
+// Of the area. About its centre: about the origin a design far from it would lose its digits.
+Eigen::Matrix3d covariance_about(const surface::TriangleMesh& mesh, const Eigen::Vector3d& centre) {
+  struct Moments {
+    double area = 0;
+    Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  };
+  const std::size_t count = mesh.triangles().size();
+  std::vector<Moments> of((count + surface::kBlock - 1) / surface::kBlock);
+  surface::for_blocks(count, surface::kBlock, [&](std::size_t first, std::size_t last) {
+    Moments& block = of[first / surface::kBlock];
+    for (const auto& t : mesh.triangles().subspan(first, last - first)) {
+      const Eigen::Vector3d &a = at(mesh, t[0]), &b = at(mesh, t[1]), &c = at(mesh, t[2]);
+      const double area = 0.5 * (b - a).cross(c - a).norm();
+      const Eigen::Vector3d d = (a + b + c) / 3 - centre;
+      block.area += area;
+      block.second += area * d * d.transpose();
+    }
+  });
+  Moments all;
+  for (const Moments& block : of) {
+    all.area += block.area;
+    all.second += block.second;
+  }
+  return all.second / all.area;
 }
 
 // Unit vector square to `axis` towards the vertex farthest from the line along it through the centre.
@@ -45,14 +74,8 @@ Eigen::Vector3d towards_farthest(const surface::TriangleMesh& mesh, const Eigen:
 
 BodyAxes body_axes(const surface::TriangleMesh& mesh) {
   BodyAxes body;
-  double total = 0;
-  for_each_area(mesh, [&](double area, const Eigen::Vector3d&) { total += area; });
   body.centre = surface::area_centre(mesh);
-  // About the centre: about the origin a design far from it would lose its digits.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
-    covariance += area / total * (c - body.centre) * (c - body.centre).transpose();
-  });
+  const Eigen::Matrix3d covariance = covariance_about(mesh, body.centre);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
   const Eigen::Vector3d& v = solver.eigenvalues();  // ascending
   Eigen::Vector3d wide = solver.eigenvectors().col(2), narrow = solver.eigenvectors().col(0);

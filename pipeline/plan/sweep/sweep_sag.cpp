@@ -7,6 +7,7 @@
 #include "elastica/blade/stability.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -50,21 +51,26 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
       half_width_mm_(0.5 * section.width_mm),
       blade_(blade),
       margin_(std::numeric_limits<double>::infinity()) {
+  const double reach = 2 * std::max(blade.before_mm, blade.length_mm - blade.before_mm);
+  const auto offset_at = [&](std::size_t k) {
+    return first_mm_ + (last_mm_ - first_mm_) * static_cast<double>(k) / (kPlaces - 1);
+  };
   for (std::size_t k = 0; k < kPlaces; ++k) {
-    const double offset = first_mm_ + (last_mm_ - first_mm_) * static_cast<double>(k) / (kPlaces - 1);
-    const double reach = 2 * std::max(blade.before_mm, blade.length_mm - blade.before_mm);
-    const elastica::MidState middle = family.mid_state(offset, reach);
-    if (winds_up(middle, reach)) {
-      stable_ = false;
-      margin_ = -std::numeric_limits<double>::infinity();
-      return;
-    }
+    if (!winds_up(family.mid_state(offset_at(k), reach), reach)) continue;
+    stable_ = false;
+    margin_ = -std::numeric_limits<double>::infinity();
+    return;
+  }
+  std::array<double, kPlaces> margins{};
+  std::array<bool, kPlaces> stable{};
+  surface::for_blocks(kPlaces, 1, [&](std::size_t k, std::size_t) {
+    const elastica::MidState middle = family.mid_state(offset_at(k), reach);
     const elastica::Elastica shape = segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
                                              0.5 * reach - blade.before_mm + blade.length_mm);
-    margin_ = std::min(margin_, elastica::stability_margin(shape));
-    const Eigen::Vector3d down = down_at(offset, 0.5 * (first_mm_ + last_mm_), axes);
+    margins[k] = elastica::stability_margin(shape);
+    const Eigen::Vector3d down = down_at(offset_at(k), 0.5 * (first_mm_ + last_mm_), axes);
     const robot::SagProfile sag = sag_profile(shape, section, down);
-    stable_ = stable_ && sag.stable;
+    stable[k] = sag.stable;
     const elastica::ElasticaCurve curve(shape);
     const double slack_mm = axes.planes.turns() ? slack_sag_mm(curve, down, section) : 0;
     nodes_[k].reserve(kNodes + 1);
@@ -78,7 +84,9 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
           {p.x, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, p.theta}});
       if (axes.planes.turns()) in_plane_mm_[k].push_back(std::max(slack_mm, value.in_plane_mm.norm()));
     }
-  }
+  });
+  margin_ = *std::min_element(margins.begin(), margins.end());
+  stable_ = std::all_of(stable.begin(), stable.end(), [](bool is) { return is; });
 }
 
 SweepSag::Value SweepSag::at(double offset_mm, double x_mm) const {

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/sweep/section_cells.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -33,7 +35,7 @@ struct MovedVertex {
   Vector3d world;        // the same point in space
   Vector3d own, own_at;  // the design's point, in space and as `at`
   double along = 0;      // component of the normal along the sweep
-  double turn = 0;       // angle in the plane between the normal and y
+  double turn = 0;       // in the plane between the normal and y: 1 less the angle's cosine
 };
 
 Vector3d in_planes(const RibAxes& axes, const Vector3d& p) {
@@ -53,7 +55,8 @@ MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& 
   double kerf_mm = options.kerf_mm;
   const auto band = [&](double across) { return 0.5 * (kerf_mm + options.width_mm * std::abs(across)); };
   v.along = n.z();
-  v.turn = std::atan2(std::abs(n.x()), n.y());
+  const double in_plane = n.head<2>().norm();
+  v.turn = in_plane > 0 ? 1 - n.y() / in_plane : 0;
   if (options.bands) kerf_mm = options.bands->band_mm(point + band(n.z()) * normal);
   v.world = point + band(n.z()) * normal;
   v.at = in_planes(axes, v.world);
@@ -120,40 +123,6 @@ std::vector<double> section_offsets(double first, double last, int count) {
   return offsets;
 }
 
-// Samples of one section on their way: one for each cell of a grid, the nearest to its middle, and all points
-// of the border.
-class Thinned {
- public:
-  explicit Thinned(double cell_mm) : cell_mm_(cell_mm) {}
-
-  void add(const SweepSample& sample) {
-    // Grids of designs start at round numbers: a shift by none keeps their points off the cells' edges, where
-    // rounding would decide between neighbours.
-    constexpr double kShift = 0.3719;
-    const Eigen::Vector2d place = (sample.q / cell_mm_).array() + kShift;
-    const Eigen::Vector2d cell = place.array().floor();
-    const double away = (place - cell - Eigen::Vector2d::Constant(0.5)).squaredNorm();
-    const auto [at, fresh] =
-        cells_.try_emplace({static_cast<long>(cell.x()), static_cast<long>(cell.y())}, away, sample);
-    if (!fresh && away < at->second.first) at->second = {away, sample};
-  }
-  void add_border(const SweepSample& sample) { border_.push_back(sample); }
-
-  [[nodiscard]] std::vector<SweepSample> samples() const {
-    std::vector<SweepSample> all = border_;
-    for (const auto& [cell, sample] : cells_) all.push_back(sample.second);
-    std::sort(all.begin(), all.end(), [](const SweepSample& a, const SweepSample& b) {
-      return std::pair(a.q.x(), a.q.y()) < std::pair(b.q.x(), b.q.y());
-    });
-    return all;
-  }
-
- private:
-  double cell_mm_;
-  std::map<std::pair<long, long>, std::pair<double, SweepSample>> cells_;
-  std::vector<SweepSample> border_;
-};
-
 // A point of a section, in its plane and in space.
 struct SectionPoint {
   SweepSample sample;
@@ -211,11 +180,13 @@ class Slicer {
  public:
   Slicer(const WasteSurface& surface, const RibAxes& axes, const SweepSectionOptions& options)
       : surface_(surface), axes_(axes), options_(options) {
-    vertices_.reserve(surface.points.size());
-    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    constexpr std::size_t kVertices = 1 << 12;
+    vertices_.resize(surface.points.size());
+    surface::for_blocks(vertices_.size(), kVertices, [&](std::size_t first, std::size_t last) {
       gpu::stop_point();
-      vertices_.push_back(moved(surface.points[i], surface.normals[i], axes, options));
-    }
+      for (std::size_t i = first; i < last; ++i)
+        vertices_[i] = moved(surface.points[i], surface.normals[i], axes, options);
+    });
     data_.axes = axes;
     behind_.emplace(options_.seams, vertices_.size(), 0,
                     [&](std::size_t i) -> const Vector3d& { return vertices_[i].world; });
@@ -228,15 +199,15 @@ class Slicer {
     add_corners();
     std::sort(offsets_.begin(), offsets_.end());
     offsets_.erase(std::unique(offsets_.begin(), offsets_.end()), offsets_.end());
-    thinned_.assign(offsets_.size(), Thinned(options_.sample_mm));
     runs_.resize(options_.gap_mm ? offsets_.size() : 0);
-    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+    const std::vector<std::vector<int>> met = met_by_sections();
+    std::vector<SweepSection> sections(offsets_.size());
+    surface::for_blocks(offsets_.size(), 1, [&](std::size_t k, std::size_t) {
       gpu::stop_point();
-      if (behind_->in_reach(surface_.triangles[t])) cut(t);
-    }
-    for (std::size_t k = 0; k < offsets_.size(); ++k) {
-      std::vector<SweepSample> samples = thinned_[k].samples();
-      if (!samples.empty()) data_.sections.push_back({offsets_[k], std::move(samples)});
+      sections[k] = {offsets_[k], section_of(met[k], k)};
+    });
+    for (SweepSection& section : sections) {
+      if (!section.samples.empty()) data_.sections.push_back(std::move(section));
     }
     add_border();
     for (std::size_t k = 0; k < runs_.size(); ++k) find_gap(offsets_[k], runs_[k]);
@@ -345,7 +316,7 @@ class Slicer {
       return *at;
     };
     data_.steepest_rad = std::asin(std::min(1.0, most(steeps_)));
-    data_.turn_rad = most(turns_);
+    data_.turn_rad = std::acos(std::clamp(1 - most(turns_), -1.0, 1.0));
     measure_size(own);
     find_seams();
     return true;
@@ -382,37 +353,54 @@ class Slicer {
                               std::pair<int, int>(std::minmax(a, b)));
   }
 
-  void cut(std::size_t t) {
-    if (!options_.gap_mm && !axes_.planes.turns() && between_sections(surface_.triangles[t])) return;
-    const Triangle corners = triangle(t);
-    const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
-    if (options_.gap_mm) add_edges(corners, low, high);
-    const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low);
-    for (auto at = from; at != offsets_.end() && *at < high; ++at)
-      cut(corners, surface_.triangles[t], static_cast<std::size_t>(at - offsets_.begin()));
+  // The triangles that each section meets, or whose edges it may run along where gaps are looked for;
+  // ascending.
+  [[nodiscard]] std::vector<std::vector<int>> met_by_sections() const {
+    const double near = options_.gap_mm.value_or(0);
+    std::vector<std::vector<int>> met(offsets_.size());
+    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
+      gpu::stop_point();
+      if (!behind_->in_reach(surface_.triangles[t])) continue;
+      const auto [low, high] = extent(t);
+      const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - near);
+      for (auto at = from; at != offsets_.end() && *at <= high + near; ++at)
+        met[static_cast<std::size_t>(at - offsets_.begin())].push_back(static_cast<int>(t));
+    }
+    return met;
   }
 
-  // Whether no section meets a triangle.
-  [[nodiscard]] bool between_sections(const std::array<int, 3>& t) const {
-    const auto offset = [&](std::size_t c) { return vertices_[static_cast<std::size_t>(t[c])].at.z(); };
-    const auto [low, high] = std::minmax({offset(0), offset(1), offset(2)});
-    const auto next = std::lower_bound(offsets_.begin(), offsets_.end(), low);
-    return next == offsets_.end() || *next >= high;
+  // Of a triangle, along the sweep.
+  [[nodiscard]] std::pair<double, double> extent(std::size_t t) const {
+    const auto among = [](double a, double b, double c) { return std::pair(std::minmax({a, b, c})); };
+    if (axes_.planes.turns()) {
+      const Triangle corners = triangle(t);
+      return among(corners[0].at.z(), corners[1].at.z(), corners[2].at.z());
+    }
+    const auto& at = surface_.triangles[t];
+    const auto offset = [&](std::size_t c) { return vertices_[static_cast<std::size_t>(at[c])].at.z(); };
+    return among(offset(0), offset(1), offset(2));
+  }
+
+  // Samples of a section of these triangles.
+  [[nodiscard]] std::vector<SweepSample> section_of(const std::vector<int>& met, std::size_t k) {
+    SectionCells cells(options_.sample_mm);
+    for (const int i : met) {
+      const auto t = static_cast<std::size_t>(i);
+      const Triangle corners = triangle(t);
+      if (options_.gap_mm) add_edges(corners, k);
+      cut(corners, surface_.triangles[t], k, cells);
+    }
+    return cells.samples();
   }
 
   // Edges that run along a section's plane, nearer to it than a gap is wide, are no gap: rounding and the
   // blade's droop put them on this side of it or on that.
-  void add_edges(const Triangle& corners, double low, double high) {
-    const double near = *options_.gap_mm;
-    const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - near);
-    for (auto at = from; at != offsets_.end() && *at <= high + near; ++at) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const MovedVertex &a = corners[c], &b = corners[(c + 1) % 3];
-        const bool in_plane = std::abs(a.at.z() - *at) <= near && std::abs(b.at.z() - *at) <= near;
-        if (!in_plane) continue;
-        add_run({{a.at.head<2>(), 1, false}, a.world}, {{b.at.head<2>(), 1, false}, b.world},
-                static_cast<std::size_t>(at - offsets_.begin()));
-      }
+  void add_edges(const Triangle& corners, std::size_t k) {
+    const double near = *options_.gap_mm, offset = offsets_[k];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const MovedVertex &a = corners[c], &b = corners[(c + 1) % 3];
+      const bool in_plane = std::abs(a.at.z() - offset) <= near && std::abs(b.at.z() - offset) <= near;
+      if (in_plane) add_run({{a.at.head<2>(), 1, false}, a.world}, {{b.at.head<2>(), 1, false}, b.world}, k);
     }
   }
 
@@ -422,9 +410,8 @@ class Slicer {
           std::minmax({between(a, b, run->first).sample.q.x(), between(a, b, run->second).sample.q.x()}));
   }
 
-  void cut(const Triangle& corners, const std::array<int, 3>& indices, std::size_t k) {
+  void cut(const Triangle& corners, const std::array<int, 3>& indices, std::size_t k, SectionCells& section) {
     const double offset = offsets_[k];
-    Thinned& section = thinned_[k];
     std::array<SectionPoint, 2> ends;
     std::size_t found = 0;
     for (std::size_t c = 0; c < 3 && found < 2; ++c) {
@@ -436,7 +423,7 @@ class Slicer {
         section.add_border(ends[found].sample);
       ++found;
     }
-    if (found == 2) add_between(ends[0], ends[1], k);
+    if (found == 2) add_between(ends[0], ends[1], k, section);
   }
 
   // The share of a piece of a section that lies behind all seams by so much.
@@ -455,8 +442,7 @@ class Slicer {
   }
 
   // What of a piece of a section lies behind the seams, and where it meets them.
-  void add_between(const SectionPoint& a, const SectionPoint& b, std::size_t k) {
-    Thinned& section = thinned_[k];
+  void add_between(const SectionPoint& a, const SectionPoint& b, std::size_t k, SectionCells& section) {
     if (options_.gap_mm) add_run(a, b, k);
     const auto share = share_behind(a, b, 0);
     if (!share) return;
@@ -492,7 +478,6 @@ class Slicer {
   std::vector<MovedVertex> vertices_;
   std::optional<BehindSeams> behind_;  // of these, as the blade passes them
   std::vector<double> offsets_;
-  std::vector<Thinned> thinned_;
   std::vector<std::vector<std::pair<double, double>>>
       runs_;                            // in x, of each section, where gaps are looked for
   std::vector<double> steeps_, turns_;  // sines of slopes and MovedVertex::turn of all that is measured
@@ -516,15 +501,29 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
                        border_edges(mesh),
                        {}};
   surface.corners = corners_of(surface.points, surface.border);
-  for (const auto& t : triangles) {
-    gpu::stop_point();
+  // Each corner's share is found beside the others', and added in one order.
+  const auto shares_of = [&](const std::array<int, 3>& t) {
     const auto corner = [&](std::size_t c) -> const Vector3d& {
       return vertices[static_cast<std::size_t>(t[c % 3])];
     };
     const Vector3d normal = side * (corner(1) - corner(0)).cross(corner(2) - corner(0)).stableNormalized();
+    std::array<Vector3d, 3> shares;
     for (std::size_t c = 0; c < 3; ++c)
-      surface.normals[static_cast<std::size_t>(t[c])] +=
-          angle_at(corner(c), corner(c + 1), corner(c + 2)) * normal;
+      shares[c] = angle_at(corner(c), corner(c + 1), corner(c + 2)) * normal;
+    return shares;
+  };
+  constexpr std::size_t kBlock = 1 << 12, kAtOnce = 1 << 16;
+  std::vector<std::array<Vector3d, 3>> shares(std::min(kAtOnce, triangles.size()));
+  for (std::size_t from = 0; from < triangles.size(); from += kAtOnce) {
+    const std::size_t count = std::min(kAtOnce, triangles.size() - from);
+    surface::for_blocks(count, kBlock, [&](std::size_t first, std::size_t last) {
+      gpu::stop_point();
+      for (std::size_t i = first; i < last; ++i) shares[i] = shares_of(triangles[from + i]);
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; c < 3; ++c)
+        surface.normals[static_cast<std::size_t>(triangles[from + i][c])] += shares[i][c];
+    }
   }
   for (Vector3d& n : surface.normals) n.stableNormalize();
   return surface;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "elastica/fit/even_points.hpp"
+#include "gpu/backend/stop.hpp"
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -27,17 +30,19 @@ struct Foot {
   bool at_seam = false;
 };
 
+// A point of a section in the axes of the family's curve there.
+Vector2d in_curve(const Vector2d& q, const SweepFamily& family, const SweepState& state) {
+  const double c = std::cos(state.theta), n = std::sin(state.theta);
+  const Vector2d d = q - Vector2d(family.x_mm, state.y);
+  return {c * d.x() + n * d.y(), -n * d.x() + c * d.y()};
+}
+
 // The feet of a section's samples on the family's curve there, ascending. They are sought from the middle
 // outwards, each from the last one's: where a section turns up steeply, x says little of a place on it.
-std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family, double reach_mm) {
-  const SweepState state = family.at(section.offset_mm);
-  const SweepCurve curve(state.bend, reach_mm);
-  const double c = std::cos(state.theta), n = std::sin(state.theta);
-  std::vector<Vector2d> own;  // in the curve's axes
-  for (const SweepSample& sample : section.samples) {
-    const Vector2d d = sample.q - Vector2d(family.x_mm, state.y);
-    own.emplace_back(c * d.x() + n * d.y(), -n * d.x() + c * d.y());
-  }
+std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family, const SweepState& state,
+                          const SweepCurve& curve) {
+  std::vector<Vector2d> own;
+  for (const SweepSample& sample : section.samples) own.push_back(in_curve(sample.q, family, state));
   const auto middle =
       std::partition_point(section.samples.begin(), section.samples.end(),
                            [&](const SweepSample& sample) { return sample.q.x() < family.x_mm; });
@@ -60,6 +65,31 @@ std::vector<Foot> feet_of(const SweepSection& section, const SweepFamily& family
   for (std::ptrdiff_t i = from - 1; i >= 0; --i) seek(i, i + 1 < from ? i + 1 : i);
   feet.insert(feet.end(), upper.begin(), upper.end());
   std::sort(feet.begin(), feet.end(), [](const Foot& a, const Foot& b) { return a.s_mm < b.s_mm; });
+  return feet;
+}
+
+// Where the feet of lone points lie, each on the curve at its own offset.
+std::vector<double> feet_of(std::span<const std::pair<double, Vector2d>> points, const SweepFamily& family,
+                            double reach_mm) {
+  std::vector<double> feet(points.size());
+  // Nothing but a few lanes' worth is won by more at once.
+  constexpr std::size_t kAtOnce = 64;
+  surface::for_blocks(points.size(), kAtOnce, [&](std::size_t first, std::size_t last) {
+    gpu::stop_point();
+    std::vector<SweepCurve::Ask> asked;
+    std::vector<Vector2d> own;
+    for (std::size_t i = first; i < last; ++i) {
+      const SweepState state = family.at(points[i].first);
+      own.push_back(in_curve(points[i].second, family, state));
+      asked.push_back({state.bend, reach_mm, own.back().x()});
+    }
+    const std::vector<SweepCurve> curves = SweepCurve::all(asked);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      double& foot = feet[first + k];
+      foot = curves[k].nearest(own[k], own[k].x());
+      if (curves[k].is_open_at(foot)) foot = SweepCurve(asked[k].bend, reach_mm).nearest(own[k], own[k].x());
+    }
+  });
   return feet;
 }
 
@@ -152,20 +182,36 @@ class StripMaker {
     SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_, bands_);
     for (int i = 0; i < rib_count(); ++i) options.extra_mm.push_back(rib_offset(i));
     const SweepData data = sweep_sections(surface_, axes_, options);
+    const double longest = settings_.blade.free_lengths_mm.back();
+    feet_.resize(data.sections.size());
+    slopes_.resize(data.sections.size());
+    constexpr std::size_t kSectionsAtOnce = 8;
+    surface::for_blocks(feet_.size(), kSectionsAtOnce, [&](std::size_t first, std::size_t last) {
+      gpu::stop_point();
+      std::vector<SweepState> states;
+      std::vector<SweepCurve::Ask> asked;
+      for (std::size_t k = first; k < last; ++k) {
+        states.push_back(fit_.family.at(data.sections[k].offset_mm));
+        asked.push_back({states.back().bend, longest});
+      }
+      const std::vector<SweepCurve> curves = SweepCurve::all(asked);
+      for (std::size_t k = first; k < last; ++k) {
+        const SweepSection& section = data.sections[k];
+        feet_[k] = feet_of(section, fit_.family, states[k - first], curves[k - first]);
+        double least = 1;
+        for (const SweepSample& sample : section.samples) least = std::min(least, sample.cosine);
+        slopes_[k] = std::acos(least);
+      }
+    });
     double reach = 0;
-    for (const SweepSection& section : data.sections) {
-      feet_.push_back(feet_of(section, fit_.family, settings_.blade.free_lengths_mm.back()));
-      reach = std::max({reach, -feet_.back().front().s_mm, feet_.back().back().s_mm});
-      offsets_.push_back(section.offset_mm);
-      double least = 1;
-      for (const SweepSample& sample : section.samples) least = std::min(least, sample.cosine);
-      slopes_.push_back(std::acos(least));
+    for (std::size_t k = 0; k < feet_.size(); ++k) {
+      reach = std::max({reach, -feet_[k].front().s_mm, feet_[k].back().s_mm});
+      offsets_.push_back(data.sections[k].offset_mm);
     }
-    for (const auto& [offset, q] : data.border) {
-      const SweepSection point{offset, {{q, 1}}};
-      border_.emplace_back(offset,
-                           feet_of(point, fit_.family, settings_.blade.free_lengths_mm.back()).front().s_mm);
-      reach = std::max(reach, std::abs(border_.back().second));
+    const std::vector<double> border = feet_of(data.border, fit_.family, longest);
+    for (std::size_t i = 0; i < border.size(); ++i) {
+      border_.emplace_back(data.border[i].first, border[i]);
+      reach = std::max(reach, std::abs(border[i]));
     }
     length_mm_ = 2 * (reach + 2 * kBeyondMm);
   }
@@ -199,8 +245,11 @@ class StripMaker {
   }
 
   [[nodiscard]] std::vector<RibFit> make_ribs() const {
-    std::vector<RibFit> ribs;
-    for (int i = 0; i < rib_count(); ++i) ribs.push_back(make_rib(rib_offset(i)));
+    std::vector<RibFit> ribs(static_cast<std::size_t>(rib_count()));
+    surface::for_blocks(ribs.size(), 1, [&](std::size_t i, std::size_t) {
+      gpu::stop_point();
+      ribs[i] = make_rib(rib_offset(static_cast<int>(i)));
+    });
     return ribs;
   }
 
