@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <new>
 #include <stdexcept>
 
@@ -176,29 +177,44 @@ double max_abs_curvature(const Elastica& e, const PartPoints& whole, std::size_t
   return ends;
 }
 
-void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd) {
-  expect_size(blades.size(), out.size());
-  UnitBlock unit;
-  Block margin;
+namespace {
+
+// Calls `set(k, i)` for the blades that the lanes take, the k-th of which is blade i, and `flush(index)` for
+// the blades of each block, which are set by then in `unit`; and `alone(i)` for those that wind too tightly.
+template <typename Set, typename Alone, typename Flush>
+void by_blocks(std::span<const Elastica> blades, UnitBlock& unit, const Set& set, const Alone& alone,
+               const Flush& flush) {
   std::array<std::size_t, kBlock> index;
-  const auto flush = [&](std::size_t n) {
-    kernels(simd).margins({unit.lanes(), margin.data(), Scratch::of_this_thread()}, n);
-    for (std::size_t i = 0; i < n; ++i) out[index[i]] = margin[i];
-  };
   std::size_t n = 0;
   for (std::size_t i = 0; i < blades.size(); ++i) {
     const Elastica& e = blades[i];
     unit.set(n, e, e.length);
     if (!(e.length > 0) || !(unit.rate(n) <= kBatchRate)) {
-      out[i] = stability_margin(e);
+      alone(i);
       continue;
     }
+    set(n, i);
     index[n] = i;
     if (++n < kBlock) continue;
-    flush(n);
+    flush(std::span<const std::size_t>(index));
     n = 0;
   }
-  if (n > 0) flush(n);
+  if (n > 0) flush(std::span<const std::size_t>(index).first(n));
+}
+
+}  // namespace
+
+void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd) {
+  expect_size(blades.size(), out.size());
+  UnitBlock unit;
+  Block margin;
+  by_blocks(
+      blades, unit, [](std::size_t, std::size_t) {},
+      [&](std::size_t i) { out[i] = stability_margin(blades[i]); },
+      [&](std::span<const std::size_t> index) {
+        kernels(simd).margins({unit.lanes(), margin.data(), Scratch::of_this_thread()}, index.size());
+        for (std::size_t k = 0; k < index.size(); ++k) out[index[k]] = margin[k];
+      });
 }
 
 namespace {
@@ -219,43 +235,83 @@ void expect_droop(const Elastica& e, const DroopLoad& load) {
   if (load.first > load.last || load.last > kGravityCells) throw std::logic_error("droop: no such nodes");
 }
 
+void expect_ratios(const StiffnessRatios& ratios) {
+  if (!(ratios.upright > 0) || !(ratios.torsion > 0))
+    throw std::logic_error("stiffness ratios of a blade must be positive");
+}
+
+// What the lanes of a block are given, and what they say.
+struct DroopBlock {
+  Block load, first, last, shift, twist, stable;
+
+  void set(std::size_t k, const Elastica& e, const DroopLoad& of) {
+    load[k] = of.load * e.length * e.length * e.length;
+    first[k] = static_cast<double>(of.first);
+    last[k] = static_cast<double>(of.last);
+  }
+  [[nodiscard]] DroopLanes lanes(const UnitBlock& unit, const StiffnessRatios& ratios) {
+    return {unit.lanes(),   load.data(),  first.data(), last.data(),   ratios.upright,
+            ratios.torsion, shift.data(), twist.data(), stable.data(), Scratch::of_this_thread()};
+  }
+};
+
 }  // namespace
 
 void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
             std::span<DroopReach> out, Simd simd) {
   expect_size(blades.size(), loads.size());
   expect_size(blades.size(), out.size());
-  if (!(ratios.upright > 0) || !(ratios.torsion > 0))
-    throw std::logic_error("stiffness ratios of a blade must be positive");
+  expect_ratios(ratios);
+  for (std::size_t i = 0; i < blades.size(); ++i) expect_droop(blades[i], loads[i]);
   UnitBlock unit;
-  Block load, first, last, shift, twist, stable;
-  std::array<std::size_t, kBlock> index;
-  const auto flush = [&](std::size_t n) {
-    kernels(simd).droops(
-        {unit.lanes(), load.data(), first.data(), last.data(), ratios.upright, ratios.torsion, shift.data(),
-         twist.data(), stable.data(), Scratch::of_this_thread()},
-        n);
-    for (std::size_t i = 0; i < n; ++i)
-      out[index[i]] = {blades[index[i]].length * shift[i], twist[i], stable[i] > 0};
-  };
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < blades.size(); ++i) {
-    const Elastica& e = blades[i];
-    expect_droop(e, loads[i]);
-    unit.set(n, e, e.length);
-    if (!(unit.rate(n) <= kBatchRate)) {
-      out[i] = reach_of(e, loads[i], ratios);
-      continue;
-    }
-    load[n] = loads[i].load * e.length * e.length * e.length;
-    first[n] = static_cast<double>(loads[i].first);
-    last[n] = static_cast<double>(loads[i].last);
-    index[n] = i;
-    if (++n < kBlock) continue;
-    flush(n);
-    n = 0;
-  }
-  if (n > 0) flush(n);
+  DroopBlock block;
+  by_blocks(
+      blades, unit, [&](std::size_t k, std::size_t i) { block.set(k, blades[i], loads[i]); },
+      [&](std::size_t i) { out[i] = reach_of(blades[i], loads[i], ratios); },
+      [&](std::span<const std::size_t> index) {
+        kernels(simd).droops(block.lanes(unit, ratios), index.size());
+        for (std::size_t k = 0; k < index.size(); ++k)
+          out[index[k]] = {blades[index[k]].length * block.shift[k], block.twist[k], block.stable[k] > 0};
+      });
+}
+
+std::vector<Droop> droop_profiles(std::span<const Elastica> blades, std::span<const double> loads,
+                                  const StiffnessRatios& ratios, Simd simd) {
+  expect_size(blades.size(), loads.size());
+  expect_ratios(ratios);
+  for (std::size_t i = 0; i < blades.size(); ++i) expect_droop(blades[i], {loads[i]});
+  std::vector<Droop> profiles(blades.size());
+  UnitBlock unit;
+  DroopBlock block;
+  constexpr std::size_t kNodes = kGravityCells;  // but the first, which is clamped
+  const auto shifts = std::make_unique_for_overwrite<double[]>(kNodes * kBlock),
+             twists = std::make_unique_for_overwrite<double[]>(kNodes * kBlock);
+  by_blocks(
+      blades, unit, [&](std::size_t k, std::size_t i) { block.set(k, blades[i], {loads[i]}); },
+      [&](std::size_t i) { profiles[i] = droop(blades[i], loads[i], ratios); },
+      [&](std::span<const std::size_t> index) {
+        DroopLanes lanes = block.lanes(unit, ratios);
+        lanes.shifts = shifts.get();
+        lanes.twists = twists.get();
+        lanes.stride = kBlock;
+        kernels(simd).droops(lanes, index.size());
+        for (std::size_t k = 0; k < index.size(); ++k) {
+          Droop& profile = profiles[index[k]];
+          const double length = blades[index[k]].length;
+          profile.stable = block.stable[k] > 0;
+          profile.shift.reserve(kNodes + 1);
+          profile.twist.reserve(kNodes + 1);
+          profile.shift.push_back(0);
+          profile.twist.push_back(0);
+          for (std::size_t node = 0; node < kNodes; ++node) {
+            profile.shift.push_back(length * shifts[node * kBlock + k]);
+            profile.twist.push_back(twists[node * kBlock + k]);
+            profile.largest = std::max(profile.largest, std::abs(profile.shift.back()));
+            profile.largest_twist = std::max(profile.largest_twist, std::abs(profile.twist.back()));
+          }
+        }
+      });
+  return profiles;
 }
 
 }  // namespace hotblade::elastica

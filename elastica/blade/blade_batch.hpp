@@ -7,6 +7,7 @@
 // blades throw as ElasticaCurve does. Several threads may run at once.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,13 +29,30 @@ struct Part {
   double first = 0, last = 0;
 };
 
+// Numbers in memory that is not cleared first: all of them are set at once.
+class Unset {
+ public:
+  void resize(std::size_t size) {
+    values_ = std::make_unique_for_overwrite<double[]>(size);
+    size_ = size;
+  }
+  [[nodiscard]] double& operator[](std::size_t i) { return values_[i]; }
+  [[nodiscard]] double operator[](std::size_t i) const { return values_[i]; }
+  [[nodiscard]] const double* begin() const { return values_.get(); }
+  [[nodiscard]] const double* end() const { return values_.get() + size_; }
+
+ private:
+  std::unique_ptr<double[]> values_;
+  std::size_t size_ = 0;
+};
+
 // The points of some blades; those of one blade stand beside one another.
 struct PartPoints {
-  std::size_t points = 0;         // of each blade
-  std::vector<double> x, y;       // of blade i: [i * points, (i + 1) * points)
-  std::vector<double> cos, sin;   // of the tangent
-  std::vector<double> turn;       // of the tangent since the blade's start, rad, not modulo 2 pi
-  std::vector<double> curvature;  // signed
+  std::size_t points = 0;  // of each blade
+  Unset x, y;              // of blade i: [i * points, (i + 1) * points)
+  Unset cos, sin;          // of the tangent
+  Unset turn;              // of the tangent since the blade's start, rad, not modulo 2 pi
+  Unset curvature;         // signed
   [[nodiscard]] Eigen::Vector2d at(std::size_t blade, std::size_t k) const {
     return {x[blade * points + k], y[blade * points + k]};
   }
@@ -67,5 +85,10 @@ struct DroopReach {
 // Writes the reach of droop(blades[i], loads[i].load, ratios).
 void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
             std::span<DroopReach> out, Simd simd = best_simd());
+
+// Returns droop(blades[i], loads[i], ratios).
+[[nodiscard]] std::vector<Droop> droop_profiles(std::span<const Elastica> blades,
+                                                std::span<const double> loads, const StiffnessRatios& ratios,
+                                                Simd simd = best_simd());
 
 }  // namespace hotblade::elastica

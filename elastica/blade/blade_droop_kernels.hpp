@@ -138,6 +138,10 @@ DroopMeans droop_substitute(DroopNode* nodes) {
       const hb_lanes phi = inner ? HB_FMA(-pull, nodes[k].mean_phi, nodes[k].load_phi) : zero;
       shift = HB_FMA(HB_BROADCAST(-0.5 * kDroopStep), before + psi, shift);
       before = psi;
+      if (b.shifts) {
+        hb_store(b.shifts + k * b.stride + i, shift, count);
+        hb_store(b.twists + k * b.stride + i, phi, count);
+      }
       const double node = static_cast<double>(k + 1);
       const hb_lanes_mask in = (first <= node) & (last >= node);
       const hb_lanes size = HB_ABS(shift), twist = HB_ABS(phi);

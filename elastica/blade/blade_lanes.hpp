@@ -31,6 +31,9 @@ struct DroopLanes {
   double upright, torsion;
   double *shift, *twist, *stable;  // stable: 1 or 0
   double* scratch;
+  // Where not null, what they are at the nodes 1 to kDroopCells: of blade i at node k [(k - 1) * stride + i].
+  double *shifts = nullptr, *twists = nullptr;
+  size_t stride = 0;
 };
 
 // The number of doubles that the kernels write intermediate values to, for the widest lanes; they are

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
-#include "pipeline/preview/ghosts.hpp"
+#include "elastica/blade/blade_batch.hpp"
 
 namespace hotblade::pipeline {
 
@@ -28,11 +29,25 @@ std::vector<const BladePose*> cutting_poses(const Strip& strip) {
   return some;
 }
 
-Points in_cell(const Strip& strip, const BladePose& pose) {
-  Points points = preview::line_of(pose.frame, pose.blade).points;
-  for (Eigen::Vector3d& p : points)
-    p = strip.design_to_cell.q.toRotationMatrix() * p + strip.design_to_cell.p;
-  return points;
+// Returns the lines of some blades in the cell.
+std::vector<Points> in_cell(const Strip& strip, std::span<const BladePose* const> poses) {
+  constexpr std::size_t kPoints = 161;  // a blade of 1500 mm in steps under 10 mm
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> whole;
+  for (const BladePose* pose : poses) {
+    blades.push_back(pose->blade);
+    whole.push_back({0, pose->blade.length});
+  }
+  const elastica::PartPoints on = elastica::sample_parts(blades, whole, kPoints);
+  const Eigen::Matrix3d turn = strip.design_to_cell.q.toRotationMatrix();
+  std::vector<Points> lines(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    for (std::size_t k = 0; k < kPoints; ++k) {
+      const Eigen::Vector2d p = on.at(i, k);
+      lines[i].push_back(turn * poses[i]->frame.point(p.x(), p.y()) + strip.design_to_cell.p);
+    }
+  }
+  return lines;
 }
 
 // Returns the shares of a segment from `p` to `q` over which both x and y are within the box; absent: none.
@@ -112,8 +127,8 @@ EdgePlace place_of(const BlockStand& stand, const Eigen::Vector3d& p) {
 // The lines that each place of the blade draws, from the left end to the right: kPlaces of them, or none.
 std::vector<Points> columns_of(const Strip& strip, const BlockStand& stand) {
   std::vector<Points> columns;
-  for (const BladePose* pose : cutting_poses(strip)) {
-    Points line = within(in_cell(strip, *pose), stand.box);
+  for (const Points& blade : in_cell(strip, cutting_poses(strip))) {
+    Points line = within(blade, stand.box);
     if (line.empty()) continue;
     if (!stand.clamp_a_left) std::reverse(line.begin(), line.end());
     const Points points = spread(line);
@@ -133,7 +148,8 @@ BlockStand stand_of(const Strip& strip) {
   // Foam is added under the kept part, at the low end of the block's second axis (stock.base_mm).
   stand.base_at_back = (turn * strip.block.frame.y).y() < 0;
   if (!strip.poses.empty()) {
-    const Points line = in_cell(strip, strip.poses[strip.poses.size() / 2]);
+    const BladePose* const middle = &strip.poses[strip.poses.size() / 2];
+    const Points line = in_cell(strip, {&middle, 1}).front();
     stand.clamp_a_left = line.front().x() < line.back().x();
   }
   const std::vector<Points> columns = columns_of(strip, stand);

@@ -30,17 +30,23 @@ bool wild(const Elastica& e) {
   return !(elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length <= kMostRate);
 }
 
-// Of some poses: how far the blade is from where the program says, and its largest curvature.
+// Margins are computed at every so many poses, many at once: what could bring the blade to its limit in
+// between is looked at while it is followed (robot/blade/blade_branch.hpp).
+constexpr std::size_t kMarginEvery = 16;
+
+// Of some poses: how far the blade is from where the program says, its largest curvature, and the margins of
+// every so many of them.
 struct FollowedBlock {
-  std::vector<double> off_mm, curvature_per_mm;
+  std::vector<double> off_mm, curvature_per_mm, margin;
 
   FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
     // Every eighth point of the one is beside a point of the other.
     constexpr std::size_t kPoints = 9, kFine = 65, kEvery = (kFine - 1) / (kPoints - 1);
-    std::vector<Elastica> found, planned;
+    std::vector<Elastica> found, planned, some;
     std::vector<elastica::Part> whole;
     for (std::size_t i = 0; i < followed.size(); ++i) {
       found.push_back(followed[i].shape);
+      if (i % kMarginEvery == 0) some.push_back(followed[i].shape);
       planned.push_back(wild(poses[i].blade) ? Elastica{} : elastica::at_origin(poses[i].blade));
       whole.push_back({0, followed[i].shape.length});
     }
@@ -54,12 +60,22 @@ struct FollowedBlock {
       off_mm.push_back(largest);
       curvature_per_mm.push_back(elastica::max_abs_curvature(found[i], is, i));
     }
+    margin.resize(some.size());
+    elastica::stability_margins(some, margin);
   }
 };
 
-// Adds what was found of the poses to the report, up to where the blade is elsewhere.
-void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchReport& report) {
+// Adds what was found of the poses to the report, up to where the blade is elsewhere or too near to a snap.
+void compare(const Strip& strip, std::span<const FollowedPose> followed, double min_margin,
+             BranchReport& report) {
   constexpr std::size_t kBlock = 256;
+  static_assert(kBlock % kMarginEvery == 0);
+  const auto find = [&](Limit limit, std::size_t pose, double value, double bound) {
+    report.limit = limit;
+    report.pose = pose;
+    report.value = value;
+    report.bound = bound;
+  };
   for (std::size_t from = 0; from < followed.size(); from += kBlock) {
     const std::size_t count = std::min(kBlock, followed.size() - from);
     const FollowedBlock block(followed.subspan(from, count), std::span(strip.poses).subspan(from, count));
@@ -69,6 +85,11 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchR
       report.smallest_margin = std::min(report.smallest_margin, pose.margin);
       // The pose of a finding is the last one, and is not compared.
       if (!report.held() && from + i == report.pose) return;
+      if (i % kMarginEvery == 0) {
+        const double margin = block.margin[i / kMarginEvery];
+        report.smallest_margin = std::min(report.smallest_margin, margin);
+        if (!(margin >= min_margin)) return find(Limit::kBladeMargin, from + i, margin, min_margin);
+      }
       if (pose.taut) {
         ++report.taut_poses;
         continue;
@@ -76,11 +97,7 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, BranchR
       const double off = block.off_mm[i];
       if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
       if (off <= kShapeMismatchMm) continue;  // not a number goes on to be found
-      report.limit = Limit::kPlannedShape;
-      report.pose = from + i;
-      report.value = off;
-      report.bound = kShapeMismatchMm;
-      return;
+      return find(Limit::kPlannedShape, from + i, off, kShapeMismatchMm);
     }
   }
 }
@@ -101,8 +118,8 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   BranchReport report;
   if (strip.poses.empty()) report.limit = Limit::kStartPose;
   report.smallest_margin = std::numeric_limits<double>::infinity();
-  robot::BladeBranch blade(strip.blade_length_mm,
-                           {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, 0});
+  robot::BladeBranch blade(strip.blade_length_mm, {options.max_curvature_per_mm, options.min_margin,
+                                                   kShapeMismatchMm, 0, std::numeric_limits<int>::max()});
   std::vector<FollowedPose> followed;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
     gpu::stop_point();
@@ -115,7 +132,7 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
     report.value = finding.value;
     report.bound = finding.bound;
   }
-  compare(strip, followed, report);
+  compare(strip, followed, options.min_margin, report);
   return report;
 }
 

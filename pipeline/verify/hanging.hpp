@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <vector>
 
 #include "pipeline/program/program.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -15,6 +17,11 @@ namespace hotblade::pipeline {
 // as weightless, and the plan refuses it by name.
 [[nodiscard]] robot::SagProfile hanging(const elastica::Elastica& blade, const Frame& frame,
                                         const Pose& design_to_cell, const robot::Blade& section);
+
+// Returns the same of many blades at once, each in its frame.
+[[nodiscard]] std::vector<robot::SagProfile> hanging(std::span<const elastica::Elastica> blades,
+                                                     std::span<const Frame> frames,
+                                                     const Pose& design_to_cell, const robot::Blade& section);
 
 // How weight moves one point of a blade, in the design frame.
 struct Hang {

@@ -179,11 +179,15 @@ class HangingRows {
   HangingRows(std::span<const BladePose* const> rows, std::size_t every, const Strip& strip,
               const robot::Blade& blade)
       : every_(every) {
+    std::vector<elastica::Elastica> blades;
+    std::vector<Frame> frames;
     for (std::size_t i = 0;; i = std::min(i + every_, rows.size() - 1)) {
-      profiles_.push_back(hanging(rows[i]->blade, rows[i]->frame, strip.design_to_cell, blade));
+      blades.push_back(rows[i]->blade);
+      frames.push_back(rows[i]->frame);
       at_.push_back(i);
       if (i + 1 == rows.size()) break;
     }
+    profiles_ = hanging(blades, frames, strip.design_to_cell, blade);
   }
 
   [[nodiscard]] robot::SagProfile::Value at(std::size_t row, double share) const {

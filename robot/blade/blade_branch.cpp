@@ -145,14 +145,13 @@ double BladeBranch::largest_curvature_per_mm() const {
 }
 
 BladeFinding BladeBranch::check_limits() {
-  constexpr int kEvery = 16;
   ++poses_since_margin_;
   const double l = length_mm_, force = std::hypot(shape_.lambda1, shape_.lambda2) * l * l;
   const double limit = limits_.min_margin,
                drop = kMarginPerBend * (1 + 0.1 * force) * bend_between(shape_, margin_shape_);
   const bool first = margin_shape_.length <= 0;
   const bool known = margin_ - drop >= limit && limit <= kMarginBoundHolds;
-  if (first || poses_since_margin_ >= kEvery || !known) exact_margin();
+  if (first || poses_since_margin_ >= limits_.margin_every || !known) exact_margin();
   const double most = limits_.max_curvature_per_mm * (1 + kCurvatureSlack);
   if (!(curvature_bound(shape_) <= most)) {
     const double curvature = largest_curvature_per_mm();

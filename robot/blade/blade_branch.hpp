@@ -20,6 +20,7 @@ struct BladeLimits {
   double min_margin = 0;    // smallest stability margin (elastica/blade/stability.hpp)
   double off_plane_mm = 0;  // clamp B from clamp A's plane, its tilt counted over the chord
   double rounding_mm = 0;   // of a clamp's position: from this close to its length the blade counts as taut
+  int margin_every = 16;    // poses from one margin to the next where nothing else asks for it
 };
 
 // What was found, with the amount and its bound in the limit's unit: kNone, or
@@ -48,8 +49,8 @@ class BladeBranch {
   //
   // Curvature is checked at every pose, exactly where its bound does not settle it, stability by its index
   // all the way between two of them. The margin's value costs more than the shape: it is computed again as
-  // soon as the shape has changed by what could bring it to the limit (kMarginPerBend), and at every
-  // sixteenth pose.
+  // soon as the shape has changed by what could bring it to the limit (kMarginPerBend), and at every pose of
+  // BladeLimits::margin_every.
   BladeFinding move_to(const Pose& a, const Pose& b);
 
   // Returns whether the shape is no longer known.

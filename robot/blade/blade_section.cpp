@@ -126,15 +126,30 @@ SagProfile::Value SagProfile::at(double share) const {
 }
 
 SagProfile sag_profile(const elastica::Elastica& shape, const Blade& blade, const Eigen::Vector3d& down) {
+  return sag_profiles({&shape, 1}, blade, {&down, 1}).front();
+}
+
+std::vector<SagProfile> sag_profiles(std::span<const elastica::Elastica> shapes, const Blade& blade,
+                                     std::span<const Eigen::Vector3d> down) {
+  if (shapes.size() != down.size())
+    throw std::logic_error("a blade's profile is asked for under one gravity of each");
   const double load = weight_n_mm(blade) / bending_stiffness_n_mm2(blade);
-  elastica::Droop droop = elastica::droop(shape, load * down.z(), stiffness_ratios(blade));
-  SagProfile profile{std::move(droop.shift), std::move(droop.twist), {}, droop.stable};
-  if (down.head<2>().norm() <= kLevel) {
-    profile.in_plane_mm.assign(profile.droop_mm.size(), Eigen::Vector2d::Zero());
-  } else {
-    profile.in_plane_mm = elastica::plane_shift(shape, load * down.head<2>()).shift;
+  std::vector<double> loads;
+  for (const Eigen::Vector3d& d : down) loads.push_back(load * d.z());
+  std::vector<elastica::Droop> droops = elastica::droop_profiles(shapes, loads, stiffness_ratios(blade));
+  std::vector<SagProfile> profiles;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    elastica::Droop& droop = droops[i];
+    SagProfile& profile =
+        profiles.emplace_back(SagProfile{std::move(droop.shift), std::move(droop.twist), {}, droop.stable});
+    const Eigen::Vector2d in_plane = down[i].head<2>();
+    if (in_plane.norm() <= kLevel) {
+      profile.in_plane_mm.assign(profile.droop_mm.size(), Eigen::Vector2d::Zero());
+    } else {
+      profile.in_plane_mm = elastica::plane_shift(shapes[i], load * in_plane).shift;
+    }
   }
-  return profile;
+  return profiles;
 }
 
 }  // namespace hotblade::robot

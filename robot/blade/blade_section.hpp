@@ -91,5 +91,8 @@ struct SagProfile {
 };
 [[nodiscard]] SagProfile sag_profile(const elastica::Elastica& shape, const Blade& blade,
                                      const Eigen::Vector3d& down);
+// Returns those of many shapes at once. Throws std::logic_error unless there is one direction for each.
+[[nodiscard]] std::vector<SagProfile> sag_profiles(std::span<const elastica::Elastica> shapes,
+                                                   const Blade& blade, std::span<const Eigen::Vector3d> down);
 
 }  // namespace hotblade::robot

@@ -138,9 +138,9 @@ double sag_error_mm(const Elastica& blade, double s0, const PlacedRib& placed,
 // Between ribs the clamps pass the block a little nearer than at them: by a percent on ribs 300 mm apart.
 constexpr double kClearanceReserve = 1.04;
 
-RibCheck check_rib(const PlacedRib& placed, double length, double share, double most_sag_mm,
-                   const Settings& settings) {
-  const RibFit& rib = placed.rib;
+// How a blade of this length bends that is the rib and goes on beyond its ends, with `share` of what is
+// beyond on clamp A's side; the rest is not checked.
+RibCheck check_bends(const RibFit& rib, double length, double share, const Settings& settings) {
   RibCheck c;
   const double sharpest = max_curvature_per_mm(settings.blade);
   const double own = elastica::ElasticaCurve(rib.elastica).max_abs_curvature();
@@ -154,11 +154,20 @@ RibCheck check_rib(const PlacedRib& placed, double length, double share, double 
   if (c.curvature > sharpest) return {Limit::kBladeYield, 1 / c.curvature};
   const elastica::CurvePoint a = curve.at(0), b = curve.at(length);
   c.clamp_curvature = std::max(std::abs(a.kappa), std::abs(b.kappa));
-  c.clearance = std::min(placed.block.distance_mm(in_plane(a.position())),
-                         placed.block.distance_mm(in_plane(b.position())));
+  return c;
+}
+
+RibCheck check_rib(const PlacedRib& placed, double length, double share, double most_sag_mm,
+                   const Settings& settings) {
+  const RibFit& rib = placed.rib;
+  RibCheck c = check_bends(rib, length, share, settings);
+  if (c.limit != Limit::kNone) return c;
+  const elastica::ElasticaCurve curve(extended(rib.elastica, length, share));
+  c.clearance = std::min(placed.block.distance_mm(in_plane(curve.at(0).position())),
+                         placed.block.distance_mm(in_plane(curve.at(length).position())));
   if (c.clearance < kClearanceReserve * settings.stock.clearance_mm)
     return {Limit::kClampClearance, c.clearance};
-  const double s0 = share * spare;
+  const double s0 = share * (length - rib.elastica.length);
   const FreeParts free = examine_free_parts(curve.elastica(), s0, s0 + rib.elastica.length, placed.block);
   if (free.depth_mm > kFreePartDepthMm) return {Limit::kFreePart, free.depth_mm};
   if (free.crosses_itself) return {Limit::kSelfCrossing, 1};
@@ -237,6 +246,17 @@ bool less_loaded(const BladeChoice& q, const BladeChoice& p) {
   return q.clamp_curvature_per_mm < kWorthIt * p.clamp_curvature_per_mm;
 }
 
+// Whether an uneven share would be the better choice if all of it held.
+bool may_load_less(const std::vector<PlacedRib>& ribs, double length, double share, const BladeChoice& than,
+                   const Settings& settings) {
+  std::vector<RibCheck> checks;
+  for (const PlacedRib& placed : ribs) {
+    checks.push_back(check_bends(placed.rib, length, share, settings));
+    if (checks.back().limit != Limit::kNone) return false;
+  }
+  return less_loaded(summarise(checks, length, share), than);
+}
+
 // What the shares of one length came to.
 struct LengthTrial {
   std::optional<BladeChoice> choice;
@@ -250,6 +270,7 @@ LengthTrial try_length(const std::vector<PlacedRib>& ribs, const ClampsBetween& 
   constexpr std::array<double, 9> kShares{0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.1, 0.9};
   LengthTrial trial;
   for (const double share : kShares) {
+    if (trial.choice && !may_load_less(ribs, length, share, *trial.choice, settings)) continue;
     std::vector<RibCheck> checks(ribs.size());
     tbb::parallel_for(std::size_t{0}, ribs.size(), [&](std::size_t i) {
       gpu::stop_point();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "elastica/blade/blade_batch.hpp"
@@ -98,49 +99,69 @@ std::vector<Quadratic> around(const Vector2d& from, const Vector2d& to, const Ve
 // Points of a blade this far apart are measured, closer ones where those before leave it open.
 constexpr std::array<double, 3> kApart_mm{32, 8, 2};
 
-std::size_t points_of(const elastica::Elastica& blade, double apart_mm) {
-  return static_cast<std::size_t>(std::ceil(blade.length / apart_mm)) + 1;
+std::size_t points_of(double part_mm, double apart_mm) {
+  return std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil(part_mm / apart_mm)) + 1);
 }
 
-// Of blade `i` by its points. A point of the blade is at most half a step from one of these, along the blade;
-// so is the nearest of the points between both edges, because the distance to a box is convex. A point that
-// is farther off vouches for the points beside it.
-bool is_clear(const elastica::PartPoints& points, std::size_t i, double length, const Frame& frame,
-              const Block& block, double width_mm, double clearance_mm) {
+// What its points leave open of a blade's part: where it may be too near to the block, and whether it is.
+struct Open {
+  std::optional<elastica::Part> part;
+  bool hits = false;
+};
+
+// Of the part of blade `i` that its points are on. A point of it is at most half a step from one of these,
+// along the blade; so is the nearest of the points between both edges, because the distance to a box is
+// convex. A point that is farther off vouches for the points beside it.
+Open open_of(const elastica::PartPoints& points, std::size_t i, const elastica::Part& part,
+             const Frame& frame, const Block& block, double width_mm, double clearance_mm) {
   const Vector3d across = width_mm / 2 * frame.normal();
-  const double apart = length / static_cast<double>(points.points - 1), least = clearance_mm + 0.5 * apart;
+  const double apart = (part.last - part.first) / static_cast<double>(points.points - 1);
+  Open open;
   for (std::size_t k = 0; k < points.points;) {
     const Vector2d p = points.at(i, k);
     const Vector3d middle = frame.point(p.x(), p.y());
-    const double away =
-        std::min(block.distance_mm(middle + across), block.distance_mm(middle - across)) - least;
-    if (!(away >= 0)) return false;
-    k += 1 + static_cast<std::size_t>(away / apart);
+    const double mm = std::min(block.distance_mm(middle + across), block.distance_mm(middle - across)),
+                 away = mm - clearance_mm - 0.5 * apart;
+    if (!(mm >= clearance_mm)) return {part, true};
+    if (away >= 0) {
+      k += 1 + static_cast<std::size_t>(away / apart);
+      continue;
+    }
+    const double at = part.first + apart * static_cast<double>(k);
+    if (!open.part) open.part = {std::max(part.first, at - 0.5 * apart), 0};
+    open.part->last = std::min(part.last, at + 0.5 * apart);
+    ++k;
   }
-  return true;
+  return open;
 }
 
 bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, double clearance_mm) {
   std::vector<double> shares;
   for (int i = 0; i <= travel.samples; ++i) shares.push_back(static_cast<double>(i) / travel.samples);
-  std::vector<BladeShape> open = shapes_at(travel, shares);
+  std::vector<BladeShape> shapes = shapes_at(travel, shares);
+  std::vector<elastica::Part> parts;
+  for (const BladeShape& shape : shapes) parts.push_back({0, shape.blade.length});
   for (const double apart_mm : kApart_mm) {
     std::vector<elastica::Elastica> blades;
-    std::vector<elastica::Part> whole;
-    for (const BladeShape& shape : open) {
-      blades.push_back(shape.blade);
-      whole.push_back({0, shape.blade.length});
+    double longest = 0;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      blades.push_back(shapes[i].blade);
+      longest = std::max(longest, parts[i].last - parts[i].first);
     }
-    const elastica::PartPoints points =
-        elastica::sample_parts(blades, whole, points_of(blades.front(), apart_mm));
+    const elastica::PartPoints points = elastica::sample_parts(blades, parts, points_of(longest, apart_mm));
     std::vector<BladeShape> near;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (!is_clear(points, i, blades[i].length, strip.swept_plane(open[i].offset_mm), strip.block, width_mm,
-                    clearance_mm))
-        near.push_back(open[i]);
+    std::vector<elastica::Part> open;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const Open left = open_of(points, i, parts[i], strip.swept_plane(shapes[i].offset_mm), strip.block,
+                                width_mm, clearance_mm);
+      if (left.hits) return false;
+      if (!left.part) continue;
+      near.push_back(shapes[i]);
+      open.push_back(*left.part);
     }
-    open = std::move(near);
-    if (open.empty()) return true;
+    shapes = std::move(near);
+    parts = std::move(open);
+    if (shapes.empty()) return true;
   }
   return false;
 }
@@ -150,9 +171,9 @@ bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, do
 bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block, double width_mm,
               double clearance_mm) {
   const elastica::Part whole{0, blade.length};
-  const std::size_t points = points_of(blade, kApart_mm.back());
-  return is_clear(elastica::sample_parts({&blade, 1}, {&whole, 1}, points), 0, blade.length, frame, block,
-                  width_mm, clearance_mm);
+  const elastica::PartPoints points =
+      elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade.length, kApart_mm.back()));
+  return !open_of(points, 0, whole, frame, block, width_mm, clearance_mm).part;
 }
 
 std::optional<Stretch> travel_home(const StripPlan& strip, const BladeShape& from, const BladeShape& home,

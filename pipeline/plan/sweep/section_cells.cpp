@@ -11,9 +11,12 @@ void SectionCells::add(const SweepSample& sample) {
   // rounding would decide between neighbours.
   constexpr double kShift = 0.3719;
   const Eigen::Vector2d place = (sample.q / cell_mm_).array() + kShift;
-  const Eigen::Vector2d cell = place.array().floor();
-  const double away = (place - cell - Eigen::Vector2d::Constant(0.5)).squaredNorm();
-  const InCell in{static_cast<long>(cell.x()), static_cast<long>(cell.y()), away, sample};
+  const auto floor = [](double v) {
+    return static_cast<long>(v) - (v < static_cast<double>(static_cast<long>(v)));
+  };
+  InCell in{floor(place.x()), floor(place.y()), 0, sample};
+  const Eigen::Vector2d cell(static_cast<double>(in.x), static_cast<double>(in.y));
+  in.away = (place - cell - Eigen::Vector2d::Constant(0.5)).squaredNorm();
   if (cells_.empty() || cells_.back().x != in.x || cells_.back().y != in.y) {
     cells_.push_back(in);
   } else if (in.away < cells_.back().away) {

@@ -4,16 +4,15 @@
 #include <cmath>
 #include <limits>
 
-#include "elastica/blade/stability.hpp"
+#include "elastica/blade/blade_batch.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "robot/blade/blade_section.hpp"
-#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
-constexpr int kNodes = 64;  // cells across a blade
+constexpr std::size_t kNodes = 64;  // cells across a blade
 
 // Gravity on the axes of the plane at an offset, its sweep last: the planes' middle lies level.
 Eigen::Vector3d down_at(double offset_mm, double middle_mm, const RibAxes& axes) {
@@ -61,32 +60,36 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
     margin_ = -std::numeric_limits<double>::infinity();
     return;
   }
+  std::vector<elastica::Elastica> shapes;
+  std::vector<Eigen::Vector3d> down;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    shapes.push_back(segment(from_mid_state(family.mid_state(offset_at(k), reach)),
+                             0.5 * reach - blade.before_mm, 0.5 * reach - blade.before_mm + blade.length_mm));
+    down.push_back(down_at(offset_at(k), 0.5 * (first_mm_ + last_mm_), axes));
+  }
   std::array<double, kPlaces> margins{};
-  std::array<bool, kPlaces> stable{};
-  surface::for_blocks(kPlaces, 1, [&](std::size_t k, std::size_t) {
-    const elastica::MidState middle = family.mid_state(offset_at(k), reach);
-    const elastica::Elastica shape = segment(from_mid_state(middle), 0.5 * reach - blade.before_mm,
-                                             0.5 * reach - blade.before_mm + blade.length_mm);
-    margins[k] = elastica::stability_margin(shape);
-    const Eigen::Vector3d down = down_at(offset_at(k), 0.5 * (first_mm_ + last_mm_), axes);
-    const robot::SagProfile sag = sag_profile(shape, section, down);
-    stable[k] = sag.stable;
-    const elastica::ElasticaCurve curve(shape);
-    const double slack_mm = axes.planes.turns() ? slack_sag_mm(curve, down, section) : 0;
+  elastica::stability_margins(shapes, margins);
+  margin_ = *std::min_element(margins.begin(), margins.end());
+  const std::vector<robot::SagProfile> sags = robot::sag_profiles(shapes, section, down);
+  const std::vector<elastica::Part> whole(kPlaces, {0, blade.length_mm});
+  const elastica::PartPoints points = elastica::sample_parts(shapes, whole, kNodes + 1);
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const robot::SagProfile& sag = sags[k];
+    stable_ = stable_ && sag.stable;
+    const double slack_mm =
+        axes.planes.turns() ? slack_sag_mm(elastica::ElasticaCurve(shapes[k]), down[k], section) : 0;
     nodes_[k].reserve(kNodes + 1);
-    for (int i = 0; i <= kNodes; ++i) {
-      const double share = static_cast<double>(i) / kNodes;
-      const elastica::CurvePoint p = curve.at(share * blade.length_mm);
+    for (std::size_t i = 0; i <= kNodes; ++i) {
+      const double share = static_cast<double>(i) / kNodes, x_mm = points.at(k, i).x();
       // Ends may turn back; what lies inwards of them in x stays a graph.
-      if (!nodes_[k].empty() && p.x <= nodes_[k].back().x_mm) continue;
+      if (!nodes_[k].empty() && x_mm <= nodes_[k].back().x_mm) continue;
       const auto value = sag.at(share);
+      const double theta = shapes[k].theta + points.turn[k * points.points + i];
       nodes_[k].push_back(
-          {p.x, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, p.theta}});
+          {x_mm, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, theta}});
       if (axes.planes.turns()) in_plane_mm_[k].push_back(std::max(slack_mm, value.in_plane_mm.norm()));
     }
-  });
-  margin_ = *std::min_element(margins.begin(), margins.end());
-  stable_ = std::all_of(stable.begin(), stable.end(), [](bool is) { return is; });
+  }
 }
 
 SweepSag::Value SweepSag::at(double offset_mm, double x_mm) const {

@@ -132,6 +132,38 @@ TEST(BladeBatch, DroopsAreThoseOfOneBladeOnEveryInstructionSet) {
   EXPECT_GT(lost, 10U);
 }
 
+TEST(BladeBatch, DroopProfilesAreThoseOfOneBladeOnEveryInstructionSet) {
+  std::vector<Elastica> all = blades(500);
+  // Winds too fast for the lanes.
+  all.push_back({0, 0, 0, 2 * kBatchRate / 300, 0, 0, 300});
+  std::vector<double> loads;
+  for (const Elastica& e : all) loads.push_back(1 / std::pow(e.length, 3));
+  std::size_t stable = 0;
+  for (const Simd simd : instruction_sets()) {
+    const std::vector<Droop> profiles = droop_profiles(all, loads, kStrip, simd);
+    ASSERT_EQ(profiles.size(), all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Droop one = droop(all[i], loads[i], kStrip), &is = profiles[i];
+      ASSERT_EQ(is.shift.size(), one.shift.size());
+      ASSERT_EQ(is.twist.size(), one.twist.size());
+      EXPECT_EQ(is.stable, one.stable) << i;
+      if (!one.stable) continue;
+      ++stable;
+      // As above: a blade about to tip magnifies rounding.
+      const double share = 1e-9 * std::max(1.0, one.largest / (0.01 * all[i].length)),
+                   shift = share * (one.largest + 1e-12 * all[i].length),
+                   twist = share * (one.largest_twist + 1e-12);
+      for (std::size_t k = 0; k < one.shift.size(); ++k) {
+        ASSERT_NEAR(is.shift[k], one.shift[k], shift) << i << ", node " << k;
+        ASSERT_NEAR(is.twist[k], one.twist[k], twist) << i << ", node " << k;
+      }
+      EXPECT_NEAR(is.largest, one.largest, shift) << i;
+      EXPECT_NEAR(is.largest_twist, one.largest_twist, twist) << i;
+    }
+  }
+  EXPECT_GT(stable, 400U);
+}
+
 TEST(BladeBatch, SplittingABatchChangesNoBit) {
   const std::vector<Elastica> all = blades(203);
   for (const Simd simd : instruction_sets()) {
@@ -165,6 +197,9 @@ TEST(BladeBatch, RefusesWhatOneCurveRefuses) {
   std::vector<DroopReach> reach(1);
   EXPECT_THROW(droops(good, std::vector<DroopLoad>{{1, 5, 300}}, kStrip, reach), std::logic_error);
   EXPECT_THROW(droops(good, std::vector<DroopLoad>{{nan, 0, 3}}, kStrip, reach), std::logic_error);
+  EXPECT_THROW((void)droop_profiles(good, {}, kStrip), std::logic_error);
+  EXPECT_THROW((void)droop_profiles(good, std::vector<double>{nan}, kStrip), std::logic_error);
+  EXPECT_THROW((void)droop_profiles(good, std::vector<double>{1}, {0, 1}), std::logic_error);
 }
 
 }  // namespace
