@@ -153,13 +153,28 @@ PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> 
   return all;
 }
 
-double max_abs_curvature(const Elastica& e, const PartPoints& whole, std::size_t i) {
-  // Curvature peaks where the tangent points along the force. Points this close cannot hide such a passage:
-  // where it turns back, the curve has no curvature.
+namespace {
+
+// Curvature peaks where the tangent points along the force. So many points cannot hide such a passage: where
+// it turns back, the curve has no curvature.
+bool shows_peaks(const Elastica& e, std::size_t points) {
   constexpr double kClose = 0.5;
   const double rate = taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2);
-  if (!(rate * e.length <= kClose * static_cast<double>(whole.points - 1)))
-    return ElasticaCurve(e).max_abs_curvature();
+  return rate * e.length <= kClose * static_cast<double>(points - 1);
+}
+
+}  // namespace
+
+std::size_t curvature_points(std::span<const Elastica> blades, std::size_t most) {
+  std::size_t points = 9;
+  for (const Elastica& e : blades) {
+    while (points < most && !shows_peaks(e, points)) points = 2 * points - 1;
+  }
+  return std::min(points, most);
+}
+
+double max_abs_curvature(const Elastica& e, const PartPoints& whole, std::size_t i) {
+  if (!shows_peaks(e, whole.points)) return ElasticaCurve(e).max_abs_curvature();
   const std::size_t first = i * whole.points, last = first + whole.points - 1;
   const double ends = std::max(std::abs(e.kappa), std::abs(whole.curvature[last]));
   bool left = false, along = false;

@@ -66,6 +66,9 @@ struct PartPoints {
 // The largest |kappa| of a blade, as ElasticaCurve(blade).max_abs_curvature() gives it, from the points of
 // its whole length in `whole`, where it is blade `i`.
 [[nodiscard]] double max_abs_curvature(const Elastica& blade, const PartPoints& whole, std::size_t i);
+// Returns how many points that takes for each of these blades, one more than a power of two: at least 9, and
+// `most` where it would take more.
+[[nodiscard]] std::size_t curvature_points(std::span<const Elastica> blades, std::size_t most);
 
 // Writes stability_margin(blades[i]).
 void stability_margins(std::span<const Elastica> blades, std::span<double> out, Simd simd = best_simd());

@@ -40,8 +40,7 @@ struct FollowedBlock {
   std::vector<double> off_mm, curvature_per_mm, margin;
 
   FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
-    // Every eighth point of the one is beside a point of the other.
-    constexpr std::size_t kPoints = 9, kFine = 65, kEvery = (kFine - 1) / (kPoints - 1);
+    constexpr std::size_t kPoints = 9, kMost = 65;
     std::vector<Elastica> found, planned, some;
     std::vector<elastica::Part> whole;
     for (std::size_t i = 0; i < followed.size(); ++i) {
@@ -50,13 +49,15 @@ struct FollowedBlock {
       planned.push_back(wild(poses[i].blade) ? Elastica{} : elastica::at_origin(poses[i].blade));
       whole.push_back({0, followed[i].shape.length});
     }
-    const elastica::PartPoints is = elastica::sample_parts(found, whole, kFine);
+    // Every so many points of the one are beside a point of the other.
+    const std::size_t fine = elastica::curvature_points(found, kMost), every = (fine - 1) / (kPoints - 1);
+    const elastica::PartPoints is = elastica::sample_parts(found, whole, fine);
     for (std::size_t i = 0; i < followed.size(); ++i) whole[i].last = planned[i].length;
     const elastica::PartPoints should = elastica::sample_parts(planned, whole, kPoints);
     for (std::size_t i = 0; i < followed.size(); ++i) {
       double largest = wild(poses[i].blade) ? std::numeric_limits<double>::infinity() : 0;
       for (std::size_t k = 0; k < kPoints; ++k)
-        largest = std::max(largest, (is.at(i, kEvery * k) - should.at(i, k)).norm());
+        largest = std::max(largest, (is.at(i, every * k) - should.at(i, k)).norm());
       off_mm.push_back(largest);
       curvature_per_mm.push_back(elastica::max_abs_curvature(found[i], is, i));
     }

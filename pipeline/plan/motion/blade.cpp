@@ -13,6 +13,7 @@
 #include "elastica/blade/stability.hpp"
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/motion/clamps_between.hpp"
+#include "robot/blade/blade_branch.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -308,6 +309,11 @@ bool stable_as_can_be(Limit limit, double value) {
   return limit == Limit::kPlannedMargin && value >= kStraight;
 }
 
+// All its tangents are within a right angle of each other.
+bool makes_no_loop(const Elastica& blade) {
+  return blade.length * robot::curvature_bound(blade) < std::numbers::pi / 2;
+}
+
 FreeParts examine_free_parts(const Elastica& blade, double s0, double s1, const Block& block) {
   const elastica::Part all{0, blade.length}, part{s0, s1};
   return examine_free_parts({&blade, 1}, elastica::sample_parts({&blade, 1}, {&all, 1}, kBladeSamples),
@@ -327,10 +333,8 @@ std::vector<FreeParts> examine_free_parts(std::span<const Elastica> blades, cons
   std::vector<Elastica> cutting;
   std::vector<elastica::Part> cut;
   for (std::size_t i = 0; i < blades.size(); ++i) {
-    // All tangents of a blade that turns by less than a quarter in all are within a right angle of each
-    // other: it makes no loop, and its distance from a place beyond its cutting part falls all along that to
-    // its end.
-    if (turns_at_most(blades[i], blades[i].length) < std::numbers::pi / 2) {
+    // Its distance from a place beyond its cutting part falls all along that to its end.
+    if (makes_no_loop(blades[i])) {
       free.push_back({false, 0});
       continue;
     }

@@ -49,8 +49,11 @@ struct FreeParts {
 // Returns what a blade's free parts do.
 [[nodiscard]] FreeParts examine_free_parts(const elastica::Elastica& blade, double s0, double s1,
                                            const Block& block);
-// Returns the same of some blades by kBladeSamples points of all their length, `whole`; `intervals` and
-// `blocks` are one a blade (std::logic_error).
+// Tells that a blade turns too little in all to meet itself, or the part that cuts: nothing is to be
+// examined.
+[[nodiscard]] bool makes_no_loop(const elastica::Elastica& blade);
+// Returns the same of some blades by kBladeSamples points of all their length, `whole`, or fewer where none
+// makes a loop; `intervals` and `blocks` are one a blade (std::logic_error).
 inline constexpr std::size_t kBladeSamples = 97;
 [[nodiscard]] std::vector<FreeParts> examine_free_parts(std::span<const elastica::Elastica> blades,
                                                         const elastica::PartPoints& whole,

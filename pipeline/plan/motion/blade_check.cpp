@@ -52,7 +52,9 @@ struct PoseBlock {
       sag_places.push_back({down_in_plane(strip.design_to_cell, pose.frame), s0, s1});
       blocks.push_back(strip.block.seen_from(pose.frame));
     }
-    points = elastica::sample_parts(blades, whole, kBladeSamples);
+    const bool may_loop = !std::all_of(blades.begin(), blades.end(), makes_no_loop);
+    points = elastica::sample_parts(
+        blades, whole, may_loop ? kBladeSamples : elastica::curvature_points(blades, kBladeSamples));
     sags = robot::blade_sags(blades, blade, sag_places);
     free = examine_free_parts(blades, points, parts, blocks);
   }
@@ -63,8 +65,8 @@ PoseCheck check_pose(const PoseBlock& some, std::size_t i, const StripPlan& stri
   PoseCheck c;
   const BladePose& pose = some.poses[i];
   c.curvature = elastica::max_abs_curvature(pose.blade, some.points, i);
-  c.loads =
-      robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * kBladeSamples - 1], c.curvature, blade);
+  c.loads = robot::blade_loads(pose.blade, some.points.curvature[(i + 1) * some.points.points - 1],
+                               c.curvature, blade);
   c.clearance = clamp_clearance_mm(robot::held({pose.a, pose.b}, offsets), strip.block);
   c.cuts = pose.foam.has_value();
   c.sag = some.sags[i];
