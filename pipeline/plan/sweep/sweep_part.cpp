@@ -11,6 +11,7 @@
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/rib_clamp_error.hpp"
 #include "pipeline/plan/motion/rib_fold.hpp"
+#include "pipeline/plan/sweep/moved_surface.hpp"
 #include "pipeline/plan/sweep/sweep_block.hpp"
 #include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -128,14 +129,21 @@ SweepFitOptions PartFitter::options_for(const SweepData& data, const SweepEffort
   return options;
 }
 
-SweepData PartFitter::sections_of(const SweepPart& part, const SweepEffort& effort,
-                                  const SweepSag* sag) const {
-  SweepSectionOptions options =
+PartFitter::MovedPart PartFitter::moved_of(const SweepPart& part, const SweepEffort& effort,
+                                           const SweepSag* sag) const {
+  const SweepSectionOptions options =
       section_options(settings_, part.seams, effort.sections, effort.sample_mm, sag, part.bands.get());
-  options.if_followable = true;
   // A gap may be narrower than the few are apart.
   const bool of_few = effort.of_few && part.surface->few && !options.gap_mm;
-  return sweep_sections(of_few ? *part.surface->few : *part.surface, part.axes, options);
+  return std::make_shared<const MovedSurface>(of_few ? *part.surface->few : *part.surface, part.axes,
+                                              options);
+}
+
+SweepData PartFitter::sections_of(const MovedSurface& moved, const SweepEffort& effort) const {
+  SweepSectionOptions options =
+      section_options(settings_, {}, effort.sections, effort.sample_mm, nullptr, nullptr);
+  options.if_followable = true;
+  return sweep_sections(moved, options);
 }
 
 PartFit PartFitter::measured(const SweepData& data) const {
@@ -155,7 +163,7 @@ PartFit PartFitter::measured(const SweepData& data) const {
 }
 
 PartFit PartFitter::measured(const SweepPart& part) const {
-  const SweepData data = sections_of(part, cheap_effort(), nullptr);
+  const SweepData data = sections_of(*moved_of(part, cheap_effort(), nullptr), cheap_effort());
   PartFit fit = measured(data);
   const double rib_mm = data.high.x() - data.low.x();
   if (fit.holds() && blade_for(rib_mm) == 0) fit.refusal = unreached(rib_mm);
@@ -163,11 +171,18 @@ PartFit PartFitter::measured(const SweepPart& part) const {
 }
 
 PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start) const {
+  MovedPart moved;
+  return fit(part, effort, start, moved);
+}
+
+PartFit PartFitter::fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start,
+                        MovedPart& moved) const {
   watch_();
   // Fans are not level, and not planned against their weight.
   const bool weighed = start && start->sag && start->sag->stable() && !part.axes.planes.turns();
   const std::shared_ptr<const SweepSag> formed_by = weighed ? start->sag : nullptr;
-  const SweepData data = sections_of(part, effort, formed_by.get());
+  moved = moved_of(part, effort, formed_by.get());
+  const SweepData data = sections_of(*moved, effort);
   PartFit fit = measured(data);
   fit.formed_by = formed_by;
   if (!fit.holds()) return fit;
@@ -229,13 +244,13 @@ double PartFitter::cost_of(const PartFit& fit, bool turns) const {
 }
 
 // A strip whose blade is not the one that its sections were moved for is fitted once more.
-SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const {
+SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit,
+                                MovedPart moved) const {
   constexpr int kLooks = 3;
   constexpr double kSameBladeMm = 5;
   SweptStrip made;
   for (int look = 0; look < kLooks; ++look) {
-    made = make_swept_strip(*part.surface, part.axes, part.seams, fit, fit.formed_by.get(), part.bands.get(),
-                            effort.steadying.blade_mm, settings_);
+    made = make_swept_strip(*moved, fit, effort.steadying.blade_mm, settings_);
     if (!made.strip || part.axes.planes.turns()) return made;
     const SweepBlade was = fit.formed_by ? fit.formed_by->blade() : SweepBlade{};
     if (std::abs(was.length_mm - made.blade.length_mm) <= kSameBladeMm &&
@@ -243,7 +258,7 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
       return made;
     PartFit start = fit;
     start.sag = std::make_shared<SweepSag>(fit.family, part.axes, made.blade, settings_.blade);
-    PartFit again = this->fit(part, effort, &start);
+    PartFit again = this->fit(part, effort, &start, moved);
     if (!again.holds()) return made;
     fit = std::move(again);
   }
@@ -259,7 +274,8 @@ PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double
   PartFit now = start;
   for (const int coefficients : {5, 7, 10, 14}) {
     const SweepEffort effort = final_effort(coefficients, calm);
-    now = fit(part, effort, &now);
+    MovedPart moved;
+    now = fit(part, effort, &now, moved);
     if (!now.holds()) {
       if (!best.strip) best.refusal = now.refusal;
       break;
@@ -268,7 +284,7 @@ PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double
     // One that does not help need not be the last: a triangle takes 7 strips by it, and 9 without.
     if (best.strip && !(now.max_mm < kHelps * before)) continue;
     PartFit fitted = now;
-    SweptStrip made = strip_of(part, effort, fitted);
+    SweptStrip made = strip_of(part, effort, fitted, std::move(moved));
     if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
       best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
     } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
@@ -351,9 +367,10 @@ std::optional<PartPlan> PartFitter::steadier(const SweepPart& part, const PartPl
   PartPlan other = plan;
   other.steadying = steadying;
   const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, steadying);
-  other.fit = fit(part, effort, &from);
+  MovedPart moved;
+  other.fit = fit(part, effort, &from, moved);
   if (!other.fit.holds() || !(other.fit.max_mm <= most_mm)) return std::nullopt;
-  SweptStrip made = strip_of(part, effort, other.fit);
+  SweptStrip made = strip_of(part, effort, other.fit, std::move(moved));
   if (!made.strip || !(other.fit.max_mm <= most_mm)) return std::nullopt;
   other.strip = std::move(made.strip);
   other.fold_mm = fold_of(other);
@@ -397,14 +414,15 @@ PartPlan PartFitter::steadied(const SweepPart& part, PartPlan plan) const {
 PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
   const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, plan.steadying);
   PartPlan now = plan;
-  now.fit = fit(part, effort, &plan.fit);
+  MovedPart moved;
+  now.fit = fit(part, effort, &plan.fit, moved);
   now.strip.reset();
   now.refusal.reset();
   if (!now.fit.holds()) {
     now.refusal = now.fit.refusal;
     return now;
   }
-  SweptStrip made = strip_of(part, effort, now.fit);
+  SweptStrip made = strip_of(part, effort, now.fit, std::move(moved));
   now.strip = std::move(made.strip);
   if (now.strip) {
     now.fold_mm = fold_of(now);
@@ -414,8 +432,9 @@ PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
   return now;
 }
 
-PartPlan PartFitter::met(const SweepPart& part, const JointPart& joint, const SweepFamily& together,
+PartPlan PartFitter::met(const MovedSurface& moved, const JointPart& joint, const SweepFamily& together,
                          const PartPlan& own) const {
+  const RibAxes& axes = moved.axes();
   // The last of these closes a fifth of a gap: less is none that could be told from the strip's own.
   constexpr std::array<double, 3> kShares{1, 0.5, 0.2};
   for (const double share : kShares) {
@@ -423,11 +442,9 @@ PartPlan PartFitter::met(const SweepPart& part, const JointPart& joint, const Sw
     SweepFamily family = together;
     family.coefficients = share * together.coefficients + (1 - share) * own.fit.family.coefficients;
     static_cast<SweepFitReport&>(plan.fit) = measured_family(joint.data, joint.options, family);
-    weigh(plan.fit, part.axes, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joint.data);
-    plan.fit.cost_mm = cost_of(plan.fit, part.axes.planes.turns());
-    SweptStrip made =
-        make_swept_strip(*part.surface, part.axes, part.seams, plan.fit, plan.fit.formed_by.get(),
-                         part.bands.get(), plan.steadying.blade_mm, settings_);
+    weigh(plan.fit, axes, {plan.fit.blade_length_mm, 0.5 * plan.fit.blade_length_mm}, joint.data);
+    plan.fit.cost_mm = cost_of(plan.fit, axes.planes.turns());
+    SweptStrip made = make_swept_strip(moved, plan.fit, plan.steadying.blade_mm, settings_);
     if (!made.strip) continue;
     plan.strip = std::move(made.strip);
     plan.fold_mm = fold_of(plan);
@@ -467,12 +484,12 @@ Moved moved_parts(const std::vector<bool>& settled, const std::vector<PartSeam>&
 
 }  // namespace
 
-JointPart PartFitter::joint_part(const SweepPart& part, const PartPlan& own, const PartPlan& met,
+JointPart PartFitter::joint_part(const MovedSurface& moved, const PartPlan& own, const PartPlan& met,
                                  bool held) const {
   const PartFit& fit = own.fit;
   const SweepEffort effort = final_effort(fit.family.count(), own.calm, own.steadying);
   JointPart joint;
-  joint.data = sections_of(part, effort, fit.formed_by.get());
+  joint.data = sections_of(moved, effort);
   joint.options = options_for(joint.data, effort);
   joint.options.blade_length_mm = fit.blade_length_mm;
   joint.start = met.fit.family;
@@ -519,10 +536,14 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     part_of.push_back(i);
   }
   std::vector<JointPart> joined(part_of.size());
+  std::vector<MovedPart> surfaces(part_of.size());
   tbb::parallel_for(std::size_t{0}, joined.size(), [&](std::size_t k) {
     watch_();
     const std::size_t i = part_of[k];
-    joined[k] = joint_part(parts[i], plans[i], met[i], moved.holds[i]);
+    const PartFit& fit = plans[i].fit;
+    surfaces[k] = moved_of(parts[i], final_effort(fit.family.count(), plans[i].calm, plans[i].steadying),
+                           fit.formed_by.get());
+    joined[k] = joint_part(*surfaces[k], plans[i], met[i], moved.holds[i]);
   });
   gpu::stop_point();
   std::vector<PartSeam> between;
@@ -535,7 +556,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
     if (joined[k].held) return;
     watch_();
     const std::size_t i = part_of[k];
-    met[i] = this->met(parts[i], joined[k], fits[k].family, plans[i]);
+    met[i] = this->met(*surfaces[k], joined[k], fits[k].family, plans[i]);
   });
   gpu::stop_point();
   measure_seams(seams, met);
@@ -545,7 +566,7 @@ std::vector<PartPlan> PartFitter::join(const std::vector<SweepPart>& parts,
 // Where a blade that may bend as sharply as it likes would follow the part, its radius is the reason.
 void PartFitter::explain(const SweepPart& part, PartPlan& plan) const {
   const SweepEffort effort = close_effort();
-  const SweepData data = sections_of(part, effort, nullptr);
+  const SweepData data = sections_of(*moved_of(part, effort, nullptr), effort);
   if (data.sections.empty()) return;
   SweepFitOptions options = options_for(data, effort);
   const double limit = 1 / max_curvature_per_mm(settings_.blade);

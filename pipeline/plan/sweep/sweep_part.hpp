@@ -136,8 +136,14 @@ class PartFitter {
   [[nodiscard]] double blade_for(double rib_mm) const;
   [[nodiscard]] Refusal unreached(double rib_mm) const;
   void explain(const SweepPart& part, PartPlan& plan) const;
-  [[nodiscard]] SweepData sections_of(const SweepPart& part, const SweepEffort& effort,
-                                      const SweepSag* sag) const;
+  // A part moved for such an effort; fits, and the strips made of them, take their sections of one.
+  using MovedPart = std::shared_ptr<const MovedSurface>;
+  [[nodiscard]] MovedPart moved_of(const SweepPart& part, const SweepEffort& effort,
+                                   const SweepSag* sag) const;
+  [[nodiscard]] SweepData sections_of(const MovedSurface& moved, const SweepEffort& effort) const;
+  // `moved` is what the fit's sections were taken of.
+  [[nodiscard]] PartFit fit(const SweepPart& part, const SweepEffort& effort, const PartFit* start,
+                            MovedPart& moved) const;
   [[nodiscard]] PartFit measured(const SweepData& data) const;
   [[nodiscard]] std::optional<Refusal> refusal_of(const SweepData& data) const;
   [[nodiscard]] double cost_of(const SweepData& data) const;
@@ -149,14 +155,15 @@ class PartFitter {
   [[nodiscard]] double fold_of(const PartPlan& plan) const;
   [[nodiscard]] double least_fold_mm(const PartPlan& plan) const;
   [[nodiscard]] HeldBlade held(const PartPlan& plan) const;
-  [[nodiscard]] JointPart joint_part(const SweepPart& part, const PartPlan& own, const PartPlan& met,
+  [[nodiscard]] JointPart joint_part(const MovedSurface& moved, const PartPlan& own, const PartPlan& met,
                                      bool held) const;
   void measure_seams(const std::vector<PartSeam>& seams, std::vector<PartPlan>& met) const;
-  [[nodiscard]] PartPlan met(const SweepPart& part, const JointPart& joint, const SweepFamily& together,
+  [[nodiscard]] PartPlan met(const MovedSurface& moved, const JointPart& joint, const SweepFamily& together,
                              const PartPlan& own) const;
   [[nodiscard]] std::optional<PartPlan> steadier(const SweepPart& part, const PartPlan& plan,
                                                  const PartFit& from, const Steadying& steadying) const;
-  [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit) const;
+  [[nodiscard]] SweptStrip strip_of(const SweepPart& part, const SweepEffort& effort, PartFit& fit,
+                                    MovedPart moved) const;
 
   const Settings& settings_;
   const WatchSweeps& watch_;

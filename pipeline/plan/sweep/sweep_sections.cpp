@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
+#include "pipeline/plan/sweep/moved_surface.hpp"
 #include "pipeline/plan/sweep/section_cells.hpp"
 #include "surface/read/blocks.hpp"
 
@@ -28,85 +29,6 @@ double angle_at(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
   const Vector3d a = q - p, b = r - p;
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
-
-// A vertex of the moved surface.
-struct MovedVertex {
-  Vector3d at;           // x, y in its plane, and its plane's offset
-  Vector3d world;        // the same point in space
-  Vector3d own, own_at;  // the design's point, in space and as `at`
-  double along = 0;      // component of the normal along the sweep
-  double turn = 0;       // in the plane between the normal and y: 1 less the angle's cosine
-};
-
-Vector3d in_planes(const RibAxes& axes, const Vector3d& p) {
-  const double offset = axes.planes.offset(p);
-  const Frame plane = axes.plane(offset);
-  const Vector3d d = p - plane.origin;
-  return {d.dot(plane.x), d.dot(plane.y), offset};
-}
-
-MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
-                  const SweepSectionOptions& options) {
-  MovedVertex v;
-  v.own = point;
-  v.own_at = in_planes(axes, point);
-  const Frame plane = axes.plane(v.own_at.z());
-  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal(v.own_at.z())));
-  double kerf_mm = options.kerf_mm;
-  const auto band = [&](double across) { return 0.5 * (kerf_mm + options.width_mm * std::abs(across)); };
-  v.along = n.z();
-  const double in_plane = n.head<2>().norm();
-  v.turn = in_plane > 0 ? 1 - n.y() / in_plane : 0;
-  if (options.bands) kerf_mm = options.bands->band_mm(point + band(n.z()) * normal);
-  v.world = point + band(n.z()) * normal;
-  v.at = in_planes(axes, v.world);
-  if (options.sag) {
-    const SweepSag::Value sag = options.sag->at(v.at.z(), v.at.x());
-    // The width stands along the planes' normal, turned by the twist away from the curve's left.
-    const double left = n.y() * std::cos(sag.theta) - n.x() * std::sin(sag.theta);
-    v.world = point + band(n.z() - sag.twist_rad * left) * normal - sag.droop_mm * axes.sweep;
-    v.at = in_planes(axes, v.world);
-  }
-  return v;
-}
-
-MovedVertex between(const MovedVertex& a, const MovedVertex& b, double t) {
-  return {a.at + t * (b.at - a.at),          a.world + t * (b.world - a.world),
-          a.own + t * (b.own - a.own),       a.own_at + t * (b.own_at - a.own_at),
-          a.along + t * (b.along - a.along), a.turn + t * (b.turn - a.turn)};
-}
-
-double behind(const SweepSeam& seam, const Vector3d& p) {
-  return seam.at_mm - seam.normal.dot(p);
-}
-
-// For every vertex the seams that it lies behind, or before by no more than `reach_mm`: a bit each.
-class BehindSeams {
- public:
-  template <typename At>
-  BehindSeams(const std::vector<SweepSeam>& seams, std::size_t vertices, double reach_mm, const At& at)
-      : of_(vertices, 0) {
-    // Each is of a split of its own, and no part is split so often.
-    constexpr std::size_t kMost = 63;
-    if (seams.size() > kMost) throw std::logic_error("BehindSeams: more seams than bits");
-    all_ = (std::uint64_t{1} << seams.size()) - 1;
-    for (std::size_t i = 0; i < vertices; ++i) {
-      for (std::size_t k = 0; k < seams.size(); ++k)
-        of_[i] |= static_cast<std::uint64_t>(behind(seams[k], at(i)) >= -reach_mm) << k;
-    }
-  }
-
-  [[nodiscard]] bool all(int v) const { return of_[static_cast<std::size_t>(v)] == all_; }
-  // Whether a part of a triangle may lie behind all of them.
-  [[nodiscard]] bool in_reach(const std::array<int, 3>& t) const {
-    return (of_[static_cast<std::size_t>(t[0])] | of_[static_cast<std::size_t>(t[1])] |
-            of_[static_cast<std::size_t>(t[2])]) == all_;
-  }
-
- private:
-  std::uint64_t all_ = 0;
-  std::vector<std::uint64_t> of_;
-};
 
 std::vector<double> section_offsets(double first, double last, int count) {
   std::vector<double> offsets;
@@ -128,12 +50,6 @@ struct SectionPoint {
   SweepSample sample;
   Vector3d world;
 };
-
-// Of a slope by its sine.
-double cosine_of(double along) {
-  const double sine = std::min(1.0, std::abs(along));
-  return std::sqrt(1 - sine * sine);
-}
 
 // The point of an edge in the plane at an offset, which lies between its ends.
 SectionPoint crossing(const RibAxes& axes, const MovedVertex& a, const MovedVertex& b, double offset) {
@@ -178,22 +94,15 @@ std::vector<int> corners_of(const std::vector<Vector3d>& points,
 
 class Slicer {
  public:
-  Slicer(const WasteSurface& surface, const RibAxes& axes, const SweepSectionOptions& options)
-      : surface_(surface), axes_(axes), options_(options) {
-    constexpr std::size_t kVertices = 1 << 12;
-    vertices_.resize(surface.points.size());
-    surface::for_blocks(vertices_.size(), kVertices, [&](std::size_t first, std::size_t last) {
-      gpu::stop_point();
-      for (std::size_t i = first; i < last; ++i)
-        vertices_[i] = moved(surface.points[i], surface.normals[i], axes, options);
-    });
-    data_.axes = axes;
-    behind_.emplace(options_.seams, vertices_.size(), 0,
-                    [&](std::size_t i) -> const Vector3d& { return vertices_[i].world; });
-  }
+  Slicer(const MovedSurface& moved, const SweepSectionOptions& options)
+      : moved_(moved),
+        surface_(moved.surface()),
+        axes_(moved.axes()),
+        options_(options),
+        data_(moved.extents()) {}
 
   SweepData run() {
-    if (!measure() || (options_.if_followable && !data_.followable())) return std::move(data_);
+    if (moved_.empty() || (options_.if_followable && !data_.followable())) return std::move(data_);
     offsets_ = section_offsets(data_.first_mm, data_.last_mm, options_.count);
     for (const double offset : options_.extra_mm) add(offset);
     add_corners();
@@ -215,29 +124,14 @@ class Slicer {
   }
 
  private:
-  using Triangle = std::array<MovedVertex, 3>;
-
-  // Its corners; a triangle that the planes are cut open at lies whole at their end.
-  [[nodiscard]] Triangle triangle(std::size_t t) const {
-    Triangle corners;
-    for (std::size_t c = 0; c < 3; ++c)
-      corners[c] = vertices_[static_cast<std::size_t>(surface_.triangles[t][c])];
-    const double half_turn = std::numbers::pi * axes_.planes.radius_mm();
-    const auto [low, high] = std::minmax({corners[0].at.z(), corners[1].at.z(), corners[2].at.z()});
-    if (half_turn > 0 && high - low > half_turn) {
-      for (MovedVertex& v : corners) {
-        if (v.at.z() < 0) v.at.z() += 2 * half_turn;
-      }
-    }
-    return corners;
-  }
+  using Triangle = MovedSurface::Triangle;
 
   void add(double offset) {
     if (offset > data_.first_mm && offset < data_.last_mm) offsets_.push_back(offset);
   }
 
   [[nodiscard]] bool inside(const Vector3d& p) const {
-    return std::all_of(options_.seams.begin(), options_.seams.end(),
+    return std::all_of(moved_.seams().begin(), moved_.seams().end(),
                        [&](const SweepSeam& seam) { return behind(seam, p) >= 0; });
   }
 
@@ -247,8 +141,8 @@ class Slicer {
     constexpr double kBesideMm = 0.5;
     if (surface_.corners.size() > kMostCorners) return;
     for (const int corner : surface_.corners) {
-      const MovedVertex& v = vertices_[static_cast<std::size_t>(corner)];
-      if (!behind_->all(corner)) continue;
+      const MovedVertex& v = moved_.vertex(corner);
+      if (!moved_.behind().all(corner)) continue;
       for (const double offset : {v.at.z() - kBesideMm, v.at.z() + kBesideMm}) add(offset);
     }
   }
@@ -259,92 +153,8 @@ class Slicer {
     std::sort(points.begin(), points.end());
     points.erase(std::unique(points.begin(), points.end()), points.end());
     for (const int i : points) {
-      const MovedVertex& v = vertices_[static_cast<std::size_t>(i)];
-      if (behind_->all(i)) data_.border.emplace_back(v.at.z(), v.at.head<2>());
-    }
-  }
-
-  // What of a triangle lies behind all seams.
-  [[nodiscard]] std::vector<MovedVertex> clipped(std::size_t t) const {
-    const Triangle corners = triangle(t);
-    std::vector<MovedVertex> polygon(corners.begin(), corners.end());
-    for (const SweepSeam& seam : options_.seams) {
-      std::vector<MovedVertex> next;
-      for (std::size_t i = 0; i < polygon.size(); ++i) {
-        const MovedVertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-        const double from = behind(seam, a.world), to = behind(seam, b.world);
-        if (from >= 0) next.push_back(a);
-        if ((from >= 0) != (to >= 0)) next.push_back(between(a, b, from / (from - to)));
-      }
-      polygon = std::move(next);
-    }
-    return polygon;
-  }
-
-  // Extents of what lies behind the seams; false where nothing does.
-  bool measure() {
-    constexpr double kInf = std::numeric_limits<double>::infinity();
-    data_.first_mm = kInf;
-    data_.last_mm = -kInf;
-    data_.low.setConstant(kInf);
-    data_.high.setConstant(-kInf);
-    std::vector<bool> seen(vertices_.size(), false);
-    std::vector<Vector3d> own;
-    for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
-      gpu::stop_point();
-      const auto& corners = surface_.triangles[t];
-      if (!behind_->in_reach(corners)) continue;
-      const bool whole = !axes_.planes.closed() &&
-                         std::all_of(corners.begin(), corners.end(), [&](int c) { return behind_->all(c); });
-      if (!whole) {
-        for (const MovedVertex& v : clipped(t)) extend(v, own);
-        continue;
-      }
-      for (const int c : corners) {
-        const auto i = static_cast<std::size_t>(c);
-        if (!seen[i]) extend(vertices_[i], own);
-        seen[i] = true;
-      }
-    }
-    if (!(data_.last_mm > data_.first_mm)) return false;
-    // A few bad facets of a file turn normals anyhow: what they come to is seen when the cut is verified.
-    const auto most = [](std::vector<double>& values) {
-      constexpr double kShare = 0.98;
-      const auto at =
-          values.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), at, values.end());
-      return *at;
-    };
-    data_.steepest_rad = std::asin(std::min(1.0, most(steeps_)));
-    data_.turn_rad = std::acos(std::clamp(1 - most(turns_), -1.0, 1.0));
-    measure_size(own);
-    find_seams();
-    return true;
-  }
-
-  void extend(const MovedVertex& v, std::vector<Vector3d>& own) {
-    data_.first_mm = std::min(data_.first_mm, v.at.z());
-    data_.last_mm = std::max(data_.last_mm, v.at.z());
-    data_.low = data_.low.cwiseMin(v.own_at.head<2>());
-    data_.high = data_.high.cwiseMax(v.own_at.head<2>());
-    steeps_.push_back(std::abs(v.along));
-    turns_.push_back(v.turn);
-    own.push_back(v.own);
-  }
-
-  void measure_size(const std::vector<Vector3d>& own) {
-    const double middle = 0.5 * (data_.first_mm + data_.last_mm);
-    const Frame plane = axes_.plane(middle);
-    const Vector3d sweep = axes_.planes.normal(middle);
-    for (const Vector3d& p : own) data_.box.extend(Vector3d(p.dot(plane.x), p.dot(plane.y), p.dot(sweep)));
-  }
-
-  // Seams that lie along the planes end the sweep.
-  void find_seams() {
-    constexpr double kAlong = 0.99;
-    for (const SweepSeam& seam : options_.seams) {
-      data_.seam_first |= seam.normal.dot(axes_.planes.normal(data_.first_mm)) < -kAlong;
-      data_.seam_last |= seam.normal.dot(axes_.planes.normal(data_.last_mm)) > kAlong;
+      const MovedVertex& v = moved_.vertex(i);
+      if (moved_.behind().all(i)) data_.border.emplace_back(v.at.z(), v.at.head<2>());
     }
   }
 
@@ -360,7 +170,7 @@ class Slicer {
     std::vector<std::vector<int>> met(offsets_.size());
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) {
       gpu::stop_point();
-      if (!behind_->in_reach(surface_.triangles[t])) continue;
+      if (!moved_.behind().in_reach(surface_.triangles[t])) continue;
       const auto [low, high] = extent(t);
       const auto from = std::lower_bound(offsets_.begin(), offsets_.end(), low - near);
       for (auto at = from; at != offsets_.end() && *at <= high + near; ++at)
@@ -373,11 +183,11 @@ class Slicer {
   [[nodiscard]] std::pair<double, double> extent(std::size_t t) const {
     const auto among = [](double a, double b, double c) { return std::pair(std::minmax({a, b, c})); };
     if (axes_.planes.turns()) {
-      const Triangle corners = triangle(t);
+      const Triangle corners = moved_.triangle(t);
       return among(corners[0].at.z(), corners[1].at.z(), corners[2].at.z());
     }
     const auto& at = surface_.triangles[t];
-    const auto offset = [&](std::size_t c) { return vertices_[static_cast<std::size_t>(at[c])].at.z(); };
+    const auto offset = [&](std::size_t c) { return moved_.vertex(at[c]).at.z(); };
     return among(offset(0), offset(1), offset(2));
   }
 
@@ -386,7 +196,7 @@ class Slicer {
     SectionCells cells(options_.sample_mm);
     for (const int i : met) {
       const auto t = static_cast<std::size_t>(i);
-      const Triangle corners = triangle(t);
+      const Triangle corners = moved_.triangle(t);
       if (options_.gap_mm) add_edges(corners, k);
       cut(corners, surface_.triangles[t], k, cells);
     }
@@ -431,7 +241,7 @@ class Slicer {
                                                                       const SectionPoint& b,
                                                                       double mm) const {
     double first = 0, last = 1;
-    for (const SweepSeam& seam : options_.seams) {
+    for (const SweepSeam& seam : moved_.seams()) {
       const double from = behind(seam, a.world) - mm, to = behind(seam, b.world) - mm;
       if (from < 0 && to < 0) return std::nullopt;
       if (from < 0) first = std::max(first, from / (from - to));
@@ -472,25 +282,17 @@ class Slicer {
     }
   }
 
+  const MovedSurface& moved_;
   const WasteSurface& surface_;
   const RibAxes& axes_;
-  SweepSectionOptions options_;
-  std::vector<MovedVertex> vertices_;
-  std::optional<BehindSeams> behind_;  // of these, as the blade passes them
+  const SweepSectionOptions& options_;
   std::vector<double> offsets_;
   std::vector<std::vector<std::pair<double, double>>>
-      runs_;                            // in x, of each section, where gaps are looked for
-  std::vector<double> steeps_, turns_;  // sines of slopes and MovedVertex::turn of all that is measured
+      runs_;  // in x, of each section, where gaps are looked for
   SweepData data_;
 };
 
 }  // namespace
-
-FormedPoint formed_point(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
-                         const SweepSectionOptions& options) {
-  const MovedVertex v = moved(point, normal, axes, options);
-  return {v.at.z(), {v.at.head<2>(), cosine_of(v.along), false}};
-}
 
 WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   const auto vertices = mesh.vertices();
@@ -590,7 +392,11 @@ RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& plan
 
 SweepData sweep_sections(const WasteSurface& surface, const RibAxes& axes,
                          const SweepSectionOptions& options) {
-  return Slicer(surface, axes, options).run();
+  return sweep_sections(MovedSurface(surface, axes, options), options);
+}
+
+SweepData sweep_sections(const MovedSurface& moved, const SweepSectionOptions& options) {
+  return Slicer(moved, options).run();
 }
 
 }  // namespace hotblade::pipeline

@@ -115,10 +115,15 @@ struct FormedPoint {
 [[nodiscard]] FormedPoint formed_point(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
                                        const RibAxes& axes, const SweepSectionOptions& options);
 
+class MovedSurface;
+
 // Sections at both ends, close to them and to the corners, and evenly between; no section where there is no
 // design. The result does not depend on the order of triangles but for ties. Empty sections where nothing
 // lies behind the seams.
 [[nodiscard]] SweepData sweep_sections(const WasteSurface& surface, const RibAxes& axes,
                                        const SweepSectionOptions& options);
+// Returns those of a surface that is moved already (moved_surface.hpp): of the options, what does not move
+// it.
+[[nodiscard]] SweepData sweep_sections(const MovedSurface& moved, const SweepSectionOptions& options);
 
 }  // namespace hotblade::pipeline

@@ -9,6 +9,7 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
+#include "pipeline/plan/sweep/moved_surface.hpp"
 #include "robot/blade/blade_section.hpp"
 #include "surface/read/blocks.hpp"
 
@@ -115,17 +116,9 @@ std::vector<Vector2d> target_of(const std::vector<Foot>& feet, const elastica::E
 
 class StripMaker {
  public:
-  StripMaker(const WasteSurface& surface, const RibAxes& axes, const std::vector<SweepSeam>& seams,
-             const SweepFitReport& fit, const SweepSag* sag, const SweptBands* bands, double least_blade_mm,
+  StripMaker(const MovedSurface& moved, const SweepFitReport& fit, double least_blade_mm,
              const Settings& settings)
-      : surface_(surface),
-        axes_(axes),
-        seams_(seams),
-        fit_(fit),
-        sag_(sag),
-        bands_(bands),
-        least_blade_mm_(least_blade_mm),
-        settings_(settings) {}
+      : moved_(moved), axes_(moved.axes()), fit_(fit), least_blade_mm_(least_blade_mm), settings_(settings) {}
 
   SweptStrip run() {
     SweptStrip made;
@@ -179,9 +172,9 @@ class StripMaker {
   // Feet at the ribs and, close to each other, all along the strip.
   void gather() {
     constexpr int kSections = 64;
-    SweepSectionOptions options = section_options(settings_, seams_, kSections, kSampleMm, sag_, bands_);
+    SweepSectionOptions options = section_options(settings_, {}, kSections, kSampleMm, nullptr, nullptr);
     for (int i = 0; i < rib_count(); ++i) options.extra_mm.push_back(rib_offset(i));
-    const SweepData data = sweep_sections(surface_, axes_, options);
+    const SweepData data = sweep_sections(moved_, options);
     const double longest = settings_.blade.free_lengths_mm.back();
     feet_.resize(data.sections.size());
     slopes_.resize(data.sections.size());
@@ -297,12 +290,9 @@ class StripMaker {
     return parts;
   }
 
-  const WasteSurface& surface_;
+  const MovedSurface& moved_;
   const RibAxes& axes_;
-  const std::vector<SweepSeam>& seams_;
   const SweepFitReport& fit_;
-  const SweepSag* sag_;
-  const SweptBands* bands_;
   double least_blade_mm_;
   const Settings& settings_;
   std::vector<double> offsets_, slopes_;  // of the sections
@@ -325,11 +315,9 @@ SweepSectionOptions section_options(const Settings& settings, const std::vector<
   return options;
 }
 
-SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
-                            const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
-                            const SweepSag* sag, const SweptBands* bands, double least_blade_mm,
+SweptStrip make_swept_strip(const MovedSurface& moved, const SweepFitReport& fit, double least_blade_mm,
                             const Settings& settings) {
-  return StripMaker(surface, axes, seams, fit, sag, bands, least_blade_mm, settings).run();
+  return StripMaker(moved, fit, least_blade_mm, settings).run();
 }
 
 }  // namespace hotblade::pipeline

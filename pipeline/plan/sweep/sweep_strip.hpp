@@ -19,13 +19,11 @@ struct SweptStrip {
 // As many ribs as the family has coefficients, evenly spaced: their interpolating spline is the family itself
 // (SweepBasis). More, and near it to a hundredth of a millimetre, where slice.spacing_mm asks for closer
 // ones. All are equally long, about the family's middles, and reach past what they form; the first and the
-// last lie beyond the design's ends, so that no end pose forms what is behind its plane. `sag` and `bands`
-// are what the data was moved by. The blade is the shortest of the list, from `least_blade_mm` on, that the
+// last lie beyond the design's ends, so that no end pose forms what is behind its plane. The data was moved
+// as the surface is. The blade is the shortest of the list, from `least_blade_mm` on, that the
 // family serves (plan/motion/blade.hpp).
-[[nodiscard]] SweptStrip make_swept_strip(const WasteSurface& surface, const RibAxes& axes,
-                                          const std::vector<SweepSeam>& seams, const SweepFitReport& fit,
-                                          const SweepSag* sag, const SweptBands* bands, double least_blade_mm,
-                                          const Settings& settings);
+[[nodiscard]] SweptStrip make_swept_strip(const MovedSurface& moved, const SweepFitReport& fit,
+                                          double least_blade_mm, const Settings& settings);
 
 // Parts of a split design overlap by twice this, so that neither cuts what it has not seen.
 inline constexpr double kSeamOverlapMm = 8;
