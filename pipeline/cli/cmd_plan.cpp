@@ -19,6 +19,7 @@
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/preview/draw.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/emit.hpp"
 #include "pipeline/report/json/report_json.hpp"
@@ -161,8 +162,13 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
 
+  const Pictures asked =
+      arguments.no_pictures ? Pictures::kNone : pictures_named(arguments.pictures).value_or(Pictures::kFull);
   console.report_progress("read", 0);
   std::optional<EndsOnSignal> ends(std::in_place, console, kInterrupted);
+  // Beside the first file's reading, which leaves a core idle: pictures need not wait for it later.
+  std::future<void> driver;
+  if (asked != Pictures::kNone) driver = std::async(std::launch::async, preview::load_driver);
   surface::DesignSurface design = read_design(design_options.file, settings.design);
   const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
   console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
@@ -216,14 +222,12 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
                        seconds};
   const auto pictures_of = [&](const PlanResult& planned) {
-    const Pictures asked = arguments.no_pictures
-                               ? Pictures::kNone
-                               : pictures_named(arguments.pictures).value_or(Pictures::kFull);
     const Viewer viewer =
         viewer_named(arguments.viewer).value_or(asked == Pictures::kFull ? Viewer::kFull : Viewer::kNone);
     const auto drawn = [&](double share) {
       console.report_progress(share < 1 ? "draw" : "write", kPlanned + share * (kDrawn - kPlanned));
     };
+    if (driver.valid()) driver.get();
     ReportPictures pictures = take_pictures(planned, design, asked, viewer, drawn);
     console.report_progress("write", kDrawn);
     if (pictures.pictures.empty() && asked != Pictures::kNone)

@@ -19,6 +19,11 @@
 #include "pipeline/preview/geometry.hpp"
 
 namespace hotblade::pipeline::preview {
+
+struct SceneMeshes::Parts {
+  vtkSmartPointer<vtkPolyData> design, borders, cut;  // null where the scene has none
+};
+
 namespace {
 
 using Triangles = std::vector<std::array<int, 3>>;
@@ -64,16 +69,21 @@ void set_depth(vtkMapper& mapper, double units) {
 }
 
 // Normals are made once: the cut's triangles come and go, its vertices stay.
-vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& data, double depth) {
+vtkSmartPointer<vtkPolyData> with_normals(vtkPolyData& data) {
   vtkNew<vtkPolyDataNormals> normals;
   normals->SetInputData(&data);
   normals->SplittingOff();
   normals->ConsistencyOff();
   normals->Update();
-  vtkNew<vtkPolyData> smooth;
-  smooth->ShallowCopy(normals->GetOutput());
+  return normals->GetOutput();
+}
+
+vtkSmartPointer<vtkActor> surface_actor(vtkPolyData& smooth, double depth) {
+  // What is drawn on it is the actor's own.
+  vtkNew<vtkPolyData> own;
+  own->ShallowCopy(&smooth);
   vtkNew<vtkPolyDataMapper> mapper;
-  mapper->SetInputData(smooth);
+  mapper->SetInputData(own);
   set_depth(*mapper, depth);
   const auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
@@ -101,12 +111,10 @@ vtkPolyData& data_of(vtkActor& actor) {
   return *vtkPolyDataMapper::SafeDownCast(actor.GetMapper())->GetInput();
 }
 
-void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const Depth& depth,
-                SceneActors& actors) {
-  if (scene.design.triangles().empty()) return;
-  vtkNew<vtkPolyData> mesh;
-  set_mesh(*mesh, scene.design.vertices(), scene.design.triangles());
-  const auto design = surface_actor(*mesh, depth.behind());
+void add_design(const Scene& scene, const SceneMeshes& meshes, vtkRenderer& renderer, double zoom,
+                const Depth& depth, SceneActors& actors) {
+  if (!meshes.parts().design) return;
+  const auto design = surface_actor(*meshes.parts().design, depth.behind());
   actors.design = design;
   vtkProperty& property = *actors.design->GetProperty();
   property.SetColor(kDesignColor[0], kDesignColor[1], kDesignColor[2]);
@@ -117,15 +125,7 @@ void add_design(const Scene& scene, vtkRenderer& renderer, double zoom, const De
     property.SetLineWidth(static_cast<float>(0.6 * zoom));
   }
   renderer.AddActor(actors.design);
-  vtkNew<vtkFeatureEdges> edges;
-  edges->SetInputData(mesh);
-  edges->BoundaryEdgesOn();
-  edges->FeatureEdgesOff();
-  edges->NonManifoldEdgesOff();
-  edges->ManifoldEdgesOff();
-  edges->ColoringOff();
-  edges->Update();
-  const auto borders = line_data_actor(*edges->GetOutput(), kInk, 1.6 * zoom, depth.before());
+  const auto borders = line_data_actor(*meshes.parts().borders, kInk, 1.6 * zoom, depth.before());
   actors.borders = borders;
   renderer.AddActor(borders);
 }
@@ -285,15 +285,43 @@ void set_cell_places(const SceneActors& actors, const std::vector<CellPlace>& pl
   }
 }
 
-SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
-  const Depth depth(scene);
-  SceneActors actors;
-  actors.line_depth = depth.before();
-  add_design(scene, renderer, zoom, depth, actors);
+SceneMeshes::SceneMeshes(const Scene& scene) {
+  auto parts = std::make_unique<Parts>();
+  if (!scene.design.triangles().empty()) {
+    vtkNew<vtkPolyData> mesh;
+    set_mesh(*mesh, scene.design.vertices(), scene.design.triangles());
+    parts->design = with_normals(*mesh);
+    vtkNew<vtkFeatureEdges> edges;
+    edges->SetInputData(mesh);
+    edges->BoundaryEdgesOn();
+    edges->FeatureEdgesOff();
+    edges->NonManifoldEdgesOff();
+    edges->ManifoldEdgesOff();
+    edges->ColoringOff();
+    edges->Update();
+    parts->borders = edges->GetOutput();
+  }
   if (!scene.cut.triangles.empty()) {
     vtkNew<vtkPolyData> mesh;
     set_mesh(*mesh, scene.cut.vertices, scene.cut.triangles);
-    const auto cut = surface_actor(*mesh, 0);
+    parts->cut = with_normals(*mesh);
+  }
+  parts_ = std::move(parts);
+}
+
+SceneMeshes::~SceneMeshes() = default;
+
+SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom) {
+  return add_actors(scene, SceneMeshes(scene), renderer, zoom);
+}
+
+SceneActors add_actors(const Scene& scene, const SceneMeshes& meshes, vtkRenderer& renderer, double zoom) {
+  const Depth depth(scene);
+  SceneActors actors;
+  actors.line_depth = depth.before();
+  add_design(scene, meshes, renderer, zoom, depth, actors);
+  if (meshes.parts().cut) {
+    const auto cut = surface_actor(*meshes.parts().cut, 0);
     actors.cut = cut;
     color_cut(*actors.cut, scene, scene.cut.values, scene.scale);
     renderer.AddActor(actors.cut);

@@ -1,6 +1,5 @@
 #include "pipeline/preview/draw.hpp"
 
-#include <tbb/parallel_for.h>
 #include <vtkCallbackCommand.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
@@ -11,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <future>
 
 #include "pipeline/preview/offscreen.hpp"
 #include "pipeline/preview/overlay.hpp"
@@ -91,6 +91,14 @@ class OffscreenWindow {
 
 }  // namespace
 
+void load_driver() {
+  try {
+    const OffscreenContext context;
+  } catch (const Error&) {
+    return;
+  }
+}
+
 std::string encoded(vtkImageData& image) {
   vtkNew<vtkPNGWriter> writer;
   writer->SetInputData(&image);
@@ -151,14 +159,21 @@ void draw_strip_ids(Canvas& canvas, const std::vector<Mark>& ids, vtkRenderer& r
 
 std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span<const Shot> shots,
                                  const Speak& speak) {
+  return pngs_of(scene, SceneMeshes(scene), size, shots, speak);
+}
+
+std::vector<std::string> pngs_of(const Scene& scene, const SceneMeshes& meshes, PictureSize size,
+                                 std::span<const Shot> shots, const Speak& speak) {
   Painter painter(size);
   vtkRenderer& renderer = painter.renderer();
   renderer.SetBackground(kBackground[0], kBackground[1], kBackground[2]);
-  const SceneActors actors = add_actors(scene, renderer, Painter::kZoom);
+  const SceneActors actors = add_actors(scene, meshes, renderer, Painter::kZoom);
   Sheets sheets(renderer);
   Canvas canvas(sheets, overlay_scale(size) * Painter::kZoom);
   canvas.speak(speak);
   std::vector<vtkNew<vtkImageData>> images(shots.size());
+  // Each is packed while the next is drawn.
+  std::vector<std::future<std::string>> packed;
   for (std::size_t i = 0; i < shots.size(); ++i) {
     Overlay overlay = overlay_of(scene);
     if (!shots[i].caption) overlay.caption.clear();
@@ -171,9 +186,10 @@ std::vector<std::string> pngs_of(const Scene& scene, PictureSize size, std::span
       draw_strip_ids(canvas, scene.strip_ids, renderer, overlay_scale(size) * Painter::kZoom);
     canvas.finish();
     painter.paint(*images[i]);
+    packed.push_back(std::async(std::launch::async, [&image = *images[i]] { return encoded(image); }));
   }
-  std::vector<std::string> pngs(shots.size());
-  tbb::parallel_for(std::size_t{0}, pngs.size(), [&](std::size_t i) { pngs[i] = encoded(*images[i]); });
+  std::vector<std::string> pngs;
+  for (std::future<std::string>& png : packed) pngs.push_back(png.get());
   return pngs;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -21,8 +22,27 @@ enum class View { kBest, kTop, kFront, kRight };
 // The view of a name on the command line (best, top, front, right); absent for an unknown name.
 [[nodiscard]] std::optional<View> view_named(const std::string& name);
 
-// The scene as the bytes of a PNG file. Drawing it needs EGL but no display. Throws Error
-//  () when the machine has no EGL that can draw off screen.
+// The surfaces of a scene with their normals and borders: made once for all that is drawn or written of it.
+class SceneMeshes {
+ public:
+  explicit SceneMeshes(const Scene& scene);
+  ~SceneMeshes();
+  SceneMeshes(const SceneMeshes&) = delete;
+  SceneMeshes& operator=(const SceneMeshes&) = delete;
+
+  struct Parts;
+  [[nodiscard]] const Parts& parts() const { return *parts_; }
+
+ private:
+  std::unique_ptr<const Parts> parts_;
+};
+
+// Has the machine's driver loaded, which takes a while the first time in a process; where there is none, the
+// first picture says so. Any thread.
+void load_driver();
+
+// The scene as the bytes of a PNG file. Drawing it needs EGL but no display. Throws Error (kDrawing) when the
+// machine has no EGL that can draw off screen.
 [[nodiscard]] std::string png_of(const Scene& scene, PictureSize size, View view = View::kBest);
 
 // A picture of several; the caption's lines can be left out to leave their room to the geometry.
@@ -39,6 +59,10 @@ using Speak = std::function<std::string(const std::string&)>;
 // says them; throws as png_of does.
 [[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, PictureSize size,
                                                std::span<const Shot> shots, const Speak& speak = {});
+// The same with the scene's meshes at hand.
+[[nodiscard]] std::vector<std::string> pngs_of(const Scene& scene, const SceneMeshes& meshes,
+                                               PictureSize size, std::span<const Shot> shots,
+                                               const Speak& speak = {});
 
 // Throws Error (kBadSettings) when there is no display for a window.
 void expect_display();

@@ -52,6 +52,8 @@ struct SceneActors {
 
 // Adds the actors of a scene to the renderer; `zoom` is how many pixels are drawn for one of the picture.
 SceneActors add_actors(const Scene& scene, vtkRenderer& renderer, double zoom);
+// The same with the scene's meshes at hand; they may go before the actors.
+SceneActors add_actors(const Scene& scene, const SceneMeshes& meshes, vtkRenderer& renderer, double zoom);
 
 // Colours the cut's actor anew; without a scale by strip.
 void color_cut(vtkActor& cut, const Scene& scene, const std::vector<double>& values,

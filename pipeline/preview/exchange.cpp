@@ -108,8 +108,12 @@ struct Draft {
 }  // namespace
 
 std::string gltf_of(const Scene& scene) {
+  return gltf_of(scene, SceneMeshes(scene));
+}
+
+std::string gltf_of(const Scene& scene, const SceneMeshes& meshes) {
   vtkNew<vtkRenderer> renderer;
-  add_actors(scene, *renderer, 1);
+  add_actors(scene, meshes, *renderer, 1);
   const auto matrix = design_to_gltf();
   vtkActorCollection* actors = renderer->GetActors();
   actors->InitTraversal();

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/scene.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -11,6 +12,8 @@ namespace hotblade::pipeline::preview {
 // The text of a .gltf file with everything in it: metres, y up (x, z, -y of the design frame), the vertices
 // have the picture's colours. It needs neither display nor EGL.
 [[nodiscard]] std::string gltf_of(const Scene& scene);
+// The same with the scene's meshes at hand.
+[[nodiscard]] std::string gltf_of(const Scene& scene, const SceneMeshes& meshes);
 
 // Writes FILE.vtm and the directory FILE beside it that holds its blocks: design, cut (point data
 // deviation_mm or what it is coloured by, and strip), ribs, blades, stock, and bodies of a cell by their

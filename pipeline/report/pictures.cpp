@@ -1,5 +1,7 @@
 #include "pipeline/report/pictures.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -72,13 +74,20 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
   constexpr double kScene = 0.3, kView = 0.4, kFile = 0.5;
   const preview::Scene scene = scene_of_plan(result, design, w);
   progress(kScene);
-  if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
+  std::optional<preview::SceneMeshes> meshes;
+  tbb::parallel_invoke(
+      [&] {
+        if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
+      },
+      [&] {
+        if (pictures != Pictures::kNone) meshes.emplace(scene);
+      });
   progress(kView);
   if (pictures == Pictures::kNone) return taken;
   try {
     std::vector<preview::Shot> shots;
     if (pictures == Pictures::kFull) {
-      taken.scene_gltf = preview::gltf_of(scene);
+      taken.scene_gltf = preview::gltf_of(scene, *meshes);
       // The first picture says it; the others are shown small, and their space is for the geometry.
       for (const Taken& one : kViews) {
         // Of one strip there is nothing to tell apart.
@@ -90,8 +99,8 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
     }
     progress(kFile);
     const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
-    std::vector<std::string> pngs =
-        preview::pngs_of(scene, size, shots, [&](const std::string& words) { return w.said(words); });
+    std::vector<std::string> pngs = preview::pngs_of(scene, *meshes, size, shots,
+                                                     [&](const std::string& words) { return w.said(words); });
     for (std::size_t i = 0; i < pngs.size(); ++i)
       taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
   } catch (const Error& error) {

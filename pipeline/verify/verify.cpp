@@ -351,25 +351,22 @@ class CutMeasurement {
     std::vector<NearestCut> nearest;
     std::vector<double> stands_for_mm2;
     std::vector<double> wanted_mm;
+    std::vector<CellBound> bounds;
     while (!cells.cells().empty()) {
       find_nearest(search, cells.points(), nearest);
       stands_for_mm2.resize(nearest.size(), 0);
+      bounds.resize(cells.cells().size());
+      for_each_of(bounds.size(),
+                  [&](std::size_t i) { bounds[i] = bound_of(cells, cells.cells()[i], nearest); });
       double most = worst_;
-      for (const DesignCells::Cell& cell : cells.cells()) {
-        gpu::stop_point();
-        for (const std::uint32_t corner : cell.corners) {
-          if (!nearest[corner].uncut) most = std::max(most, nearest[corner].distance);
-        }
-      }
-      std::vector<CellBound> bounds(cells.cells().size());
+      for (const CellBound& bound : bounds) most = std::max(most, bound.found);
       wanted_mm.resize(bounds.size());
       for_each_of(bounds.size(), [&](std::size_t i) {
-        bounds[i] = bound_of(cells, cells.cells()[i], nearest);
         wanted_mm[i] = wanted_edge_mm(cells, cells.cells()[i], nearest, bounds[i], most);
       });
       for (std::size_t i = 0; i < bounds.size(); ++i) {
         gpu::stop_point();
-        if (wanted_mm[i] == 0) settle(cells, cells.cells()[i], nearest, bounds[i], stands_for_mm2);
+        if (wanted_mm[i] == 0) settle(cells.cells()[i], nearest, bounds[i], stands_for_mm2);
       }
       cells.divide(wanted_mm);
     }
@@ -385,6 +382,8 @@ class CutMeasurement {
   // and what the cut bends between them.
   struct CellBound {
     double corner = 0, bend = 0;
+    double found = 0;  // the farthest of the corners that are not uncut
+    double area_mm2 = 0;
     bool uncut = false;  // a corner is: nothing is known
     [[nodiscard]] double sum() const { return corner + bend; }
   };
@@ -400,10 +399,12 @@ class CutMeasurement {
       const NearestCut& at = nearest[corner];
       bound.uncut = bound.uncut || at.uncut;
       bound.corner = std::max(bound.corner, at.distance);
+      if (!at.uncut) bound.found = std::max(bound.found, at.distance);
       bend_per_mm = std::max(bend_per_mm, cut_.bends_per_mm[at.vertex]);
     }
     const double edge = cells.longest_edge_mm(cell);
     bound.bend = kCover * bend_per_mm * edge * edge;
+    bound.area_mm2 = cells.area_mm2(cell);
     return bound;
   }
 
@@ -431,9 +432,9 @@ class CutMeasurement {
 
   [[nodiscard]] double settled_mm() const { return kSettledShare * options_.tolerance_mm; }
 
-  void settle(const DesignCells& cells, const DesignCells::Cell& cell, std::span<const NearestCut> nearest,
-              const CellBound& bound, std::vector<double>& stands_for_mm2) {
-    const double share = cells.area_mm2(cell) / 3;
+  void settle(const DesignCells::Cell& cell, std::span<const NearestCut> nearest, const CellBound& bound,
+              std::vector<double>& stands_for_mm2) {
+    const double share = bound.area_mm2 / 3;
     double farthest = -1;
     int strip = -1;
     for (const std::uint32_t corner : cell.corners) {

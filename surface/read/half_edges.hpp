@@ -7,7 +7,10 @@
 #include <OpenMesh/Core/Geometry/EigenVectorT.hh>
 
 #include <array>
+#include <memory>
+#include <mutex>
 #include <span>
+#include <typeindex>
 #include <vector>
 
 #include "surface/read/mates.hpp"
@@ -74,7 +77,33 @@ class HalfEdges {
   // Returns the corners whose edge has nothing beyond it, ascending.
   [[nodiscard]] std::vector<int> border() const;
 
+  // Returns what `find()` finds of the mesh, a T, which these numbers tell from others of its kind: it is
+  // found once and kept, as the mesh never changes. A T must not hold the mesh. Several threads may ask; two
+  // that ask first may both find it.
+  template <typename T, typename Find>
+  [[nodiscard]] T found_once(const std::array<double, 3>& by, const Find& find) const {
+    const auto known = [&]() -> const T* {
+      for (const Finding& of : findings_) {
+        if (of.kind == typeid(T) && of.by == by) return static_cast<const T*>(of.value.get());
+      }
+      return nullptr;
+    };
+    {
+      const std::scoped_lock lock(finding_);
+      if (const T* value = known()) return *value;
+    }
+    const auto value = std::make_shared<const T>(find());
+    const std::scoped_lock lock(finding_);
+    if (!known()) findings_.push_back({typeid(T), by, value});
+    return *value;
+  }
+
  private:
+  struct Finding {
+    std::type_index kind;
+    std::array<double, 3> by;
+    std::shared_ptr<const void> value;
+  };
   // A half-edge of a triangle by its edge's vertices, the lower one first.
   struct EdgeUse {
     std::array<int, 2> edge;
@@ -102,6 +131,8 @@ class HalfEdges {
   OpenMesh::HPropHandleT<Halfedge> across_;        // only where triangles were refused
   std::vector<std::array<int, 2>> refused_edges_;  // sorted; the lower vertex first
   Crowded crowded_;
+  mutable std::mutex finding_;
+  mutable std::vector<Finding> findings_;
 };
 
 }  // namespace hotblade::surface

@@ -102,13 +102,18 @@ class CreaseEdges : private Walks {
 Creases creases(const TriangleMesh& mesh, const CreaseLimits& limits) {
   if (!(limits.tolerance_mm > 0) || !(limits.least_radius_mm > 0))
     throw std::logic_error("creases: limits have to be above 0");
-  Creases found = crease_bands(mesh, limits);
-  std::vector<int> edges = CreaseEdges(mesh, limits).run();
-  edges.insert(edges.end(), found.edges.begin(), found.edges.end());
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  found.edges = std::move(edges);
-  return found;
+  if (mesh.triangles().empty()) return {};
+  // A plan asks for them at each of its steps.
+  return mesh.half_edges().found_once<Creases>(
+      {limits.tolerance_mm, limits.least_radius_mm, limits.shallow ? 1.0 : 0.0}, [&] {
+        Creases found = crease_bands(mesh, limits);
+        std::vector<int> edges = CreaseEdges(mesh, limits).run();
+        edges.insert(edges.end(), found.edges.begin(), found.edges.end());
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        found.edges = std::move(edges);
+        return found;
+      });
 }
 
 }  // namespace hotblade::surface

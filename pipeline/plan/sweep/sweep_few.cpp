@@ -10,6 +10,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/direction/body_axes.hpp"
+#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -25,22 +26,26 @@ class Stands {
     for (const auto& [a, b] : surface.border)
       rank_[static_cast<std::size_t>(a)] = rank_[static_cast<std::size_t>(b)] = kBorder;
     for (const int corner : surface.corners) rank_[static_cast<std::size_t>(corner)] = kCorner;
-    std::unordered_map<std::uint64_t, std::pair<Key, int>> nearest;
     std::vector<std::uint64_t> cells(surface.points.size());
-    for (std::size_t i = 0; i < surface.points.size(); ++i) {
+    std::vector<double> off(surface.points.size());
+    constexpr std::size_t kPoints = 1 << 12;
+    surface::for_blocks(cells.size(), kPoints, [&](std::size_t first, std::size_t last) {
       gpu::stop_point();
-      const Vector3d d = surface.points[i] - body.centre;
-      std::uint64_t cell = 0;
-      double off = 0;
-      for (const Vector3d& axis : body.axes) {
-        const double at = axis.dot(d) / cell_mm, middle = std::round(at);
-        // 21 bits an axis: a million cells to either side.
-        cell = cell << 21 | (static_cast<std::uint64_t>(static_cast<std::int64_t>(middle)) & 0x1FFFFF);
-        off += (at - middle) * (at - middle);
+      for (std::size_t i = first; i < last; ++i) {
+        const Vector3d d = surface.points[i] - body.centre;
+        for (const Vector3d& axis : body.axes) {
+          const double at = axis.dot(d) / cell_mm, middle = std::round(at);
+          // 21 bits an axis: a million cells to either side.
+          cells[i] =
+              cells[i] << 21 | (static_cast<std::uint64_t>(static_cast<std::int64_t>(middle)) & 0x1FFFFF);
+          off[i] += (at - middle) * (at - middle);
+        }
       }
-      cells[i] = cell;
-      const Key key{rank_[i], off};
-      const auto [at, fresh] = nearest.try_emplace(cell, key, static_cast<int>(i));
+    });
+    std::unordered_map<std::uint64_t, std::pair<Key, int>> nearest;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const Key key{rank_[i], off[i]};
+      const auto [at, fresh] = nearest.try_emplace(cells[i], key, static_cast<int>(i));
       if (!fresh && key < at->second.first) at->second = {key, static_cast<int>(i)};
     }
     for (std::size_t i = 0; i < cells.size(); ++i) for_[i] = nearest.at(cells[i]).second;

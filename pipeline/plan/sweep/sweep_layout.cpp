@@ -5,6 +5,7 @@
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_few.hpp"
 #include "robot/blade/blade_section.hpp"
+#include "surface/read/blocks.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -12,6 +13,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -223,8 +225,8 @@ std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGri
   const Box& box = whole.box;
   const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep)),
                             across = cuts(box.min().y(), box.max().y(), even_shares(grid.along_ribs));
-  std::vector<SweepPart> parts;
-  for (std::size_t s = 0; s < grid.along_sweep; ++s) {
+  std::vector<std::vector<SweepPart>> rows(grid.along_sweep);
+  surface::for_blocks(rows.size(), 1, [&](std::size_t s, std::size_t) {
     std::vector<SweepSeam> ends;
     if (s > 0) ends.push_back(seam_across_sweep(axes, along[s - 1], -1));
     if (s < along.size()) ends.push_back(seam_across_sweep(axes, along[s], 1));
@@ -238,11 +240,13 @@ std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGri
         part.axes = sweep_axes(*part.surface, axes.planes);
       // A triangle's grid has cells without design.
       if (grid.count() > 1 && !meets_design(part)) continue;
-      parts.push_back(std::move(part));
-      parts.back().rib_splits =
-          static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, whole.least.along_ribs));
+      part.rib_splits = static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, whole.least.along_ribs));
+      rows[s].push_back(std::move(part));
     }
-  }
+  });
+  std::vector<SweepPart> parts;
+  for (std::vector<SweepPart>& row : rows)
+    parts.insert(parts.end(), std::move_iterator(row.begin()), std::move_iterator(row.end()));
   return parts;
 }
 

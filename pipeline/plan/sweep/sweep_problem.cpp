@@ -5,6 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "elastica/kernels/lanes.hpp"
+#include "surface/read/blocks.hpp"
+
 namespace hotblade::pipeline {
 
 struct SweepProblem::Normal {
@@ -74,7 +77,7 @@ std::vector<SweepState> SweepProblem::states_at(const Eigen::VectorXd& unknowns)
   return states;
 }
 
-std::vector<SweepCurve> SweepProblem::curves_of(const std::vector<SweepState>& states) const {
+std::vector<SweepCurve> SweepProblem::curves_of(std::span<const SweepState> states) const {
   std::vector<SweepCurve::Ask> asked;
   for (const SweepState& state : states) asked.push_back({state.bend, 0.5 * options_.blade_length_mm});
   return SweepCurve::all(asked);
@@ -88,18 +91,28 @@ SweepEvaluation SweepProblem::evaluate(const Eigen::VectorXd& unknowns,
   all.feet = feet;
   all.away_mm.resize(feet.size());
   const std::vector<SweepState> states = states_at(unknowns);
-  const std::vector<SweepCurve> curves = curves_of(states);
-  std::size_t first = 0;
-  for (std::size_t j = 0; j < data_.sections.size(); ++j) {
+  const std::size_t count = data_.sections.size();
+  std::vector<std::size_t> first(count, 0);
+  for (std::size_t j = 1; j < count; ++j) first[j] = first[j - 1] + data_.sections[j - 1].samples.size();
+  // As many at once as lanes walk curves; what they come to is added in one order.
+  std::vector<Normal> normals(count);
+  std::vector<double> max_mm(count);
+  surface::for_blocks(count, elastica::lanes::kLanes, [&](std::size_t from, std::size_t to) {
+    const std::vector<SweepCurve> curves = curves_of(std::span(states).subspan(from, to - from));
+    for (std::size_t j = from; j < to; ++j) {
+      const std::vector<SweepSample>& samples = data_.sections[j].samples;
+      const DistanceSums sums = distance_sums(samples, states[j], curves[j - from], family_.x_mm, power_,
+                                              std::span(all.feet).subspan(first[j], samples.size()),
+                                              std::span(all.away_mm).subspan(first[j], samples.size()));
+      max_mm[j] = sums.max_mm;
+      normals[j] = {sums.value, sums.gradient, sums.matrix};
+      add_limits(j, states[j], curves[j - from], normals[j]);
+    }
+  });
+  for (std::size_t j = 0; j < count; ++j) {
     const BasisValues& basis = at_[j];
-    const std::vector<SweepSample>& samples = data_.sections[j].samples;
-    const DistanceSums sums = distance_sums(samples, states[j], curves[j], family_.x_mm, power_,
-                                            std::span(all.feet).subspan(first, samples.size()),
-                                            std::span(all.away_mm).subspan(first, samples.size()));
-    first += samples.size();
-    if (!(sums.max_mm <= all.max_mm)) all.max_mm = sums.max_mm;
-    Normal normal{sums.value, sums.gradient, sums.matrix};
-    add_limits(j, states[j], curves[j], normal);
+    const Normal& normal = normals[j];
+    if (!(max_mm[j] <= all.max_mm)) all.max_mm = max_mm[j];
     all.value += normal.value;
     const Vector5 gradient = normal.gradient.cwiseProduct(scale_);
     const Matrix5 matrix = scale_.asDiagonal() * normal.matrix * scale_.asDiagonal();
@@ -209,16 +222,20 @@ void SweepProblem::measure(const SweepEvaluation& evaluation, SweepFitReport& re
   const auto [low, high] = std::minmax_element(evaluation.feet.begin(), evaluation.feet.end());
   report.arc_low_mm = *low;
   report.arc_high_mm = *high;
+  std::vector<SweepState> states;
+  for (const SweepSection& section : data_.sections) states.push_back(report.family.at(section.offset_mm));
+  const std::vector<SweepCurve> curves = curves_of(states);
   std::size_t i = 0;
-  for (const SweepSection& section : data_.sections) {
+  for (std::size_t j = 0; j < data_.sections.size(); ++j) {
+    const SweepSection& section = data_.sections[j];
     for (std::size_t k = 0; k < section.samples.size(); ++k, ++i) {
       squares += evaluation.away_mm[i] * evaluation.away_mm[i];
       if (std::abs(evaluation.away_mm[i]) != evaluation.max_mm) continue;
       report.max_offset_mm = section.offset_mm;
       report.max_q = section.samples[k].q;
     }
-    const SweepState state = report.family.at(section.offset_mm);
-    const SweepCurve curve(state.bend, 0.5 * options_.blade_length_mm);
+    const SweepState& state = states[j];
+    const SweepCurve& curve = curves[j];
     for (const SweepPoint& p : curve.nodes()) sharpest = std::max(sharpest, std::abs(p.kappa));
     for (const SweepPoint* end : {&curve.nodes().front(), &curve.nodes().back()}) {
       report.largest_turn_rad = std::max(report.largest_turn_rad, std::abs(state.theta + end->theta));

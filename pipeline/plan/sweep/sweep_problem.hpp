@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 #include "pipeline/plan/sweep/sweep_lanes.hpp"
@@ -48,7 +49,7 @@ class SweepProblem {
 
   [[nodiscard]] SweepState state_at(const Eigen::VectorXd& unknowns, const BasisValues& basis) const;
   [[nodiscard]] std::vector<SweepState> states_at(const Eigen::VectorXd& unknowns) const;
-  [[nodiscard]] std::vector<SweepCurve> curves_of(const std::vector<SweepState>& states) const;
+  [[nodiscard]] std::vector<SweepCurve> curves_of(std::span<const SweepState> states) const;
   void add_limits(std::size_t section, const SweepState& state, const SweepCurve& curve,
                   Normal& normal) const;
   void add_smoothness(const Eigen::VectorXd& unknowns, SweepEvaluation& all) const;
