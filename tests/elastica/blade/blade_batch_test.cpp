@@ -87,6 +87,25 @@ TEST(BladeBatch, PartsAreThePointsAtTheirArcLengths) {
   }
 }
 
+TEST(BladeBatch, CurvatureIsTheLargestFromAsManyPointsAsItAsksFor) {
+  const std::vector<Elastica> all = blades(2000);
+  constexpr std::size_t kMost = 97;
+  std::size_t fewest = kMost, most = 0;
+  for (const Elastica& e : all) {
+    const std::size_t points = curvature_points({&e, 1}, kMost);
+    fewest = std::min(fewest, points);
+    most = std::max(most, points);
+    const Part whole{0, e.length};
+    const double largest = ElasticaCurve(e).max_abs_curvature();
+    EXPECT_NEAR(max_abs_curvature(e, sample_parts({&e, 1}, {&whole, 1}, points), 0), largest,
+                1e-9 * (largest + 1 / e.length));
+  }
+  EXPECT_EQ(fewest, 9U);
+  EXPECT_GT(most, 33U);
+  EXPECT_EQ(curvature_points(all, kMost), most);
+  EXPECT_EQ(curvature_points({}, kMost), 9U);
+}
+
 TEST(BladeBatch, MarginsAreThoseOfOneBladeOnEveryInstructionSet) {
   const std::vector<Elastica> all = blades(4000);
   for (const Simd simd : instruction_sets()) {

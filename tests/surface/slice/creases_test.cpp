@@ -55,6 +55,18 @@ TEST(Creases, PartPlatesWhereTheyFold) {
   }
 }
 
+TEST(Creases, FoundAgainAreTheSameAndOfTheLimitsAskedFor) {
+  const TriangleMesh mesh(folded(0.08)), other(folded(0.08)), copy = mesh;
+  const CreaseLimits shallow{kLimits.tolerance_mm, kLimits.least_radius_mm, true},
+      close{0.01, kLimits.least_radius_mm};
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_TRUE(creases(mesh, kLimits).empty());
+    EXPECT_EQ(creases(copy, shallow).edges.size(), 20U);
+    EXPECT_EQ(creases(mesh, shallow).edges, creases(other, shallow).edges);
+    EXPECT_EQ(creases(copy, close).edges.size(), 20U);
+  }
+}
+
 TEST(Creases, TellWhichFaceATriangleIsOf) {
   const TriangleMesh mesh(folded(0.5));
   std::vector<int> face_of;
