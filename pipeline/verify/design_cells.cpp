@@ -62,10 +62,7 @@ std::size_t DesignCells::longest_edge(const Cell& cell) const {
 
 class DesignCells::Places {
  public:
-  Places(std::vector<Eigen::Vector3d>& points, std::size_t about) : points_(points) {
-    known_.reserve(about);
-    points_.reserve(points_.size() + about);
-  }
+  Places(std::vector<Eigen::Vector3d>& points, std::size_t about) : points_(points) { known_.reserve(about); }
 
   // Returns the point `i` of `n` even pieces of the edge from a to b.
   std::uint32_t at(std::uint32_t a, std::uint32_t b, std::size_t i, std::size_t n) {
