@@ -113,18 +113,17 @@ void points_at(std::span<const Elastica> blades, std::span<const double> s, std:
   }
 }
 
-PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts, std::size_t points,
-                        Simd simd) {
-  expect_size(blades.size(), parts.size());
-  if (points < 2) throw std::logic_error("a part needs at least 2 points");
-  PartPoints all;
-  all.points = points;
-  for (auto* v : {&all.x, &all.y, &all.cos, &all.sin, &all.turn, &all.curvature})
-    v->resize(blades.size() * points);
+namespace {
+
+// Blocks of blades for sample_parts: calls work(unit, parts' lanes without what they write, lengths, first,
+// count).
+template <typename Work>
+void by_parts(std::span<const Elastica> blades, std::span<const Part> parts, std::size_t points,
+              const Work& work) {
   UnitBlock unit;
   Block first, last, length;
   for (std::size_t from = 0; from < blades.size(); from += kBlock) {
-    const std::size_t n = std::min(kBlock, blades.size() - from), at = from * points;
+    const std::size_t n = std::min(kBlock, blades.size() - from);
     for (std::size_t i = 0; i < n; ++i) {
       const Part& part = parts[from + i];
       length[i] = std::max(std::abs(part.first), std::abs(part.last));
@@ -133,23 +132,72 @@ PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> 
       first[i] = length[i] > 0 ? part.first / length[i] : 0;
       last[i] = length[i] > 0 ? part.last / length[i] : 0;
     }
-    kernels(simd).parts({unit.lanes(), first.data(), last.data(), points, &all.x[at], &all.y[at],
-                         &all.cos[at], &all.sin[at], &all.turn[at]},
-                        n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const Elastica& e = blades[from + i];
-      const double co = unit.cos[i], si = unit.sin[i];
-      for (std::size_t k = at + i * points; k < at + (i + 1) * points; ++k) {
-        const double x = all.x[k], y = all.y[k], c = all.cos[k], s = all.sin[k];
-        const double dx = length[i] * (co * x - si * y), dy = length[i] * (si * x + co * y);
-        all.x[k] = e.x + dx;
-        all.y[k] = e.y + dy;
-        all.cos[k] = co * c - si * s;
-        all.sin[k] = si * c + co * s;
-        all.curvature[k] = e.kappa - e.lambda1 * dy + e.lambda2 * dx;
-      }
-    }
+    work(unit, PartLanes{unit.lanes(), first.data(), last.data(), points}, length, from, n);
   }
+}
+
+void expect_points(std::size_t blades, std::size_t parts, std::size_t points) {
+  expect_size(blades, parts);
+  if (points < 2) throw std::logic_error("a part needs at least 2 points");
+}
+
+}  // namespace
+
+PartPlaces sample_places(std::span<const Elastica> blades, std::span<const Part> parts, std::size_t points,
+                         Simd simd) {
+  expect_points(blades.size(), parts.size(), points);
+  PartPlaces all;
+  all.points = points;
+  all.x.resize(blades.size() * points);
+  all.y.resize(blades.size() * points);
+  by_parts(blades, parts, points,
+           [&](const UnitBlock& unit, PartLanes lanes, const Block& length, std::size_t from, std::size_t n) {
+             lanes.x = &all.x[from * points];
+             lanes.y = &all.y[from * points];
+             kernels(simd).parts(lanes, n);
+             for (std::size_t i = 0; i < n; ++i) {
+               const Elastica& e = blades[from + i];
+               const double co = unit.cos[i], si = unit.sin[i];
+               for (std::size_t k = (from + i) * points; k < (from + i + 1) * points; ++k) {
+                 const double x = all.x[k], y = all.y[k];
+                 all.x[k] = e.x + length[i] * (co * x - si * y);
+                 all.y[k] = e.y + length[i] * (si * x + co * y);
+               }
+             }
+           });
+  return all;
+}
+
+PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts, std::size_t points,
+                        Simd simd) {
+  expect_points(blades.size(), parts.size(), points);
+  PartPoints all;
+  all.points = points;
+  for (auto* v : {&all.x, &all.y, &all.cos, &all.sin, &all.turn, &all.curvature})
+    v->resize(blades.size() * points);
+  by_parts(blades, parts, points,
+           [&](const UnitBlock& unit, PartLanes lanes, const Block& length, std::size_t from, std::size_t n) {
+             const std::size_t at = from * points;
+             lanes.x = &all.x[at];
+             lanes.y = &all.y[at];
+             lanes.cos = &all.cos[at];
+             lanes.sin = &all.sin[at];
+             lanes.turn = &all.turn[at];
+             kernels(simd).parts(lanes, n);
+             for (std::size_t i = 0; i < n; ++i) {
+               const Elastica& e = blades[from + i];
+               const double co = unit.cos[i], si = unit.sin[i];
+               for (std::size_t k = at + i * points; k < at + (i + 1) * points; ++k) {
+                 const double x = all.x[k], y = all.y[k], c = all.cos[k], s = all.sin[k];
+                 const double dx = length[i] * (co * x - si * y), dy = length[i] * (si * x + co * y);
+                 all.x[k] = e.x + dx;
+                 all.y[k] = e.y + dy;
+                 all.cos[k] = co * c - si * s;
+                 all.sin[k] = si * c + co * s;
+                 all.curvature[k] = e.kappa - e.lambda1 * dy + e.lambda2 * dx;
+               }
+             }
+           });
   return all;
 }
 

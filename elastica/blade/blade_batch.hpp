@@ -46,20 +46,26 @@ class Unset {
   std::size_t size_ = 0;
 };
 
-// The points of some blades; those of one blade stand beside one another.
-struct PartPoints {
+// The places of points of some blades; those of one blade stand beside one another.
+struct PartPlaces {
   std::size_t points = 0;  // of each blade
   Unset x, y;              // of blade i: [i * points, (i + 1) * points)
-  Unset cos, sin;          // of the tangent
-  Unset turn;              // of the tangent since the blade's start, rad, not modulo 2 pi
-  Unset curvature;         // signed
   [[nodiscard]] Eigen::Vector2d at(std::size_t blade, std::size_t k) const {
     return {x[blade * points + k], y[blade * points + k]};
   }
 };
 
+// The same with the curves' directions there.
+struct PartPoints : PartPlaces {
+  Unset cos, sin;   // of the tangent
+  Unset turn;       // of the tangent since the blade's start, rad, not modulo 2 pi
+  Unset curvature;  // signed
+};
+
 // Evenly spaced points on a part of every blade, both ends included; there must be at least 2
-// (std::logic_error).
+// (std::logic_error). The places are the same bits with and without their directions.
+[[nodiscard]] PartPlaces sample_places(std::span<const Elastica> blades, std::span<const Part> parts,
+                                       std::size_t points, Simd simd = best_simd());
 [[nodiscard]] PartPoints sample_parts(std::span<const Elastica> blades, std::span<const Part> parts,
                                       std::size_t points, Simd simd = best_simd());
 

@@ -42,6 +42,19 @@ HOTBLADE_LANES_INLINE hb_lanes series_reach(const BladeField& f) {
   return HB_MIN(f.field.most_step, HB_BROADCAST(1.0));
 }
 
+// The largest power of two that is no larger, of positive numbers.
+HOTBLADE_LANES_INLINE hb_lanes floor_power(hb_lanes v) {
+  constexpr long long kExponent = 0x7ff0'0000'0000'0000;
+  return (hb_lanes)((hb_lanes_mask)v & kExponent);
+}
+
+// Over how many evenly spaced places a series goes on before the next begins at the last of them: a power of
+// two, so that the series of different blades begin together and no lane makes the others wait; below 1 where
+// it does not reach the next place.
+HOTBLADE_LANES_INLINE hb_lanes places_of(hb_lanes reach, hb_lanes spacing) {
+  return floor_power(reach / HB_ABS(spacing));
+}
+
 // A place on each blade and what the tangent has turned by up to there.
 struct BladePlace {
   hb_elastica_point p;
@@ -55,10 +68,11 @@ HOTBLADE_LANES_INLINE BladePlace select(hb_lanes_mask where, const BladePlace& a
           HB_SELECT(where, a.at, b.at)};
 }
 
-// Places that follow each other on a blade, in either sense, by the series about one of them as far as that
-// reaches; then about the last. What a lane comes to depends on its own blade and places alone.
+// Evenly spaced places on a blade, by the series about one of them as far as that reaches; then about the
+// last. What a lane comes to depends on its own blade and places alone.
 struct PlaceSeries {
-  hb_lanes reach, per_reach;
+  hb_lanes reach, per_reach, places;
+  hb_lanes number;  // of the centre
   BladePlace center, last;
   hb_elastica_series tangent;
   hb_lanes x[HB_STEP_ORDER + 1], y[HB_STEP_ORDER + 1], turn[HB_STEP_ORDER + 1];
@@ -76,53 +90,67 @@ HOTBLADE_LANES_INLINE void expand(const BladeField& f, PlaceSeries& s) {
   }
 }
 
-// At the first place, whose series is not expanded yet: one place alone needs none.
-HOTBLADE_LANES_INLINE void begin(const BladeField& f, hb_lanes at, PlaceSeries& s) {
+// At place 0, whose series is not expanded yet: one place alone needs none.
+HOTBLADE_LANES_INLINE void begin(const BladeField& f, hb_lanes at, hb_lanes spacing, PlaceSeries& s) {
   s.reach = series_reach(f);
   s.per_reach = 1.0 / s.reach;
+  s.places = places_of(s.reach, spacing);
+  s.number = HB_BROADCAST(0.0);
   s.center.p = f.start;
   s.center.turn = hb_elastica_move_turning(&f.field, at, &s.center.p);
   s.center.at = at;
   s.last = s.center;
 }
 
-HOTBLADE_LANES_INLINE void go_on(const BladeField& f, hb_lanes to, PlaceSeries& s) {
-  const hb_lanes_mask out = HB_ABS(to - s.center.at) > s.reach;
+// What the tangent at the last place is.
+HOTBLADE_LANES_INLINE void turn_there(PlaceSeries& s) {
+  const hb_lanes u = (s.last.at - s.center.at) * s.per_reach;
+  s.last.p.c = hb_elastica_sum(s.tangent.c, u);
+  s.last.p.s = hb_elastica_sum(s.tangent.s, u);
+  s.last.turn = HB_FMA(u, hb_elastica_sum(s.turn, u), s.center.turn);
+}
+
+// From place number - 1 to the next; where the tangent is not asked for, it is found where a series begins.
+HOTBLADE_LANES_INLINE void go_on(const BladeField& f, double number, hb_lanes to, bool tangents,
+                                 PlaceSeries& s) {
+  const hb_lanes_mask out = number - s.number > s.places;
   if (HB_ANY(out)) {
-    // Where the next place lies out of the last one's reach too, the series begins there.
-    const hb_lanes step = to - s.last.at;
-    const hb_lanes_mask far = HB_ABS(step) > s.reach;
+    if (!tangents) turn_there(s);
+    // Where a series does not reach the next place, it begins there.
+    const hb_lanes_mask far = out & (s.places < HB_BROADCAST(1.0));
     if (HB_ANY(far)) {
       BladePlace there = s.last;
-      there.turn += hb_elastica_move_turning(&f.field, HB_SELECT(far, step, HB_BROADCAST(0.0)), &there.p);
+      there.turn +=
+          hb_elastica_move_turning(&f.field, HB_SELECT(far, to - s.last.at, HB_BROADCAST(0.0)), &there.p);
       there.at = to;
       s.last = select(far, there, s.last);
     }
+    s.number = HB_SELECT(far, HB_BROADCAST(number), HB_SELECT(out, HB_BROADCAST(number - 1), s.number));
     s.center = select(out, s.last, s.center);
     expand(f, s);
   }
-  const hb_lanes u = (to - s.center.at) * s.per_reach, shift = to - s.center.at;
-  s.last.p.c = hb_elastica_sum(s.tangent.c, u);
-  s.last.p.s = hb_elastica_sum(s.tangent.s, u);
+  const hb_lanes shift = to - s.center.at, u = shift * s.per_reach;
   s.last.p.x = HB_FMA(shift, hb_elastica_sum(s.x, u), s.center.p.x);
   s.last.p.y = HB_FMA(shift, hb_elastica_sum(s.y, u), s.center.p.y);
-  s.last.turn = HB_FMA(u, hb_elastica_sum(s.turn, u), s.center.turn);
   s.last.at = to;
+  if (tangents) turn_there(s);
 }
 
-[[maybe_unused]] void even_points(const PartLanes& b, size_t n) {
+HOTBLADE_LANES_INLINE void even_points_of(const PartLanes& b, size_t n, bool tangents) {
+  const double between = b.points > 1 ? 1.0 / static_cast<double>(b.points - 1) : 0;
   for (size_t i = 0; i < n; i += HB_LANES) {
     const size_t count = n - i < HB_LANES ? n - i : HB_LANES;
     const BladeField f = load_blades(b.blades, i, count);
     const hb_lanes first = hb_load(b.first + i, count), last = hb_load(b.last + i, count);
     PlaceSeries s;
-    begin(f, first, s);
+    begin(f, first, (last - first) * between, s);
     if (b.points > 1) expand(f, s);
     for (size_t k = 0; k < b.points; ++k) {
       const double share = b.points > 1 ? static_cast<double>(k) / static_cast<double>(b.points - 1) : 0;
-      if (k > 0) go_on(f, first + (last - first) * share, s);
+      if (k > 0) go_on(f, static_cast<double>(k), first + (last - first) * share, tangents, s);
       scatter(b.x, b, i, k, s.last.p.x, count);
       scatter(b.y, b, i, k, s.last.p.y, count);
+      if (!tangents) continue;
       scatter(b.cos, b, i, k, s.last.p.c, count);
       scatter(b.sin, b, i, k, s.last.p.s, count);
       scatter(b.turn, b, i, k, s.last.turn, count);
@@ -130,12 +158,18 @@ HOTBLADE_LANES_INLINE void go_on(const BladeField& f, hb_lanes to, PlaceSeries& 
   }
 }
 
+[[maybe_unused]] void even_points(const PartLanes& b, size_t n) {
+  b.turn ? even_points_of(b, n, true) : even_points_of(b, n, false);
+}
+
 // Tangent and curvature of each blade, and the series about a place of it.
 struct BladeTangent {
   hb_lanes kappa, c, s;
 };
+// At evenly spaced places whose distances from the start are `spacing` times their numbers.
 struct TangentSeries {
-  hb_lanes reach, per_reach, center_at, last_at;
+  hb_lanes reach, per_reach, per_place, places;
+  hb_lanes number, last_number;  // of the centre and of the last place
   BladeTangent center, last;
   hb_elastica_series series;
 };
@@ -145,28 +179,60 @@ HOTBLADE_LANES_INLINE void expand(const BladeField& f, TangentSeries& s) {
 }
 
 // From the blades' starts.
-HOTBLADE_LANES_INLINE void begin(const BladeField& f, TangentSeries& s) {
+HOTBLADE_LANES_INLINE void begin(const BladeField& f, double spacing, TangentSeries& s) {
   s.reach = series_reach(f);
   s.per_reach = 1.0 / s.reach;
-  s.center_at = s.last_at = HB_BROADCAST(0.0);
+  s.per_place = spacing * s.per_reach;
+  s.places = places_of(s.reach, HB_BROADCAST(spacing));
+  s.number = s.last_number = HB_BROADCAST(0.0);
   s.center = s.last = {f.field.k, f.start.c, f.start.s};
   expand(f, s);
 }
 
-// On by a step that a series reaches.
-HOTBLADE_LANES_INLINE void go_on(const BladeField& f, double to, TangentSeries& s) {
-  const hb_lanes at = HB_BROADCAST(to);
-  const hb_lanes_mask out = at - s.center_at > s.reach;
-  if (HB_ANY(out)) {
-    s.center = {HB_SELECT(out, s.last.kappa, s.center.kappa), HB_SELECT(out, s.last.c, s.center.c),
-                HB_SELECT(out, s.last.s, s.center.s)};
-    s.center_at = HB_SELECT(out, s.last_at, s.center_at);
-    expand(f, s);
+HOTBLADE_LANES_INLINE BladeTangent tangent_at(const TangentSeries& s, hb_lanes number) {
+  const hb_lanes u = (number - s.number) * s.per_place;
+  return {hb_elastica_sum(s.series.rate, u) * s.per_reach, hb_elastica_sum(s.series.c, u),
+          hb_elastica_sum(s.series.s, u)};
+}
+
+// Where `out`, the series begins at the last place, whose tangent is `last`.
+HOTBLADE_LANES_INLINE void move_center(const BladeField& f, hb_lanes_mask out, const BladeTangent& last,
+                                       TangentSeries& s) {
+  s.center = {HB_SELECT(out, last.kappa, s.center.kappa), HB_SELECT(out, last.c, s.center.c),
+              HB_SELECT(out, last.s, s.center.s)};
+  s.number = HB_SELECT(out, s.last_number, s.number);
+  expand(f, s);
+}
+
+// To a place that a series reaches from the last.
+HOTBLADE_LANES_INLINE void go_on(const BladeField& f, double number, TangentSeries& s) {
+  const hb_lanes to = HB_BROADCAST(number);
+  const hb_lanes_mask out = to - s.number > s.places;
+  if (HB_ANY(out)) move_center(f, out, s.last, s);
+  s.last = tangent_at(s, to);
+  s.last_number = to;
+}
+
+// A blade's curvature and its derivative.
+struct BladeBend {
+  hb_lanes kappa, slope;
+};
+
+// To such a place, for the bend alone; s.last is not kept.
+HOTBLADE_LANES_INLINE BladeBend bend_on(const BladeField& f, double number, TangentSeries& s) {
+  const hb_lanes to = HB_BROADCAST(number);
+  const hb_lanes_mask out = to - s.number > s.places;
+  if (HB_ANY(out)) move_center(f, out, tangent_at(s, s.last_number), s);
+  s.last_number = to;
+  const hb_lanes u = (to - s.number) * s.per_place;
+  hb_lanes rate = s.series.rate[HB_STEP_ORDER], slope = rate;
+  rate = HB_FMA(rate, u, s.series.rate[HB_STEP_ORDER - 1]);
+#pragma GCC unroll 16
+  for (int k = HB_STEP_ORDER - 2; k >= 0; --k) {
+    slope = HB_FMA(slope, u, rate);
+    rate = HB_FMA(rate, u, s.series.rate[k]);
   }
-  const hb_lanes u = (at - s.center_at) * s.per_reach;
-  s.last = {hb_elastica_sum(s.series.rate, u) * s.per_reach, hb_elastica_sum(s.series.c, u),
-            hb_elastica_sum(s.series.s, u)};
-  s.last_at = at;
+  return {rate * s.per_reach, slope * (s.per_reach * s.per_reach)};
 }
 
 }  // namespace

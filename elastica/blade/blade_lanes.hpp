@@ -10,12 +10,13 @@ struct UnitBlades {
   const double *kappa, *lambda1, *lambda2;
 };
 
-// `points` even points on [first, last] of each blade, blade after blade.
+// `points` even points on [first, last] of each blade, blade after blade. Where `turn` is null so are `cos`
+// and `sin`.
 struct PartLanes {
   UnitBlades blades;
   const double *first, *last;
   size_t points;
-  double *x, *y, *cos, *sin, *turn;
+  double *x = nullptr, *y = nullptr, *cos = nullptr, *sin = nullptr, *turn = nullptr;
 };
 
 struct MarginLanes {

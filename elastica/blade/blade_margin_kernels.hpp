@@ -42,9 +42,9 @@ HOTBLADE_LANES_INLINE void margin_scale(hb_lanes* v, hb_lanes by) {
 
 void margin_march(const BladeField& f, MarginWork& w) {
   TangentSeries at;
-  begin(f, at);
+  begin(f, 1.0 / kMarginCells, at);
   for (size_t i = 0; i < kMarginInner; ++i) {
-    go_on(f, static_cast<double>(i + 1) / kMarginCells, at);
+    go_on(f, static_cast<double>(i + 1), at);
     w.diagonal[i] = -2.0 * kMarginOff - HB_FMA(f.field.l1, at.last.c, f.field.l2 * at.last.s);
     w.first[i] = at.last.c;
     w.second[i] = at.last.s;

@@ -2,7 +2,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -10,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "pipeline/program/number_text.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/json_text.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -22,6 +22,9 @@ using elastica::Elastica;
 // Appends JSON values; begin/end, keys and separators are the caller's, `comma` belongs before the next item.
 class Text {
  public:
+  // Goes on behind `before`.
+  explicit Text(std::string before = "") : out_(std::move(before)) {}
+
   Text& raw(std::string_view text) {
     out_ += text;
     return *this;
@@ -30,8 +33,8 @@ class Text {
   // Shortest text that reads back as the same number; -0 becomes 0, which JSON readers do not tell apart.
   Text& number(double value) {
     if (!std::isfinite(value)) throw std::logic_error("to_json: a program's numbers have to be finite");
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value + 0.0).ptr;
+    char buffer[kNumberText];
+    const char* const end = write_number(buffer, value + 0.0);
     return raw({buffer, static_cast<std::size_t>(end - buffer)});
   }
   Text& number(std::size_t value) { return raw(std::to_string(value)); }
@@ -57,9 +60,11 @@ class Text {
   template <typename Items, typename Write>
   Text& lines(Items&& items, Write&& write) {
     raw("[\n");
+    const std::size_t start = out_.size();
     for (std::size_t i = 0; i < items.size(); ++i) {
       if (i > 0) raw(",\n");
       write(*this, items[i]);
+      if (i == kForecast) out_.reserve(start + (out_.size() - start) / kForecast * items.size() * 9 / 8);
     }
     return raw("]");
   }
@@ -76,8 +81,18 @@ class Text {
   }
 
   Text& frame(const Frame& f) {
-    raw("{\"origin\":").vector(f.origin).raw(",\"x\":").vector(f.x).raw(",\"y\":").vector(f.y);
-    return raw("}");
+    raw("{\"origin\":").vector(f.origin);
+    // Few planes of a job turn, so that nearly all axes are those before.
+    if (axes_end_ > axes_ && f.x == x_ && f.y == y_) {
+      out_.append(out_, axes_, axes_end_ - axes_);
+      return *this;
+    }
+    x_ = f.x;
+    y_ = f.y;
+    axes_ = out_.size();
+    raw(",\"x\":").vector(x_).raw(",\"y\":").vector(y_).raw("}");
+    axes_end_ = out_.size();
+    return *this;
   }
 
   Text& pose(const Pose& p) {
@@ -103,7 +118,12 @@ class Text {
   [[nodiscard]] std::string take() { return std::move(out_); }
 
  private:
+  // So many lines tell how much room all of them take.
+  static constexpr std::size_t kForecast = 64;
+
   std::string out_;
+  Eigen::Vector3d x_, y_;                // the axes written last,
+  std::size_t axes_ = 0, axes_end_ = 0;  // and where
 };
 
 void write_design(Text& out, const DesignData& design) {
@@ -277,8 +297,8 @@ ProgramFrame program_frame(const Program& program) {
   return {before.take(), after.take()};
 }
 
-std::string to_json(const Strip& strip) {
-  Text text;
+std::string to_json(const Strip& strip, std::string before) {
+  Text text(std::move(before));
   write_strip(text, strip);
   return text.take();
 }

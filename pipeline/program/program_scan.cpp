@@ -83,15 +83,25 @@ StripPhase scan_phase(Scanner& in) {
   return {};
 }
 
-Frame scan_frame(Scanner& in) {
-  Frame frame;
-  frame.origin = in.vector<3>("{\"origin\":");
-  frame.x = in.vector<3>(",\"x\":");
-  frame.y = in.vector<3>(",\"y\":");
-  in.skip("}");
-  in.expect(is_unit(frame.x.norm()) && is_unit(frame.y.norm()) && is_square(frame.x.dot(frame.y)));
-  return frame;
-}
+// Frames of poses, nearly all of which have the axes of the one before.
+class FrameScanner {
+ public:
+  Frame next(Scanner& in) {
+    frame_.origin = in.vector<3>("{\"origin\":");
+    if (!axes_.empty() && in.next_is(axes_)) return frame_;
+    const std::string_view before = in.left();
+    frame_.x = in.vector<3>(",\"x\":");
+    frame_.y = in.vector<3>(",\"y\":");
+    in.skip("}");
+    in.expect(is_unit(frame_.x.norm()) && is_unit(frame_.y.norm()) && is_square(frame_.x.dot(frame_.y)));
+    axes_ = before.substr(0, before.size() - in.left().size());
+    return frame_;
+  }
+
+ private:
+  Frame frame_;
+  std::string_view axes_;  // their text
+};
 
 elastica::Elastica scan_elastica(Scanner& in) {
   elastica::Elastica e;
@@ -143,8 +153,8 @@ ArmJoints scan_joints(Scanner& in, std::string_view key) {
   return joints;
 }
 
-void scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::size_t ribs,
-               ScannedPoses& into) {
+void scan_pose(Scanner& in, FrameScanner& frames, double blade_length_mm, double clamp_reach_mm,
+               std::size_t ribs, ScannedPoses& into) {
   BladePose& pose = into.poses.emplace_back();
   pose.t = in.field("{\"t\":", kTime);
   pose.phase = scan_phase(in);
@@ -152,7 +162,7 @@ void scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::
   pose.heat = in.next_is("true");
   if (!pose.heat) in.skip("false");
   in.skip(",\"frame\":");
-  pose.frame = scan_frame(in);
+  pose.frame = frames.next(in);
   in.skip(",\"blade\":");
   pose.blade = scan_elastica(in);
   in.expect(is_blade_length(pose.blade.length, blade_length_mm));
@@ -182,11 +192,12 @@ void scan_pose(Scanner& in, double blade_length_mm, double clamp_reach_mm, std::
 std::optional<ScannedPoses> scan_poses(std::string_view& text, double blade_length_mm, double clamp_reach_mm,
                                        std::size_t ribs) {
   Scanner in(text);
+  FrameScanner frames;
   ScannedPoses scanned;
   const std::vector<BladePose>& poses = scanned.poses;
   in.skip("\n");
   do {
-    scan_pose(in, blade_length_mm, clamp_reach_mm, ribs, scanned);
+    scan_pose(in, frames, blade_length_mm, clamp_reach_mm, ribs, scanned);
     in.expect(poses.size() < 2 || microseconds(poses.back().t) > microseconds(poses[poses.size() - 2].t));
   } while (in.next_is(",\n"));
   in.skip("]");

@@ -17,8 +17,8 @@ struct ProgramFrame {
 // Returns all but the strips.
 [[nodiscard]] ProgramFrame program_frame(const Program& program);
 
-// Returns the text of one strip.
-[[nodiscard]] std::string to_json(const Strip& strip);
+// Returns `before` and behind it the text of one strip.
+[[nodiscard]] std::string to_json(const Strip& strip, std::string before = "");
 
 // What a file of a refused plan calls itself (pipeline/program/refused_plan.hpp).
 inline constexpr std::string_view kRefusedPlanFormat = "hotblade-refused-plan";

@@ -38,7 +38,7 @@ std::vector<Points> in_cell(const Strip& strip, std::span<const BladePose* const
     blades.push_back(pose->blade);
     whole.push_back({0, pose->blade.length});
   }
-  const elastica::PartPoints on = elastica::sample_parts(blades, whole, kPoints);
+  const elastica::PartPlaces on = elastica::sample_places(blades, whole, kPoints);
   const Eigen::Matrix3d turn = strip.design_to_cell.q.toRotationMatrix();
   std::vector<Points> lines(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {

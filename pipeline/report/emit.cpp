@@ -36,9 +36,16 @@ namespace fs = std::filesystem;
 // Strips whose texts are held at once.
 constexpr std::size_t kStripsAtOnce = 8;
 
-// A piece of the program: its text, whose hash goes by order, and the bytes that are written.
+// A piece of the program, whose hash goes by order, within `all`, and what is written of it where packed.
 struct Piece {
-  std::string text, gzip;
+  std::string all, gzip;
+  std::size_t first = 0, size = 0;
+
+  Piece(std::string in, std::size_t from, std::size_t count, bool pack)
+      : all(std::move(in)), first(from), size(count) {
+    if (pack) gzip = packed(text());
+  }
+  [[nodiscard]] std::string_view text() const { return std::string_view(all).substr(first, size); }
 };
 
 // Writes the program strip by strip: a job of hundreds of blocks, held as one text, takes more memory than
@@ -47,32 +54,33 @@ struct Piece {
 StagedFile staged_program(const Program& program, const fs::path& file, Sha256& sha256) {
   const ProgramFrame frame = program_frame(program);
   const bool gzip = is_gzip_name(file);
-  const auto piece_of = [&](std::string text) {
-    Piece piece{std::move(text), ""};
-    if (gzip) piece.gzip = packed(piece.text);
-    return piece;
-  };
   const auto produce = [&](const WritePiece& write) {
     const auto put = [&](const Piece& piece) {
-      sha256.add(piece.text);
-      write(gzip ? piece.gzip : piece.text);
+      sha256.add(piece.text());
+      write(gzip ? piece.gzip : piece.text());
     };
-    put(piece_of(frame.before));
+    put({frame.before, 0, frame.before.size(), gzip});
     std::size_t next = 0;
     const auto take = [&](tbb::flow_control& control) {
       if (next == program.strips.size()) control.stop();
       return next++;
     };
     const auto make = [&](std::size_t i) {
-      std::string text = to_json(program.strips[i]);
-      (void)parse_program(frame.before + text + frame.after, "program.json");
-      return piece_of(i > 0 ? ",\n" + text : std::move(text));
+      std::string text = to_json(program.strips[i], frame.before);
+      const std::size_t first = frame.before.size(), size = text.size() - first;
+      text += frame.after;
+      (void)parse_program(text, "program.json");
+      if (i == 0) return Piece{std::move(text), first, size, gzip};
+      // What separates it from the strip before takes the place of the frame's last two bytes.
+      constexpr std::string_view kBetween = ",\n";
+      text.replace(first - kBetween.size(), kBetween.size(), kBetween);
+      return Piece{std::move(text), first - kBetween.size(), size + kBetween.size(), gzip};
     };
     using Mode = tbb::filter_mode;
     tbb::parallel_pipeline(kStripsAtOnce, tbb::make_filter<void, std::size_t>(Mode::serial_in_order, take) &
                                               tbb::make_filter<std::size_t, Piece>(Mode::parallel, make) &
                                               tbb::make_filter<Piece, void>(Mode::serial_in_order, put));
-    put(piece_of(frame.after));
+    put({frame.after, 0, frame.after.size(), gzip});
   };
   return {file, produce, false};
 }

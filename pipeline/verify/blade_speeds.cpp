@@ -18,14 +18,14 @@ constexpr std::size_t kColumns = 25;
 constexpr double kRowsMm = 3;
 
 // Even points of the part in foam, of each pose.
-elastica::PartPoints points_in_foam(const std::vector<const BladePose*>& poses) {
+elastica::PartPlaces points_in_foam(const std::vector<const BladePose*>& poses) {
   std::vector<elastica::Elastica> blades;
   std::vector<elastica::Part> parts;
   for (const BladePose* pose : poses) {
     blades.push_back(pose->blade);
     parts.push_back({(*pose->foam)[0], (*pose->foam)[1]});
   }
-  return elastica::sample_parts(blades, parts, kColumns);
+  return elastica::sample_places(blades, parts, kColumns);
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ BladeSpeeds::BladeSpeeds(const std::vector<BladePose>& poses) {
     if (pose.foam) in_foam.push_back(&pose);
   }
   if (in_foam.size() < 2) return;
-  const elastica::PartPoints all = points_in_foam(in_foam);
+  const elastica::PartPlaces all = points_in_foam(in_foam);
   const auto point = [&](std::size_t row, std::size_t column) -> Eigen::Vector3d {
     const Eigen::Vector2d q = all.at(row, column);
     return in_foam[row]->frame.point(q.x(), q.y());

@@ -53,7 +53,7 @@ struct FollowedBlock {
     const std::size_t fine = elastica::curvature_points(found, kMost), every = (fine - 1) / (kPoints - 1);
     const elastica::PartPoints is = elastica::sample_parts(found, whole, fine);
     for (std::size_t i = 0; i < followed.size(); ++i) whole[i].last = planned[i].length;
-    const elastica::PartPoints should = elastica::sample_parts(planned, whole, kPoints);
+    const elastica::PartPlaces should = elastica::sample_places(planned, whole, kPoints);
     for (std::size_t i = 0; i < followed.size(); ++i) {
       double largest = wild(poses[i].blade) ? std::numeric_limits<double>::infinity() : 0;
       for (std::size_t k = 0; k < kPoints; ++k)

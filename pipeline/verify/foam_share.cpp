@@ -45,7 +45,7 @@ Block along_rib(const Block& block, const Frame& rib) {
 
 // Points along the blade of pose number `i` in the block's axes; those outside are held at its faces.
 std::vector<Eigen::Vector3d> blade_in_block(const Block& block, const BladePose& pose,
-                                            const elastica::PartPoints& blades, std::size_t i) {
+                                            const elastica::PartPlaces& blades, std::size_t i) {
   const Frame& axes = block.frame;
   const auto turned = [&, normal = axes.normal()](const Eigen::Vector3d& d) -> Eigen::Vector3d {
     return {d.dot(axes.x), d.dot(axes.y), d.dot(normal)};
@@ -117,7 +117,7 @@ double foam_kept_share(const Strip& strip) {
       blades.push_back(sweeping[i]->blade);
       whole.push_back({0, sweeping[i]->blade.length});
     }
-    const elastica::PartPoints points = elastica::sample_parts(blades, whole, kBladeSamples);
+    const elastica::PartPlaces points = elastica::sample_places(blades, whole, kBladeSamples);
     for (std::size_t i = 0; i < blades.size(); ++i)
       sweep(blade_in_block(block, *sweeping[from + i], points, i));
   }

@@ -19,15 +19,23 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// Even points of the part in foam of some poses.
-elastica::PartPoints points_in_foam(std::span<const BladePose* const> poses, std::size_t points) {
+// The blades of some poses and their parts in foam.
+struct InFoam {
   std::vector<elastica::Elastica> blades;
   std::vector<elastica::Part> parts;
-  for (const BladePose* pose : poses) {
-    blades.push_back(pose->blade);
-    parts.push_back({(*pose->foam)[0], (*pose->foam)[1]});
+
+  explicit InFoam(std::span<const BladePose* const> poses) {
+    for (const BladePose* pose : poses) {
+      blades.push_back(pose->blade);
+      parts.push_back({(*pose->foam)[0], (*pose->foam)[1]});
+    }
   }
-  return elastica::sample_parts(blades, parts, points);
+};
+
+// Even points of the part in foam of some poses.
+elastica::PartPoints points_in_foam(std::span<const BladePose* const> poses, std::size_t points) {
+  const InFoam all(poses);
+  return elastica::sample_parts(all.blades, all.parts, points);
 }
 
 // Points of a pose that tell how its blade moves: both ends of what is in foam, and three between.
@@ -35,7 +43,8 @@ constexpr std::size_t kMarks = 5;
 using Marks = std::array<Eigen::Vector3d, kMarks>;
 
 std::vector<Marks> marks_of(std::span<const BladePose* const> poses) {
-  const elastica::PartPoints points = points_in_foam(poses, kMarks);
+  const InFoam all(poses);
+  const elastica::PartPlaces points = elastica::sample_places(all.blades, all.parts, kMarks);
   std::vector<Marks> marks(poses.size());
   for (std::size_t n = 0; n < poses.size(); ++n) {
     for (std::size_t i = 0; i < kMarks; ++i) {

@@ -346,7 +346,7 @@ std::vector<FreeParts> examine_free_parts(std::span<const Elastica> blades, cons
     cutting.push_back(blades[i]);
     cut.push_back(intervals[i]);
   }
-  const elastica::PartPoints points = elastica::sample_parts(cutting, cut, kBladeSamples);
+  const elastica::PartPlaces points = elastica::sample_places(cutting, cut, kBladeSamples);
   Points part(kBladeSamples);
   for (std::size_t n = 0; n < in_stock.size(); ++n) {
     for (std::size_t k = 0; k < kBladeSamples; ++k) part[k] = points.at(n, k);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "elastica/blade/blade_batch.hpp"
+#include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/timed_stretch.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "robot/pose/rates.hpp"
@@ -49,33 +51,53 @@ Held most_used(const std::vector<BladePose>& poses, std::size_t pose, const Moti
                            [](const Held& p, const Held& q) { return p.use < q.use; });
 }
 
+bool cuts(const std::vector<BladePose>& poses, std::size_t step) {
+  return poses[step - 1].foam && poses[step].foam;
+}
+
+// The feeds of the steps that end at poses from .. to - 1.
+void weigh_steps(const std::vector<BladePose>& poses, std::size_t from, std::size_t to, bool same_points,
+                 std::vector<StepFeed>& feeds) {
+  const std::size_t first = from - 1, count = to - first;
+  std::vector<elastica::Elastica> blades;
+  std::vector<elastica::Part> foam;
+  for (std::size_t i = first; i < to; ++i) {
+    blades.push_back(poses[i].blade);
+    foam.push_back(poses[i].foam ? elastica::Part{(*poses[i].foam)[0], (*poses[i].foam)[1]}
+                                 : elastica::Part{});
+  }
+  const elastica::PartPlaces points = elastica::sample_places(blades, foam, kFeedPoints);
+  elastica::PartPlaces same;
+  if (same_points) {
+    same = elastica::sample_places(std::span(blades).first(count - 1), std::span(foam).last(count - 1),
+                                   kFeedPoints);
+  }
+  const elastica::PartPlaces& before = same_points ? same : points;
+  for (std::size_t i = from; i < to; ++i) {
+    if (!cuts(poses, i)) continue;
+    const Frame &now = poses[i].frame, &then = poses[i - 1].frame;
+    const Eigen::Vector3d moved = now.origin - then.origin;
+    double least = std::numeric_limits<double>::infinity(), most = 0;  // squared
+    for (std::size_t k = 0; k < kFeedPoints; ++k) {
+      const Eigen::Vector2d q = points.at(i - first, k), p = before.at(i - 1 - first, k);
+      const double way_sq =
+          (moved + q.x() * now.x + q.y() * now.y - p.x() * then.x - p.y() * then.y).squaredNorm();
+      least = std::min(least, way_sq);
+      most = std::max(most, way_sq);
+    }
+    const double step_s = poses[i].t - poses[i - 1].t;
+    feeds[i] = {std::sqrt(least) / step_s, std::sqrt(most) / step_s};
+  }
+}
+
 }  // namespace
 
 std::vector<StepFeed> step_feeds(const std::vector<BladePose>& poses, bool same_points) {
-  std::vector<elastica::Elastica> blades;
-  std::vector<elastica::Part> foam;
-  std::vector<Frame> frames;
-  for (const BladePose& pose : poses) {
-    blades.push_back(pose.blade);
-    foam.push_back(pose.foam ? elastica::Part{(*pose.foam)[0], (*pose.foam)[1]} : elastica::Part{});
-    frames.push_back(pose.frame);
-  }
-  const FeedPoints in_foam = feed_points(blades, foam, frames);
-  FeedPoints before = in_foam;
-  if (same_points && poses.size() > 1) {
-    before = feed_points(std::span(blades).first(poses.size() - 1), std::span(foam).last(poses.size() - 1),
-                         std::span(frames).first(poses.size() - 1));
-  }
   std::vector<StepFeed> feeds(poses.size());
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (!poses[i - 1].foam || !poses[i].foam) continue;
-    feeds[i] = {std::numeric_limits<double>::infinity(), 0};
-    for (std::size_t k = 0; k < kFeedPoints; ++k) {
-      const double feed = (in_foam[i][k] - before[i - 1][k]).norm() / (poses[i].t - poses[i - 1].t);
-      feeds[i].slowest_mm_s = std::min(feeds[i].slowest_mm_s, feed);
-      feeds[i].fastest_mm_s = std::max(feeds[i].fastest_mm_s, feed);
-    }
-  }
+  const std::size_t steps = poses.empty() ? 0 : poses.size() - 1;
+  in_blocks(steps, [&](std::size_t from, std::size_t to) {
+    weigh_steps(poses, from + 1, to + 1, same_points, feeds);
+  });
   return feeds;
 }
 
@@ -83,7 +105,7 @@ SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
   const std::vector<StepFeed> feeds = step_feeds(poses, same_points);
   SlowFeed slow{std::numeric_limits<double>::infinity(), 0, 0};
   for (std::size_t i = 1; i < poses.size(); ++i) {
-    if (!poses[i - 1].foam || !poses[i].foam) continue;
+    if (!cuts(poses, i)) continue;
     if (feeds[i].slowest_mm_s < slow.slowest_mm_s) slow = {feeds[i].slowest_mm_s, feeds[i].fastest_mm_s, i};
   }
   return std::isfinite(slow.slowest_mm_s) ? slow : SlowFeed{};

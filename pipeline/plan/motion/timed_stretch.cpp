@@ -35,16 +35,28 @@ std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& st
   std::vector<double> parameters;
   for (int i = 0; i <= stretch.samples; ++i) parameters.push_back(static_cast<double>(i) / stretch.samples);
   const ClampedShapes all = clamped(shapes_at(stretch, parameters), strip);
-  std::vector<elastica::Elastica> blades;
-  std::vector<elastica::Part> foam;
-  for (const BladeShape& shape : all.shapes) {
-    blades.push_back(shape.blade);
-    foam.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
-  }
-  FeedPoints in_foam = feed_points(blades, foam, all.frames);
-  std::vector<PathSample> samples;
-  for (std::size_t i = 0; i < all.pairs.size(); ++i)
-    samples.push_back({all.pairs[i].a, all.pairs[i].b, std::move(in_foam[i])});
+  std::vector<PathSample> samples(all.pairs.size());
+  in_blocks(samples.size(), [&](std::size_t from, std::size_t to) {
+    std::vector<elastica::Elastica> blades;
+    std::vector<elastica::Part> foam;
+    for (std::size_t i = from; i < to; ++i) {
+      const BladeShape& shape = all.shapes[i];
+      blades.push_back(shape.blade);
+      foam.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
+    }
+    const elastica::PartPlaces points = elastica::sample_places(blades, foam, kFeedPoints);
+    for (std::size_t i = from; i < to; ++i) {
+      PathSample& sample = samples[i];
+      sample.a = all.pairs[i].a;
+      sample.b = all.pairs[i].b;
+      if (!(foam[i - from].last > foam[i - from].first)) continue;
+      sample.in_foam.reserve(kFeedPoints);
+      for (std::size_t k = 0; k < kFeedPoints; ++k) {
+        const Eigen::Vector2d q = points.at(i - from, k);
+        sample.in_foam.push_back(all.frames[i].point(q.x(), q.y()));
+      }
+    }
+  });
   return samples;
 }
 
@@ -98,24 +110,6 @@ double off_plane_between(const ClampPoses& p, const ClampPoses& q) {
 }
 
 }  // namespace
-
-FeedPoints feed_points(std::span<const elastica::Elastica> blades, std::span<const elastica::Part> foam,
-                       std::span<const Frame> frames) {
-  FeedPoints all(blades.size());
-  in_blocks(blades.size(), [&](std::size_t from, std::size_t to) {
-    const elastica::PartPoints points =
-        elastica::sample_parts(blades.subspan(from, to - from), foam.subspan(from, to - from), kFeedPoints);
-    for (std::size_t i = from; i < to; ++i) {
-      if (!(foam[i].last > foam[i].first)) continue;
-      all[i].reserve(kFeedPoints);
-      for (std::size_t k = 0; k < kFeedPoints; ++k) {
-        const Eigen::Vector2d q = points.at(i - from, k);
-        all[i].push_back(frames[i].point(q.x(), q.y()));
-      }
-    }
-  });
-  return all;
-}
 
 std::vector<WaypointUse> waypoint_uses(std::span<const ClampPoses> pairs, double step_s,
                                        const MotionSettings& limits, bool planes_turn) {

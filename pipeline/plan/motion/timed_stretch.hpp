@@ -45,11 +45,4 @@ struct WaypointUse {
 // Blade points between the foam's ends whose speed the feed limits.
 inline constexpr std::size_t kFeedPoints = 17;
 
-// kFeedPoints of each blade's part in foam, in space; nothing of blades without one.
-using FeedPoints = std::vector<std::vector<Eigen::Vector3d>>;
-
-// Returns the points of the part of each blade, in its frame.
-[[nodiscard]] FeedPoints feed_points(std::span<const elastica::Elastica> blades,
-                                     std::span<const elastica::Part> foam, std::span<const Frame> frames);
-
 }  // namespace hotblade::pipeline

@@ -112,7 +112,7 @@ struct Open {
 // Of the part of blade `i` that its points are on. A point of it is at most half a step from one of these,
 // along the blade; so is the nearest of the points between both edges, because the distance to a box is
 // convex. A point that is farther off vouches for the points beside it.
-Open open_of(const elastica::PartPoints& points, std::size_t i, const elastica::Part& part,
+Open open_of(const elastica::PartPlaces& points, std::size_t i, const elastica::Part& part,
              const Frame& frame, const Block& block, double width_mm, double clearance_mm) {
   const Vector3d across = width_mm / 2 * frame.normal();
   const double apart = (part.last - part.first) / static_cast<double>(points.points - 1);
@@ -148,7 +148,7 @@ bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, do
       blades.push_back(shapes[i].blade);
       longest = std::max(longest, parts[i].last - parts[i].first);
     }
-    const elastica::PartPoints points = elastica::sample_parts(blades, parts, points_of(longest, apart_mm));
+    const elastica::PartPlaces points = elastica::sample_places(blades, parts, points_of(longest, apart_mm));
     std::vector<BladeShape> near;
     std::vector<elastica::Part> open;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -171,8 +171,8 @@ bool is_clear(const Stretch& travel, const StripPlan& strip, double width_mm, do
 bool is_clear(const elastica::Elastica& blade, const Frame& frame, const Block& block, double width_mm,
               double clearance_mm) {
   const elastica::Part whole{0, blade.length};
-  const elastica::PartPoints points =
-      elastica::sample_parts({&blade, 1}, {&whole, 1}, points_of(blade.length, kApart_mm.back()));
+  const elastica::PartPlaces points =
+      elastica::sample_places({&blade, 1}, {&whole, 1}, points_of(blade.length, kApart_mm.back()));
   return !open_of(points, 0, whole, frame, block, width_mm, clearance_mm).part;
 }
 

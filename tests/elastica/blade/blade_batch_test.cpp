@@ -87,6 +87,28 @@ TEST(BladeBatch, PartsAreThePointsAtTheirArcLengths) {
   }
 }
 
+TEST(BladeBatch, PlacesAreTheSameBitsWithoutDirections) {
+  const std::vector<Elastica> all = blades(203);
+  std::vector<Part> parts;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    parts.push_back({0.1 * static_cast<double>(i % 5) * all[i].length,
+                     (1.3 - 0.01 * static_cast<double>(i)) * all[i].length});
+  for (const Simd simd : instruction_sets()) {
+    for (const std::size_t points : {2U, 5U, 33U, 500U}) {
+      const PartPoints with = sample_parts(all, parts, points, simd);
+      const PartPlaces places = sample_places(all, parts, points, simd);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        // In company and alone.
+        const PartPlaces one = sample_places({&all[i], 1}, {&parts[i], 1}, points, simd);
+        for (std::size_t k = 0; k < points; ++k) {
+          ASSERT_EQ(places.at(i, k), with.at(i, k)) << i << " " << k << " of " << points;
+          ASSERT_EQ(places.at(i, k), one.at(0, k)) << i << " " << k << " of " << points;
+        }
+      }
+    }
+  }
+}
+
 TEST(BladeBatch, CurvatureIsTheLargestFromAsManyPointsAsItAsksFor) {
   const std::vector<Elastica> all = blades(2000);
   constexpr std::size_t kMost = 97;
