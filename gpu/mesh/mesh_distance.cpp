@@ -107,7 +107,7 @@ void MeshDistance::Impl::enter(std::span<const Vector3d> group, Memory& memory) 
   memory.entry.radius = -1;
   if (!(radius > 0) || std::max(high.maxCoeff(), -low.minCoeff()) > kFar) return;
   const Eigen::Vector3f low32 = low.cast<float>(), high32 = high.cast<float>();
-  search.entry(tree.nodes.data(), low32.data(), high32.data(), radius, &memory.entry);
+  search.entry(tree.nodes().data(), low32.data(), high32.data(), radius, &memory.entry);
 }
 
 Nearest MeshDistance::Impl::answer(const Vector3d& q, Memory& memory) const {
@@ -118,8 +118,8 @@ Nearest MeshDistance::Impl::answer(const Vector3d& q, Memory& memory) const {
     return settle(q, all);
   }
   const float error = HOTBLADE_POSITION_ERROR * (1 + static_cast<float>(size));
-  const SearchInput input{tree.nodes.data(),
-                          tree.packets.data(),
+  const SearchInput input{tree.nodes().data(),
+                          tree.packets().data(),
                           &memory.entry,
                           {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())},
                           error,

@@ -21,8 +21,8 @@ constexpr std::size_t kAskedAtOnce = 8192;
 MeshSearchOnDevice::MeshSearchOnDevice(const MeshFrame& frame, const MeshTree& tree)
     : device_(shared_opencl_device()), portions_(*device_, sizeof(Eigen::Vector3d), sizeof(Nearest)) {
   device_->require_fp64();
-  const std::size_t nodes = tree.nodes.size() * sizeof(TreeNode),
-                    packets = tree.packets.size() * sizeof(TrianglePacket),
+  const std::size_t nodes = tree.nodes().size() * sizeof(TreeNode),
+                    packets = tree.packets().size() * sizeof(TrianglePacket),
                     vertices = frame.vertices.size() * sizeof(Eigen::Vector3d),
                     triangles = frame.triangles.size() * sizeof(frame.triangles[0]);
   const DeviceFacts& facts = device_->facts();
@@ -34,8 +34,8 @@ MeshSearchOnDevice::MeshSearchOnDevice(const MeshFrame& frame, const MeshTree& t
                       " MiB)");
   }
   kernel_ = device_->kernel(mesh_distance_source, "mesh_nearest");
-  nodes_ = device_->upload(tree.nodes.data(), nodes);
-  packets_ = device_->upload(tree.packets.data(), packets);
+  nodes_ = device_->upload(tree.nodes().data(), nodes);
+  packets_ = device_->upload(tree.packets().data(), packets);
   vertices_ = device_->upload(frame.vertices.data(), vertices);
   triangles_ = device_->upload(frame.triangles.data(), triangles);
   kernel_.set(0, nodes_);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "gpu/backend/stop.hpp"
 
@@ -324,13 +325,27 @@ void set_lane(TrianglePacket& packet, std::size_t lane, std::array<Vector3d, 3> 
   packet.triangle[lane] = triangle;
 }
 
+// A tree that grows: its packets are told by their items until all are known.
+struct Growing {
+  std::vector<TreeNode> nodes;
+  std::vector<Items> leaves;
+};
+
+void set_empty(TrianglePacket& packet, std::size_t lane) {
+  for (int k = 0; k < 3; ++k) packet.origin[k][lane] = packet.u[k][lane] = packet.v[k][lane] = 0;
+  packet.origin[0][lane] = std::numeric_limits<float>::quiet_NaN();
+  packet.base[lane] = packet.foot[lane] = packet.rise[lane] = 0;
+  packet.inv_left[lane] = packet.inv_right[lane] = 0;
+  packet.triangle[lane] = -1;
+}
+
 class Builder {
  public:
   Builder(std::span<const Vector3d> vertices, std::span<const std::array<int, 3>> triangles)
       : vertices_(vertices), triangles_(triangles) {}
 
-  // Appends the node of `part` and all below it; returns its index.
-  void build(const Part& part, int depth, MeshTree& tree) const {
+  // Appends the node of `part` and all below it.
+  void build(const Part& part, int depth, Growing& tree) const {
     const std::size_t node = tree.nodes.size();
     tree.nodes.push_back(empty_node());
     const std::vector<Part> parts = children_of(part, depth);
@@ -339,11 +354,9 @@ class Builder {
       return;
     }
     // Each child grows its own tree; they are put one behind the other, whatever thread made them.
-    std::array<MeshTree, kWidth> grown;
+    std::array<Growing, kWidth> grown;
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-      if (parts[i].size() <= kWidth) return;
-      reserve(parts[i].size(), grown[i]);
-      build(parts[i], depth + 1, grown[i]);
+      if (parts[i].size() > kWidth) build(parts[i], depth + 1, grown[i]);
     });
     stop_point();
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -358,14 +371,14 @@ class Builder {
     }
   }
 
-  // Room for the tree of that many triangles; what is never filled costs no memory.
-  static void reserve(std::size_t triangles, MeshTree& tree) {
-    tree.packets.reserve(triangles / 4 + 1);
-    tree.nodes.reserve(triangles / 16 + 1);
-  }
-
   [[nodiscard]] Item item(std::size_t triangle) const {
     return item_of(corners(static_cast<int>(triangle)), static_cast<int>(triangle));
+  }
+
+  void fill(Items items, TrianglePacket& packet) const {
+    for (std::size_t i = 0; i < items.size(); ++i)
+      set_lane(packet, i, corners(items[i].triangle), items[i].triangle);
+    for (std::size_t i = items.size(); i < kWidth; ++i) set_empty(packet, i);
   }
 
  private:
@@ -391,32 +404,23 @@ class Builder {
     return p;
   }
 
-  void append(const Part& part, std::size_t node, std::size_t lane, int depth, MeshTree& tree) const {
+  void append(const Part& part, std::size_t node, std::size_t lane, int depth, Growing& tree) const {
     if (part.size() > kWidth) {
       set_child(tree.nodes[node], lane, part.box, static_cast<int>(tree.nodes.size()));
       build(part, depth + 1, tree);
       return;
     }
-    set_child(tree.nodes[node], lane, part.box, ~static_cast<int>(tree.packets.size()));
-    TrianglePacket packet{};
-    for (std::size_t i = 0; i < kWidth; ++i) {
-      if (i < part.size()) {
-        set_lane(packet, i, corners(part.items[i].triangle), part.items[i].triangle);
-      } else {
-        packet.origin[0][i] = std::numeric_limits<float>::quiet_NaN();
-        packet.triangle[i] = -1;
-      }
-    }
-    tree.packets.push_back(packet);
+    set_child(tree.nodes[node], lane, part.box, ~static_cast<int>(tree.leaves.size()));
+    tree.leaves.push_back(part.items);
   }
 
-  static void join(const MeshTree& part, MeshTree& tree) {
-    const int nodes = static_cast<int>(tree.nodes.size()), packets = static_cast<int>(tree.packets.size());
+  static void join(const Growing& part, Growing& tree) {
+    const int nodes = static_cast<int>(tree.nodes.size()), leaves = static_cast<int>(tree.leaves.size());
     for (TreeNode node : part.nodes) {
-      for (int& child : node.child) child += child >= 0 ? nodes : -packets;
+      for (int& child : node.child) child += child >= 0 ? nodes : -leaves;
       tree.nodes.push_back(node);
     }
-    tree.packets.insert(tree.packets.end(), part.packets.begin(), part.packets.end());
+    tree.leaves.insert(tree.leaves.end(), part.leaves.begin(), part.leaves.end());
   }
 
   std::span<const Vector3d> vertices_;
@@ -432,9 +436,17 @@ MeshTree build_mesh_tree(std::span<const Vector3d> vertices, std::span<const std
     for (std::size_t i = range.begin(); i != range.end(); ++i) items[i] = builder.item(i);
   });
   stop_point();
-  MeshTree tree;
-  Builder::reserve(triangles.size(), tree);
-  builder.build(measure(items), 0, tree);
+  Growing grown;
+  builder.build(measure(items), 0, grown);
+  MeshTree tree(std::move(grown.nodes), grown.leaves.size());
+  constexpr std::size_t kPackets = 512;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grown.leaves.size(), kPackets),
+                    [&](const auto& range) {
+                      stop_point();
+                      for (std::size_t i = range.begin(); i != range.end(); ++i)
+                        builder.fill(grown.leaves[i], tree.packet(i));
+                    });
+  stop_point();
   return tree;
 }
 

@@ -49,7 +49,7 @@ TEST(MeshSearch, SinglePrecisionStaysWithinItsBoundForEveryShape) {
     const Vector3d q = test::random_point(rng, std::pow(10.0, 0.02 * n - 3));
     const std::array<float, 3> q32{static_cast<float>(q.x()), static_cast<float>(q.y()),
                                    static_cast<float>(q.z())};
-    for (const TrianglePacket& packet : tree.packets) {
+    for (const TrianglePacket& packet : tree.packets()) {
       for (std::size_t i = 0; i < HOTBLADE_TREE_WIDTH; ++i) {
         if (packet.triangle[i] < 0) continue;
         const double distance = std::sqrt(frame.distance(packet.triangle[i], q).distance_sq);
@@ -98,8 +98,8 @@ struct Local {
   }
   [[nodiscard]] SearchInput input(const Vector3d& q, const Entry& entry, int start) const {
     const auto size = static_cast<float>(q.cwiseAbs().maxCoeff());
-    return {tree.nodes.data(),
-            tree.packets.data(),
+    return {tree.nodes().data(),
+            tree.packets().data(),
             &entry,
             {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z())},
             HOTBLADE_POSITION_ERROR * (1 + size),
@@ -120,7 +120,7 @@ TEST_P(MeshSearchOnEachInstructionSet, CandidatesHoldTheNearestTriangleFromEvery
   const Entry none{{}, -1};
   for (const Vector3d& q : test::random_points(rng, 300, 1.5)) {
     const int expected = mesh.nearest(q);
-    for (const int start : {-1, 0, static_cast<int>(mesh.tree.packets.size()) - 1}) {
+    for (const int start : {-1, 0, static_cast<int>(mesh.tree.packets().size()) - 1}) {
       const SearchOutput found = search.candidates(mesh.input(q, none, start), room.data(), 64);
       ASSERT_LE(found.count, 64);
       EXPECT_TRUE(holds(std::span(room).first(static_cast<std::size_t>(found.count)), expected));
@@ -144,7 +144,7 @@ TEST_P(MeshSearchOnEachInstructionSet, AnEntryHoldsAllThatIsWithinItsRadius) {
       high = high.cwiseMax(q.cast<float>());
     }
     Entry entry;
-    search.entry(mesh.tree.nodes.data(), low.data(), high.data(), 0.2f, &entry);
+    search.entry(mesh.tree.nodes().data(), low.data(), high.data(), 0.2f, &entry);
     int packet = -1;
     for (const Vector3d& q : group) {
       const SearchOutput found = search.candidates(mesh.input(q, entry, packet), room.data(), 64);
@@ -178,13 +178,13 @@ void expect_sound(const MeshTree& tree, std::size_t triangles) {
   const auto visit = [&](auto&& self, int node, int depth) -> void {
     ASSERT_LT(depth * (HOTBLADE_TREE_WIDTH - 1), HOTBLADE_TREE_STACK);
     for (std::size_t i = 0; i < HOTBLADE_TREE_WIDTH; ++i) {
-      const TreeNode& n = tree.nodes[static_cast<std::size_t>(node)];
+      const TreeNode& n = tree.nodes()[static_cast<std::size_t>(node)];
       if (n.low[0][i] > n.high[0][i]) continue;
       if (n.child[i] >= 0) {
         self(self, n.child[i], depth + 1);
         continue;
       }
-      for (const int t : tree.packets[static_cast<std::size_t>(~n.child[i])].triangle) {
+      for (const int t : tree.packets()[static_cast<std::size_t>(~n.child[i])].triangle) {
         if (t >= 0) ++seen[static_cast<std::size_t>(t)];
       }
     }
