@@ -115,7 +115,7 @@ void DesignCells::slice(const Cell& cell, std::size_t shortest, std::size_t piec
   }
 }
 
-void DesignCells::divide(std::span<const double> wanted_mm) {
+std::vector<DesignCells::Cell> DesignCells::divide(std::span<const double> wanted_mm) {
   if (wanted_mm.size() != cells_.size()) throw std::logic_error("DesignCells::divide: one edge a cell");
   // How each is cut is looked at beside the others; points have their places in one order.
   std::vector<Cut> cuts(cells_.size());
@@ -140,7 +140,7 @@ void DesignCells::divide(std::span<const double> wanted_mm) {
       halve(cells_[k], cut.edge, places, parts);
     }
   }
-  cells_ = std::move(parts);
+  return std::exchange(cells_, std::move(parts));
 }
 
 DesignCells::Cut DesignCells::cut_of(const Cell& cell, double wanted_mm) const {

@@ -35,8 +35,8 @@ class DesignCells {
   // Divides the cells for which an edge is wanted, mm, towards that their longest is no longer, and takes
   // those for which none is (0) away: they are settled. One span entry a cell (std::logic_error). A place on
   // an edge that two of the cells share becomes one point. New points and cells are the same whatever the
-  // number of threads.
-  void divide(std::span<const double> wanted_mm);
+  // number of threads. Returns the cells that were; views of them stay valid meanwhile.
+  std::vector<Cell> divide(std::span<const double> wanted_mm);
 
  private:
   // The longest edge from corners[edge] to the next; of equal ones the one between the lowest indices, so

@@ -17,6 +17,7 @@
 #include "gpu/mesh/mesh_distance.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/sayings/saying.hpp"
+#include "pipeline/verify/cut_search.hpp"
 #include "pipeline/verify/design_border.hpp"
 #include "pipeline/verify/design_cells.hpp"
 #include "pipeline/verify/design_faces.hpp"
@@ -116,67 +117,6 @@ CellEdges cell_edges(const VerifyOptions& options, double area_mm2) {
   const double wider = std::max(1.0, std::sqrt(area_mm2 / (kCell * kCells)) / widest_mm);
   return {wider * widest_mm, wider * options.sample_mm};
 }
-
-// What finds the nearest points of a cut. Refers to it.
-class CutSearch {
- public:
-  // `near_mm` as of NearCells.
-  CutSearch(const SweptSurface& cut, double near_mm, gpu::Backend backend) : cut_(cut) {
-    tbb::parallel_invoke([&] { cells_.emplace(cut.vertices, near_mm); },
-                         [&] { search_.emplace(cut.vertices, cut.triangles, backend); });
-    gpu::stop_point();
-  }
-  CutSearch(const CutSearch&) = delete;
-  CutSearch& operator=(const CutSearch&) = delete;
-
-  [[nodiscard]] const NearCells& cells() const { return *cells_; }
-  [[nodiscard]] const gpu::MeshDistance& search() const { return *search_; }
-  [[nodiscard]] std::size_t vertex_of(int triangle) const {
-    return static_cast<std::size_t>(cut_.triangles[static_cast<std::size_t>(triangle)][0]);
-  }
-  [[nodiscard]] int strip_of(int triangle) const { return cut_.strip_of_vertex[vertex_of(triangle)]; }
-  // Distance of a point from the surface that the facets stand for: its height above the nearest facet less
-  // that of the surface, which bends between the corners as their normals turn (a quadratic patch).
-  [[nodiscard]] double distance_mm(const Eigen::Vector3d& p, const gpu::Nearest& nearest) const {
-    const auto& t = cut_.triangles[static_cast<std::size_t>(nearest.triangle)];
-    const auto at = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return cut_.vertices[static_cast<std::size_t>(t[i])];
-    };
-    const auto normal = [&](std::size_t i) -> const Eigen::Vector3d& {
-      return cut_.normals[static_cast<std::size_t>(t[i])];
-    };
-    const Eigen::Vector3d ab = at(1) - at(0), ac = at(2) - at(0), twice = ab.cross(ac);
-    const double size_sq = twice.squaredNorm();
-    if (!(size_sq > 0)) return nearest.distance;
-    const Eigen::Vector3d foot = nearest.point - at(0);
-    const double b = foot.cross(ac).dot(twice) / size_sq, c = ab.cross(foot).dot(twice) / size_sq;
-    const std::array<double, 3> share{1 - b - c, b, c};
-    double surface_mm = 0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t k = (i + 1) % 3;
-      surface_mm += 0.5 * share[i] * share[k] * (at(k) - at(i)).dot(normal(k) - normal(i));
-    }
-    const Eigen::Vector3d up = share[0] * normal(0) + share[1] * normal(1) + share[2] * normal(2);
-    const double above = (p - nearest.point).dot(up) < 0 ? -nearest.distance : nearest.distance;
-    return std::abs(above - surface_mm);
-  }
-  // Does the nearest point lie on the strips' edge?
-  [[nodiscard]] bool on_edge(const gpu::Nearest& nearest) const {
-    const auto sides = [&](int v) { return cut_.sides_of_vertex[static_cast<std::size_t>(v)]; };
-    return lies_on(
-        {cut_.vertices, cut_.triangles}, nearest, [&](int v) { return sides(v) != 0; },
-        [&](int corner) {
-          const auto& t = cut_.triangles[static_cast<std::size_t>(corner / 3)];
-          const auto i = static_cast<std::size_t>(corner % 3);
-          return (sides(t[i]) & sides(t[(i + 1) % 3])) != 0;
-        });
-  }
-
- private:
-  const SweptSurface& cut_;
-  std::optional<NearCells> cells_;
-  std::optional<gpu::MeshDistance> search_;
-};
 
 // One comparison of a cut with the design: its steps and what they share.
 class CutMeasurement {
@@ -364,11 +304,17 @@ class CutMeasurement {
       for_each_of(bounds.size(), [&](std::size_t i) {
         wanted_mm[i] = wanted_edge_mm(cells, cells.cells()[i], nearest, bounds[i], most);
       });
-      for (std::size_t i = 0; i < bounds.size(); ++i) {
-        gpu::stop_point();
-        if (wanted_mm[i] == 0) settle(cells.cells()[i], nearest, bounds[i], stands_for_mm2);
-      }
-      cells.divide(wanted_mm);
+      const std::span<const DesignCells::Cell> asked(cells.cells());
+      std::vector<DesignCells::Cell> before;
+      tbb::parallel_invoke(
+          [&] {
+            for (std::size_t i = 0; i < asked.size(); ++i) {
+              gpu::stop_point();
+              if (wanted_mm[i] == 0) settle(asked[i], nearest, bounds[i], stands_for_mm2);
+            }
+          },
+          [&] { before = cells.divide(wanted_mm); });
+      gpu::stop_point();
     }
     report_.design_samples = nearest.size();
     for (std::size_t i = 0; i < nearest.size(); ++i) {
@@ -468,15 +414,17 @@ class CutMeasurement {
     std::vector<char> held(points.size());
     search.cells().hold(points, held);
     std::vector<std::size_t> index;
-    std::vector<Eigen::Vector3d> asked;
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    std::vector<Eigen::Vector3d> some;
+    const bool all = std::all_of(held.begin(), held.end(), [](char is) { return is != 0; });
+    for (std::size_t i = 0; i < points.size() && !all; ++i) {
       if (!held[i]) continue;
       index.push_back(i);
-      asked.push_back(points[i]);
+      some.push_back(points[i]);
     }
+    const std::span<const Eigen::Vector3d> asked = all ? points : some;
     const std::vector<gpu::Nearest> found = search.search().query(asked);
     for_each_of(found.size(), [&](std::size_t k) {
-      NearestCut& at = nearest[index[k]];
+      NearestCut& at = nearest[all ? k : index[k]];
       at.distance = search.distance_mm(asked[k], found[k]);
       at.vertex = static_cast<std::uint32_t>(search.vertex_of(found[k].triangle));
       at.strip = search.strip_of(found[k].triangle);
