@@ -1,6 +1,7 @@
 // hotblade plan: from a design to a verified cut program.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/info.h>
 #include <unistd.h>
 
@@ -168,7 +169,11 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   std::optional<EndsOnSignal> ends(std::in_place, console, kInterrupted);
   // Beside the first file's reading, which leaves a core idle: pictures need not wait for it later.
   std::future<void> driver;
-  if (asked != Pictures::kNone) driver = std::async(std::launch::async, preview::load_driver);
+  if (asked != Pictures::kNone) {
+    // TBB opens libraries when it first works. Were the driver being loaded, that would wait for all of it.
+    tbb::parallel_invoke([] {}, [] {});
+    driver = std::async(std::launch::async, preview::load_driver);
+  }
   surface::DesignSurface design = read_design(design_options.file, settings.design);
   const Eigen::Vector3d size = design.health.bbox_mm[1] - design.health.bbox_mm[0];
   console.note(fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} mm ({}, {} up)", design_options.file,
