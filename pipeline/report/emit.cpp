@@ -1,6 +1,5 @@
 #include "pipeline/report/emit.hpp"
 
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_group.h>
 
@@ -169,21 +168,22 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   const fs::path& draft = output.draft();
   std::optional<ProgramWriter> program;
   if (emitted.program_written) program.emplace(result.program, draft / program_name(options.gzip));
-  const ReportPictures pictures = take_pictures(result);
-  if (program) {
+  // Pictures are drawn by one thread, this one: what of the rest needs none of them is written meanwhile.
+  tbb::task_group beside;
+  beside.run([&] {
+    if (!result.refusals.empty()) {
+      write_file_atomically(draft / "refused.json",
+                            to_json(RefusedPlan{refused_reasons(result, Words("en")), result.program}),
+                            false);
+    }
+    if (!program) return;
     write_ribs(result.program, draft / "ribs");
     emitted.program_sha256 = program->sha256();
-  }
-  if (!result.refusals.empty()) {
-    write_file_atomically(draft / "refused.json",
-                          to_json(RefusedPlan{refused_reasons(result, Words("en")), result.program}), false);
-  }
-  tbb::parallel_invoke(
-      [&] {
-        if (!program) return;
-        write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
-      },
-      [&] { write_reports(result, draft, facts, pictures, emitted.program_sha256); });
+    write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+  });
+  const ReportPictures pictures = take_pictures(result);
+  beside.wait();
+  write_reports(result, draft, facts, pictures, emitted.program_sha256);
   if (program) program->place();
   output.commit();
   return emitted;

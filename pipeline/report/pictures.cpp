@@ -1,6 +1,6 @@
 #include "pipeline/report/pictures.hpp"
 
-#include <tbb/parallel_invoke.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -47,6 +47,37 @@ std::string caption_of(const PlanResult& result, const std::string& view) {
   return (result.program.strips.empty() ? "the design, " : "") + view;
 }
 
+// The view, then the scene's file, then the pictures.
+void draw(const PlanResult& result, const preview::Scene& scene, Pictures pictures, const Words& w,
+          const std::function<void(double)>& progress, ReportPictures& taken) {
+  constexpr double kView = 0.4, kFile = 0.5;
+  const preview::SceneMeshes meshes(scene);
+  progress(kView);
+  try {
+    std::vector<preview::Shot> shots;
+    if (pictures == Pictures::kFull) {
+      taken.scene_gltf = preview::gltf_of(scene, meshes);
+      // The first picture says it; the others are shown small, and their space is for the geometry.
+      for (const Taken& one : kViews) {
+        // Of one strip there is nothing to tell apart.
+        if (!one.by_strip || result.program.strips.size() > 1)
+          shots.push_back({one.view, shots.empty(), one.by_strip});
+      }
+    } else {
+      shots.push_back({kViews[0].view, false});
+    }
+    progress(kFile);
+    const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
+    std::vector<std::string> pngs =
+        preview::pngs_of(scene, meshes, size, shots, [&](const std::string& words) { return w.said(words); });
+    for (std::size_t i = 0; i < pngs.size(); ++i)
+      taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
+  } catch (const Error& error) {
+    taken.pictures.clear();
+    taken.note = error.what();
+  }
+}
+
 }  // namespace
 
 std::vector<RefusedReason> refused_reasons(const PlanResult& result, const Words& w) {
@@ -70,43 +101,15 @@ ReportPictures take_pictures(const PlanResult& result, const surface::DesignSurf
   ReportPictures taken;
   if (pictures == Pictures::kNone) taken.note = "not asked for (--no-pictures)";
   if (pictures == Pictures::kNone && viewer == Viewer::kNone) return taken;
-  // What measuring the cut for its colours takes, then the view, then the scene's file.
-  constexpr double kScene = 0.3, kView = 0.4, kFile = 0.5;
+  constexpr double kScene = 0.3;  // what measuring the cut for its colours takes
   const preview::Scene scene = scene_of_plan(result, design, w);
   progress(kScene);
-  std::optional<preview::SceneMeshes> meshes;
-  tbb::parallel_invoke(
-      [&] {
-        if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
-      },
-      [&] {
-        if (pictures != Pictures::kNone) meshes.emplace(scene);
-      });
-  progress(kView);
-  if (pictures == Pictures::kNone) return taken;
-  try {
-    std::vector<preview::Shot> shots;
-    if (pictures == Pictures::kFull) {
-      taken.scene_gltf = preview::gltf_of(scene, *meshes);
-      // The first picture says it; the others are shown small, and their space is for the geometry.
-      for (const Taken& one : kViews) {
-        // Of one strip there is nothing to tell apart.
-        if (!one.by_strip || result.program.strips.size() > 1)
-          shots.push_back({one.view, shots.empty(), one.by_strip});
-      }
-    } else {
-      shots.push_back({kViews[0].view, false});
-    }
-    progress(kFile);
-    const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
-    std::vector<std::string> pngs = preview::pngs_of(scene, *meshes, size, shots,
-                                                     [&](const std::string& words) { return w.said(words); });
-    for (std::size_t i = 0; i < pngs.size(); ++i)
-      taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
-  } catch (const Error& error) {
-    taken.pictures.clear();
-    taken.note = error.what();
-  }
+  tbb::task_group beside;
+  beside.run([&] {
+    if (viewer != Viewer::kNone) taken.view = viewer_scene(scene, result.program, limits_of(viewer));
+  });
+  if (pictures != Pictures::kNone) draw(result, scene, pictures, w, progress, taken);
+  beside.wait();
   return taken;
 }
 
