@@ -169,8 +169,8 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   std::optional<ProgramWriter> program;
   if (emitted.program_written) program.emplace(result.program, draft / program_name(options.gzip));
   // Pictures are drawn by one thread, this one: what of the rest needs none of them is written meanwhile.
-  tbb::task_group beside;
-  beside.run([&] {
+  tbb::task_group files, sheets;
+  files.run([&] {
     if (!result.refusals.empty()) {
       write_file_atomically(draft / "refused.json",
                             to_json(RefusedPlan{refused_reasons(result, Words("en")), result.program}),
@@ -179,11 +179,14 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
     if (!program) return;
     write_ribs(result.program, draft / "ribs");
     emitted.program_sha256 = program->sha256();
-    write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+    sheets.run([&] {
+      write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+    });
   });
   const ReportPictures pictures = take_pictures(result);
-  beside.wait();
+  files.wait();
   write_reports(result, draft, facts, pictures, emitted.program_sha256);
+  sheets.wait();
   if (program) program->place();
   output.commit();
   return emitted;

@@ -4,12 +4,13 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -290,21 +291,18 @@ class CutMeasurement {
     DesignCells cells(mesh_);
     std::vector<NearestCut> nearest;
     std::vector<double> stands_for_mm2;
-    std::vector<double> wanted_mm;
-    std::vector<CellBound> bounds;
     while (!cells.cells().empty()) {
       find_nearest(search, cells.points(), nearest);
       stands_for_mm2.resize(nearest.size(), 0);
-      bounds.resize(cells.cells().size());
-      for_each_of(bounds.size(),
-                  [&](std::size_t i) { bounds[i] = bound_of(cells, cells.cells()[i], nearest); });
-      double most = worst_;
-      for (const CellBound& bound : bounds) most = std::max(most, bound.found);
-      wanted_mm.resize(bounds.size());
-      for_each_of(bounds.size(), [&](std::size_t i) {
-        wanted_mm[i] = wanted_edge_mm(cells, cells.cells()[i], nearest, bounds[i], most);
-      });
       const std::span<const DesignCells::Cell> asked(cells.cells());
+      // Set by all cores: new memory is as much work as what is written to it.
+      const auto bounds = std::make_unique_for_overwrite<CellBound[]>(asked.size());
+      const auto wanted = std::make_unique_for_overwrite<double[]>(asked.size());
+      const std::span<double> wanted_mm(wanted.get(), asked.size());
+      const double most = set_bounds(cells, nearest, bounds.get());
+      for_each_of(asked.size(), [&](std::size_t i) {
+        wanted_mm[i] = wanted_edge_mm(cells, asked[i], nearest, bounds[i], most);
+      });
       std::vector<DesignCells::Cell> before;
       tbb::parallel_invoke(
           [&] {
@@ -327,25 +325,41 @@ class CutMeasurement {
   // What is known of a cell's points by its corners: none is farther from the cut than the farthest corner
   // and what the cut bends between them.
   struct CellBound {
-    double corner = 0, bend = 0;
-    double found = 0;  // the farthest of the corners that are not uncut
-    double area_mm2 = 0;
-    bool uncut = false;  // a corner is: nothing is known
+    double corner, bend, area_mm2;
+    bool uncut;  // a corner is: nothing is known
     [[nodiscard]] double sum() const { return corner + bend; }
   };
 
+  // Sets the bounds of all cells. Returns the largest deviation there is.
+  [[nodiscard]] double set_bounds(const DesignCells& cells, std::span<const NearestCut> nearest,
+                                  CellBound* bounds) const {
+    constexpr std::size_t kGrain = 1024;
+    const double most = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, cells.cells().size(), kGrain), worst_,
+        [&](const auto& range, double found) {
+          gpu::stop_point();
+          for (std::size_t i = range.begin(); i != range.end(); ++i)
+            bounds[i] = bound_of(cells, cells.cells()[i], nearest, found);
+          return found;
+        },
+        [](double a, double b) { return std::max(a, b); });
+    gpu::stop_point();
+    return most;
+  }
+
+  // Raises `found` to the farthest of the corners that are not uncut.
   [[nodiscard]] CellBound bound_of(const DesignCells& cells, const DesignCells::Cell& cell,
-                                   std::span<const NearestCut> nearest) const {
+                                   std::span<const NearestCut> nearest, double& found) const {
     // A circle whose radius squared is a third of the longest edge's covers a triangle, and a surface that
     // bends by k rises k/2 times that radius squared over it.
     constexpr double kCover = 1.0 / 6;
-    CellBound bound;
+    CellBound bound{};
     double bend_per_mm = 0;
     for (const std::uint32_t corner : cell.corners) {
       const NearestCut& at = nearest[corner];
       bound.uncut = bound.uncut || at.uncut;
       bound.corner = std::max(bound.corner, at.distance);
-      if (!at.uncut) bound.found = std::max(bound.found, at.distance);
+      if (!at.uncut) found = std::max(found, at.distance);
       bend_per_mm = std::max(bend_per_mm, cut_.bends_per_mm[at.vertex]);
     }
     const double edge = cells.longest_edge_mm(cell);
