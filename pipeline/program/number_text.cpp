@@ -31,7 +31,7 @@ char* write_number(char* to, double value) {
   const double size = std::abs(value);
   if (!(size >= kSmallest && size < kLargest)) return write_any(to, value);
   const Decimals decimals = size < kFine ? kMany : kFew;
-  const auto count = static_cast<std::uint64_t>(size * decimals.scale + 0.5);
+  const auto count = static_cast<std::uint64_t>(std::llrint(size * decimals.scale));
   // Both are integers that a double holds: their quotient is the double nearest to the decimal number. As
   // doubles tell all numbers of 15 digits apart, no shorter text reads back as this one.
   if (static_cast<double>(count) / decimals.scale != size) return write_any(to, value);

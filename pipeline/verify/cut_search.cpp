@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "gpu/backend/stop.hpp"
-#include "pipeline/verify/mesh_view.hpp"
+#include "pipeline/verify/design_border.hpp"
 
 namespace hotblade::pipeline {
 

@@ -184,7 +184,8 @@ void expect_sound(const MeshTree& tree, std::size_t triangles) {
         self(self, n.child[i], depth + 1);
         continue;
       }
-      for (const int t : tree.packets()[static_cast<std::size_t>(~n.child[i])].triangle) {
+      const int packet = ~n.child[i];
+      for (const int t : tree.packets()[static_cast<std::size_t>(packet)].triangle) {
         if (t >= 0) ++seen[static_cast<std::size_t>(t)];
       }
     }
