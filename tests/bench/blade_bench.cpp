@@ -87,7 +87,7 @@ void ManyBladesPoints(benchmark::State& state) {
         whole.reserve(blades.size());
         for (const Elastica& blade : blades) whole.push_back({0, blade.length});
         const PartPoints points = sample_parts(blades, whole, kPoints, simd);
-        benchmark::DoNotOptimize(points.x.data());
+        benchmark::DoNotOptimize(points.x.begin());
       },
       [](const Elastica& blade) {
         const std::vector<CurvePoint> points = sample(blade, kPoints);
