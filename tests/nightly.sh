@@ -12,10 +12,11 @@ tests() { ./run test; }
 long() {
   local failed=0
   ./run build &&
-    cmake --build --preset release --target hotblade_elastica_bezier_tests hotblade_elastica_blade_tests \
+    cmake --build --preset release --target hotblade_elastica_arcs_tests hotblade_elastica_bezier_tests hotblade_elastica_blade_tests \
       hotblade_pipeline_cli_tests hotblade_pipeline_plan_arms_tests hotblade_robot_client_tests \
       hotblade_robot_controller_tests || return 1
   HOTBLADE_CLAMP_PAIRS=1000 build/release/hotblade_elastica_blade_tests --gtest_filter='*FindEquilibria*' || failed=1
+  build/release/hotblade_elastica_arcs_tests --gtest_also_run_disabled_tests --gtest_filter='*TenThousand*' || failed=1
   HOTBLADE_RESIDUAL_CUBICS=100000 build/release/hotblade_elastica_bezier_tests --gtest_filter='*ResidualBound*' || failed=1
   HOTBLADE_CELL_SAMPLES=all build/release/hotblade_pipeline_plan_arms_tests --gtest_filter='*BothCellsServe/wave_wall' || failed=1
   HOTBLADE_STREAM_FAULTS=full build/release/hotblade_robot_client_tests --gtest_filter='*Kill*:*Stream*' || failed=1
@@ -26,6 +27,9 @@ long() {
   HOTBLADE_PLAN_SETS=100 ctest --preset release -R '^PlanSet' || failed=1
   return "$failed"
 }
+
+# That benchmarks build, which no test needs, and those of many blades run.
+bench() { ./run bench --benchmark_filter=Many --benchmark_min_time=0.1; }
 
 # Every header alone, with nothing read before it.
 headers() {
@@ -72,7 +76,7 @@ samples() { ./run samples; }
 
 pip() { ./run test-pip; }
 
-readonly all=(tests headers long units sanitize threads tidy fuzz panels verdicts meshes samples pip)
+readonly all=(tests headers long bench units sanitize threads tidy fuzz panels verdicts meshes samples pip)
 steps=("$@")
 ((${#steps[@]})) || steps=("${all[@]}")
 for step in "${steps[@]}"; do
