@@ -13,9 +13,10 @@ long() {
   local failed=0
   ./run build &&
     cmake --build --preset release --target hotblade_elastica_arcs_tests hotblade_elastica_bezier_tests hotblade_elastica_blade_tests \
-      hotblade_pipeline_cli_tests hotblade_pipeline_plan_arms_tests hotblade_robot_client_tests \
-      hotblade_robot_controller_tests || return 1
+      hotblade_elastica_quadratic_tests hotblade_pipeline_cli_tests hotblade_pipeline_plan_arms_tests \
+      hotblade_robot_client_tests hotblade_robot_controller_tests || return 1
   HOTBLADE_CLAMP_PAIRS=1000 build/release/hotblade_elastica_blade_tests --gtest_filter='*FindEquilibria*' || failed=1
+  build/release/hotblade_elastica_quadratic_tests --gtest_also_run_disabled_tests --gtest_filter='*HundredThousand*' || failed=1
   build/release/hotblade_elastica_arcs_tests --gtest_also_run_disabled_tests --gtest_filter='*TenThousand*' || failed=1
   HOTBLADE_RESIDUAL_CUBICS=100000 build/release/hotblade_elastica_bezier_tests --gtest_filter='*ResidualBound*' || failed=1
   HOTBLADE_CELL_SAMPLES=all build/release/hotblade_pipeline_plan_arms_tests --gtest_filter='*BothCellsServe/wave_wall' || failed=1

@@ -25,11 +25,21 @@ double tangency_error(const TangentProblem& p, const TangentMinimum& m) {
   return std::max({std::abs(off), std::abs(normal.dot(velocity)), (at - m.contact).norm()}) / size;
 }
 
+// What the last digits of a middle point are worth, of the value: between ends that nearly coincide, on the
+// circle, energies of 1e14 move by 1e-7 with them.
+double noise_at(const TangentProblem& p, const Vector2d& b1) {
+  double noise = 1e-8;
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    Vector2d beside = b1;
+    beside[axis] = std::nextafter(b1[axis], std::numeric_limits<double>::infinity());
+    noise = std::max(noise, std::abs(p.value(beside) / p.value(b1) - 1));
+  }
+  return noise;
+}
+
 // Every minimum that sampling sees is found, at no higher value and at the same place; what is found is
 // tangent.
 void compare_with_brute_force(unsigned seed, int problems, int samples) {
-  // Between ends that nearly coincide, on the circle, energies of 1e14 are known to some 6e-9 only.
-  constexpr double kNoise = 1e-8;
   std::mt19937_64 random(seed);
   double worst_tangency = 0;
   for (int i = 0; i < problems; ++i) {
@@ -37,9 +47,10 @@ void compare_with_brute_force(unsigned seed, int problems, int samples) {
     const TangentCurves solved = p.solve();
     ASSERT_EQ(solved.status, TangentStatus::kOk);
     for (const BruteMinimum& b : brute_force(p, samples)) {
+      const double noise = noise_at(p, b.b1);
       bool found = false;
       for (const TangentMinimum& m : solved.minima) {
-        found |= m.value <= b.value * (1 + kNoise) && (m.curve[1] - b.b1).norm() <= 2 * b.step;
+        found |= m.value <= b.value * (1 + noise) && (m.curve[1] - b.b1).norm() <= 2 * b.step;
       }
       EXPECT_TRUE(found) << "problem " << i << ", value " << b.value << " at " << b.b1.transpose();
     }
@@ -56,7 +67,7 @@ TEST(TangentCurves, MissNoMinimumThatBruteForceSees) {
   compare_with_brute_force(1, 700, 3000);
 }
 
-// The full measure, by name: --gtest_also_run_disabled_tests --gtest_filter='*HundredThousand*'; about ten
+// The full measure, by name: --gtest_also_run_disabled_tests --gtest_filter='*HundredThousand*'; about five
 // minutes.
 TEST(TangentCurves, DISABLED_MissNoMinimumInAHundredThousandProblems) {
   compare_with_brute_force(2, 100000, 20000);
