@@ -8,7 +8,7 @@
 namespace {
 
 // A plan makes and drops buffers of many megabytes. Kept by the allocator they serve again: handed back, a
-// fifth of all pages came anew from the system, a fortieth of a second in 0.7 (docs/benchmarks.md).
+// fifth of all pages came anew from the system, 0.02 s of 0.7 (docs/benchmarks.md).
 void keep_memory() {
 #ifdef __GLIBC__
   constexpr int kMb = 1 << 20;

@@ -118,7 +118,7 @@ class Text {
   [[nodiscard]] std::string take() { return std::move(out_); }
 
  private:
-  // So many lines tell how much room all of them take.
+  // So many lines tell how much room all of them take, with an eighth to spare.
   static constexpr std::size_t kForecast = 64;
 
   std::string out_;

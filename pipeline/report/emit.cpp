@@ -169,7 +169,7 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   std::optional<ProgramWriter> program;
   if (emitted.program_written) program.emplace(result.program, draft / program_name(options.gzip));
   // Pictures are drawn by one thread, this one: what of the rest needs none of them is written meanwhile.
-  tbb::task_group files, sheets;
+  tbb::task_group sheets, files;  // what ends early waits for the files first: they start the sheets
   files.run([&] {
     if (!result.refusals.empty()) {
       write_file_atomically(draft / "refused.json",

@@ -303,7 +303,7 @@ class CutMeasurement {
       for_each_of(asked.size(), [&](std::size_t i) {
         wanted_mm[i] = wanted_edge_mm(cells, asked[i], nearest, bounds[i], most);
       });
-      std::vector<DesignCells::Cell> before;
+      std::vector<DesignCells::Cell> before;  // what `asked` shows from then on
       tbb::parallel_invoke(
           [&] {
             for (std::size_t i = 0; i < asked.size(); ++i) {
