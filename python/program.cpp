@@ -36,7 +36,7 @@ static_assert(sizeof(Elastica) == 7 * sizeof(double) && offsetof(Elastica, lengt
 constexpr std::size_t kPosition = 3 * sizeof(double), kAligned = 4 * sizeof(double);
 static_assert(offsetof(pipeline::Pose, p) == 0 && offsetof(pipeline::Pose, q) == kAligned &&
               sizeof(Eigen::Vector3d) == kPosition && sizeof(Eigen::Quaterniond) == kAligned);
-static_assert(sizeof(StripPhase) == sizeof(int) && sizeof(Eigen::Vector2d) == 2 * sizeof(double));
+static_assert(sizeof(StripPhase) == sizeof(std::uint8_t) && sizeof(Eigen::Vector2d) == 2 * sizeof(double));
 
 // One member of every pose, where the poses are.
 template <typename T>
@@ -54,8 +54,9 @@ py::array blades(const py::object& self) {
 
 py::array phases(const py::object& self) {
   const auto& poses = self.cast<const Strip&>().get().poses;
-  return view<int>({static_cast<py::ssize_t>(poses.size())}, {sizeof(BladePose)},
-                   poses.empty() ? nullptr : reinterpret_cast<const int*>(&poses[0].phase), self);
+  return view<std::uint8_t>({static_cast<py::ssize_t>(poses.size())}, {sizeof(BladePose)},
+                            poses.empty() ? nullptr : reinterpret_cast<const std::uint8_t*>(&poses[0].phase),
+                            self);
 }
 
 // A clamp's poses, as write_poses_as_rows() left them.

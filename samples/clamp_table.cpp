@@ -90,7 +90,7 @@ void take_worse(StripBound& all, const StripBound& strip) {
 pipeline::BladePose continued(const pipeline::BladePose& pose, const More& more) {
   pipeline::BladePose longer = pose;
   longer.blade = elastica::segment(pose.blade, -more.a, pose.blade.length + more.b);
-  longer.foam = {(*pose.foam)[0] + more.a, (*pose.foam)[1] + more.a};
+  longer.foam = {{(*pose.foam)[0] + more.a, (*pose.foam)[1] + more.a}};
   const elastica::CurvePoint end = elastica::point_at(longer.blade, longer.blade.length);
   longer.a.p = pose.frame.point(longer.blade.x, longer.blade.y);
   longer.b.p = pose.frame.point(end.x, end.y);

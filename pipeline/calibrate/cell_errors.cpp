@@ -132,7 +132,7 @@ void bend_aside(const BladePose& pose, const elastica::EndTurns& turns, const ro
       return (1 - t) * values[k] + t * values[k + 1];
     };
     const Eigen::Vector2d tangent = curve.at(s).tangent();
-    const Eigen::Vector3d left = -tangent.y() * pose.frame.x + tangent.x() * pose.frame.y;
+    const Eigen::Vector3d left = -tangent.y() * pose.frame.x() + tangent.x() * pose.frame.y();
     const Eigen::Vector3d& n = surface.normals[v];
     const Eigen::Vector3d twisted = (surface.plane_normals[v] - between(aside.twist) * left).normalized();
     const double speed = surface.speeds_mm_s[v];

@@ -13,7 +13,7 @@ void keep_memory() {
 #ifdef __GLIBC__
   constexpr int kMb = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, 32 * kMb);
-  mallopt(M_TRIM_THRESHOLD, 256 * kMb);
+  mallopt(M_TRIM_THRESHOLD, 32 * kMb);
   mallopt(M_TOP_PAD, 16 * kMb);
 #endif
 }

@@ -50,7 +50,8 @@ void add_deviation(const ViewModel& model, const Belongs& belongs, Card& card) {
 }
 
 void add_worst(Card& card, const std::vector<const BladePose*>& poses, const robot::Blade& blade) {
-  double curvature = 0, stress = 0, force = 0, margin = poses.front()->margin;
+  double curvature = 0, margin = poses.front()->margin;
+  float stress = 0, force = 0;
   bool loads = false;
   std::optional<double> margin_mm;
   for (const BladePose* pose : poses) {

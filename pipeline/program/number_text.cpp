@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -46,6 +47,18 @@ char* write_number(char* to, double value) {
   to = std::copy_n(digits.data() + whole, digits.size() - whole, to);
   while (to[-1] == '0') --to;
   return to[-1] == '.' ? to - 1 : to;
+}
+
+char* write_number(char* to, float value) {
+  // No two decimals of six digits share a float: where one reads back as this float no shorter text does.
+  constexpr std::array kTens{1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
+  const double size = std::abs(value);
+  if (!(size >= kSmallest && size < kTens[6])) return std::to_chars(to, to + kNumberText, value).ptr;
+  std::size_t decimals = kTens.size() - 1;
+  for (double below = 10 * kSmallest; size >= below; below *= 10) --decimals;
+  const double six = std::nearbyint(size * kTens[decimals]) / kTens[decimals];
+  if (static_cast<float>(six) != std::abs(value)) return std::to_chars(to, to + kNumberText, value).ptr;
+  return write_number(to, std::copysign(six, static_cast<double>(value)));
 }
 
 }  // namespace hotblade::pipeline

@@ -10,5 +10,7 @@ inline constexpr int kNumberText = 32;
 // Writes what std::to_chars(to, to + kNumberText, value) does, the shortest text that reads back as the same
 // number, and returns its end. `value` is finite.
 char* write_number(char* to, double value);
+// The same of a single-precision number.
+char* write_number(char* to, float value);
 
 }  // namespace hotblade::pipeline

@@ -4,15 +4,20 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
 #include "pipeline/program/block.hpp"
+#include "pipeline/program/compact_optional.hpp"
 #include "pipeline/program/frame.hpp"
 #include "pipeline/program/program_arms.hpp"
+#include "pipeline/program/shared_frame.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "robot/blade/blade.hpp"
 #include "robot/pose/pose.hpp"
@@ -43,36 +48,55 @@ inline constexpr double kBezierShare = 0.1;
 inline constexpr std::size_t kMostCubics = 64;
 [[nodiscard]] std::vector<std::array<Eigen::Vector2d, 4>> cubics(const Rib& rib);
 
+// A round number that single precision holds.
+inline constexpr double kLargestLoad = 1e38;
+
 // What a pose asks of the blade and the clamps (robot/blade/blade_section.hpp).
+// Programs have six digits of each, and none is larger than kLargestLoad.
 struct PoseLoads {
-  double force_n = 0;                           // between the clamps, the same at both
-  double moment_a_n_mm = 0, moment_b_n_mm = 0;  // in the blade at the clamps, counted as B kappa
-  double stress_mpa = 0;                        // largest bending stress
-  double droop_mm = 0, in_plane_sag_mm = 0;     // what weight moves the blade, over foam or all of it
+  float force_n = 0;                           // between the clamps, the same at both
+  float moment_a_n_mm = 0, moment_b_n_mm = 0;  // in the blade at the clamps, counted as B kappa
+  float stress_mpa = 0;                        // largest bending stress
+  float droop_mm = 0, in_plane_sag_mm = 0;     // what weight moves the blade, over foam or all of it
+};
+template <>
+struct Absence<PoseLoads> {
+  static PoseLoads absent() { return {.force_n = std::numeric_limits<float>::quiet_NaN()}; }
+  static bool is_absent(const PoseLoads& loads) { return std::isnan(loads.force_n); }
 };
 
 // What a pose of a strip is part of, in this order. The controller's own phases are
 // robot::protocol::Phase.
-enum class StripPhase { kForm, kPreheat, kApproach, kLeadIn, kCut, kLeadOut, kRetract, kTravel };
+enum class StripPhase : std::uint8_t {
+  kForm,
+  kPreheat,
+  kApproach,
+  kLeadIn,
+  kCut,
+  kLeadOut,
+  kRetract,
+  kTravel
+};
 inline constexpr std::array kStripPhases{StripPhase::kForm,    StripPhase::kPreheat, StripPhase::kApproach,
                                          StripPhase::kLeadIn,  StripPhase::kCut,     StripPhase::kLeadOut,
                                          StripPhase::kRetract, StripPhase::kTravel};
 // Returns the word that programs have for it.
 [[nodiscard]] const char* name(StripPhase phase);
 
-// Where the blade and its clamps are at one time of a strip.
+// Where the blade and its clamps are at one time of a strip. A job has a million: in this order there are no
+// gaps between members.
 struct BladePose {
+  Pose a, b;     // design frame
   double t = 0;  // s from the strip's start
+  SharedFrame frame;
+  elastica::Elastica blade;                     // whole blade, clamp A to clamp B, in the frame's plane
+  CompactOptional<std::array<double, 2>> foam;  // arc lengths of the part that forms the design
+  double margin = 0;                            // smallest eigenvalue of the second variation times length^2
+  CompactOptional<double> margin_mm;            // the clamps may err this far; absent: not computed
+  CompactOptional<PoseLoads> loads;             // absent: not computed
+  CompactOptional<int> rib;                     // index of the rib that this pose cuts
   StripPhase phase = StripPhase::kForm;
   bool heat = false;
-  Frame frame;
-  elastica::Elastica blade;                   // whole blade, clamp A to clamp B, in the frame's plane
-  std::optional<std::array<double, 2>> foam;  // arc lengths of the part that forms the design
-  Pose a, b;                                  // design frame
-  double margin = 0;                          // smallest eigenvalue of the second variation times length^2
-  std::optional<double> margin_mm;            // the clamps may err this far; absent: not computed
-  std::optional<PoseLoads> loads;             // absent: not computed
-  std::optional<int> rib;                     // index of the rib that this pose cuts
 };
 
 // Returns the middle of a pose's blade, in foam of the part there, in the design frame.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <stdexcept>
@@ -31,10 +32,10 @@ class Text {
   }
 
   // Shortest text that reads back as the same number; -0 becomes 0, which JSON readers do not tell apart.
-  Text& number(double value) {
+  Text& number(std::floating_point auto value) {
     if (!std::isfinite(value)) throw std::logic_error("to_json: a program's numbers have to be finite");
     char buffer[kNumberText];
-    const char* const end = write_number(buffer, value + 0.0);
+    const char* const end = write_number(buffer, value + decltype(value){});
     return raw({buffer, static_cast<std::size_t>(end - buffer)});
   }
   Text& number(std::size_t value) { return raw(std::to_string(value)); }
@@ -75,7 +76,9 @@ class Text {
                 [this](double c) { number(c); });
   }
 
-  Text& field(std::string_view key_and_colon, double value) { return raw(key_and_colon).number(value); }
+  Text& field(std::string_view key_and_colon, std::floating_point auto value) {
+    return raw(key_and_colon).number(value);
+  }
   Text& string_field(std::string_view key_and_colon, std::string_view value) {
     return raw(key_and_colon).string(value);
   }
@@ -107,7 +110,7 @@ class Text {
   }
 
   template <typename Value>
-  Text& optional(const std::optional<Value>& value) {
+  Text& optional(const CompactOptional<Value>& value) {
     return value ? number(static_cast<double>(*value)) : raw("null");
   }
 

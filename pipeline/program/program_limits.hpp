@@ -13,6 +13,8 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr Range kAny{-kInfinity, kInfinity};
 inline constexpr Range kPositive{0, kInfinity, true};
 inline constexpr Range kNotNegative{0, kInfinity};
+inline constexpr Range kLoad{-kLargestLoad, kLargestLoad};
+inline constexpr Range kLoadSize{0, kLargestLoad};
 
 // Unit vectors and quaternions written by other programs may carry nine digits or so.
 inline constexpr double kUnitError = 1e-6;

@@ -246,13 +246,16 @@ void expect_chord(const JsonNode& node, const BladePose& pose, double length, do
 PoseLoads loads_of(const JsonNode& node) {
   node.expect_keys(
       std::array{"force_n", "moment_a_n_mm", "moment_b_n_mm", "stress_mpa", "droop_mm", "in_plane_sag_mm"});
+  const auto load = [&](const char* key, Range range) {
+    return static_cast<float>(number(node, key, range));
+  };
   PoseLoads loads;
-  loads.force_n = number(node, "force_n", kNotNegative);
-  loads.moment_a_n_mm = number(node, "moment_a_n_mm");
-  loads.moment_b_n_mm = number(node, "moment_b_n_mm");
-  loads.stress_mpa = number(node, "stress_mpa", kNotNegative);
-  loads.droop_mm = number(node, "droop_mm", kNotNegative);
-  loads.in_plane_sag_mm = number(node, "in_plane_sag_mm", kNotNegative);
+  loads.force_n = load("force_n", kLoadSize);
+  loads.moment_a_n_mm = load("moment_a_n_mm", kLoad);
+  loads.moment_b_n_mm = load("moment_b_n_mm", kLoad);
+  loads.stress_mpa = load("stress_mpa", kLoadSize);
+  loads.droop_mm = load("droop_mm", kLoadSize);
+  loads.in_plane_sag_mm = load("in_plane_sag_mm", kLoadSize);
   return loads;
 }
 
@@ -327,6 +330,7 @@ ScannedPoses poses_of(const JsonNode& node, const Strip& strip, double clamp_rea
   for (std::size_t i = 0; i < size; ++i) {
     const JsonNode item = node.item(i);
     poses.push_back(blade_pose_of(item, strip, clamp_reach_mm, has_joints));
+    if (i > 0) poses[i].frame = {poses[i].frame, poses[i - 1].frame};
     if (has_joints) {
       const JsonNode joints = item.field("joints");
       out.joints.push_back(joints_of(joints));

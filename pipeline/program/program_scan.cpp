@@ -127,13 +127,16 @@ Pose scan_clamp(Scanner& in) {
 }
 
 PoseLoads scan_loads(Scanner& in) {
+  const auto load = [&](std::string_view key, Range range) {
+    return static_cast<float>(in.field(key, range));
+  };
   PoseLoads loads;
-  loads.force_n = in.field("{\"force_n\":", kNotNegative);
-  loads.moment_a_n_mm = in.field(",\"moment_a_n_mm\":");
-  loads.moment_b_n_mm = in.field(",\"moment_b_n_mm\":");
-  loads.stress_mpa = in.field(",\"stress_mpa\":", kNotNegative);
-  loads.droop_mm = in.field(",\"droop_mm\":", kNotNegative);
-  loads.in_plane_sag_mm = in.field(",\"in_plane_sag_mm\":", kNotNegative);
+  loads.force_n = load("{\"force_n\":", kLoadSize);
+  loads.moment_a_n_mm = load(",\"moment_a_n_mm\":", kLoad);
+  loads.moment_b_n_mm = load(",\"moment_b_n_mm\":", kLoad);
+  loads.stress_mpa = load(",\"stress_mpa\":", kLoadSize);
+  loads.droop_mm = load(",\"droop_mm\":", kLoadSize);
+  loads.in_plane_sag_mm = load(",\"in_plane_sag_mm\":", kLoadSize);
   in.skip("}");
   return loads;
 }
@@ -156,13 +159,15 @@ ArmJoints scan_joints(Scanner& in, std::string_view key) {
 void scan_pose(Scanner& in, FrameScanner& frames, double blade_length_mm, double clamp_reach_mm,
                std::size_t ribs, ScannedPoses& into) {
   BladePose& pose = into.poses.emplace_back();
+  const SharedFrame* const before = into.poses.size() < 2 ? nullptr : &(&pose - 1)->frame;
   pose.t = in.field("{\"t\":", kTime);
   pose.phase = scan_phase(in);
   in.skip("\",\"heat\":");
   pose.heat = in.next_is("true");
   if (!pose.heat) in.skip("false");
   in.skip(",\"frame\":");
-  pose.frame = frames.next(in);
+  const Frame frame = frames.next(in);
+  pose.frame = before != nullptr ? SharedFrame(frame, *before) : SharedFrame(frame);
   in.skip(",\"blade\":");
   pose.blade = scan_elastica(in);
   in.expect(is_blade_length(pose.blade.length, blade_length_mm));

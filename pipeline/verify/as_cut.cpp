@@ -110,7 +110,7 @@ ExecutedStrip executed_strip(const Strip& planned, const robot::ClampOffsets& cl
     pose.b = to_design(planned.design_to_cell, l.b);
     // The log's shapes start where clamp A holds the blade.
     const Pose from_a = robot::held(pose.a, clamps.a);
-    pose.frame = {from_a.p, from_a.q * Eigen::Vector3d::UnitX(), from_a.q * Eigen::Vector3d::UnitY()};
+    pose.frame = Frame{from_a.p, from_a.q * Eigen::Vector3d::UnitX(), from_a.q * Eigen::Vector3d::UnitY()};
     pose.blade = *l.blade;
     const std::size_t next = std::min<std::size_t>(l.sequence + 1, planned.poses.size() - 1);
     const BladePose &from = planned.poses[l.sequence], &to = planned.poses[next];
@@ -159,7 +159,7 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
       const auto moved_to = then.at(s);
       touches.speeds_mm_s.push_back(
           speed_across(p, next.frame.point(moved_to.x, moved_to.y), std::abs(next.t - pose.t),
-                       std::cos(q.theta) * pose.frame.x + std::sin(q.theta) * pose.frame.y));
+                       std::cos(q.theta) * pose.frame.x() + std::sin(q.theta) * pose.frame.y()));
       touches.strip_of_point.push_back(index);
     }
   }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory_resource>
 #include <stdexcept>
-#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -62,32 +62,45 @@ std::size_t DesignCells::longest_edge(const Cell& cell) const {
 
 class DesignCells::Places {
  public:
-  Places(std::vector<Eigen::Vector3d>& points, std::size_t about) : points_(points) { known_.reserve(about); }
+  // Of a division of so many cells.
+  Places(std::vector<Eigen::Vector3d>& points, std::size_t cells)
+      : points_(points), pool_((cells + 1) * kRoom) {
+    known_.reserve(cells);
+  }
 
   // Returns the point `i` of `n` even pieces of the edge from a to b.
   std::uint32_t at(std::uint32_t a, std::uint32_t b, std::size_t i, std::size_t n) {
     if (i == 0 || i == n) return i == 0 ? a : b;
     const bool forth = a < b;
-    const Key key{edge_key(a, b), forth ? i : n - i, n};
+    const Key key{edge_key(a, b), static_cast<std::uint32_t>(forth ? i : n - i),
+                  static_cast<std::uint32_t>(n)};
     const auto [found, is_new] = known_.try_emplace(key, static_cast<std::uint32_t>(points_.size()));
     if (!is_new) return found->second;
-    const double share = static_cast<double>(std::get<1>(key)) / static_cast<double>(n);
+    const double share = static_cast<double>(key.place) / static_cast<double>(n);
     const Eigen::Vector3d from = points_[std::min(a, b)], to = points_[std::max(a, b)];
     points_.emplace_back(from + share * (to - from));
     return found->second;
   }
 
  private:
-  using Key = std::tuple<std::uint64_t, std::size_t, std::size_t>;
+  struct Key {
+    std::uint64_t edge;
+    std::uint32_t place, pieces;
+    bool operator==(const Key&) const = default;
+  };
   struct Hash {
-    std::size_t operator()(const Key& key) const {
+    std::size_t operator()(const Key& key) const noexcept {
       // Edges of one kind, row after row, take places one after another; those that have an end in common, or
       // lie across a strip, are spread by Fibonacci hashing.
       constexpr std::uint64_t kGolden = 0x9e3779b97f4a7c15, kHalf = 0xffffffff;
-      const std::uint64_t low = std::get<0>(key) >> 32, high = std::get<0>(key) & kHalf;
-      return low + (((high - low) ^ (std::get<1>(key) << 40) ^ (std::get<2>(key) << 52)) * kGolden >> 16);
+      const std::uint64_t low = key.edge >> 32, high = key.edge & kHalf, place = key.place,
+                          pieces = key.pieces;
+      return low + (((high - low) ^ (place << 40) ^ (pieces << 52)) * kGolden >> 16);
     }
   };
+  // An entry of the table for each cell, and a place for every other: most edges are two cells'.
+  static constexpr std::size_t kRoom = sizeof(void*) + (sizeof(Key) + 2 * sizeof(void*)) / 2;
+
   std::vector<Eigen::Vector3d>& points_;
   std::pmr::monotonic_buffer_resource pool_;  // a million places are let go at once
   std::pmr::unordered_map<Key, std::uint32_t, Hash> known_{&pool_};
@@ -153,7 +166,9 @@ DesignCells::Cut DesignCells::cut_of(const Cell& cell, double wanted_mm) const {
   const double long_mm = edge_mm(cell, longest);
   const bool needle = edge_mm(cell, shortest) < kNeedle * long_mm;
   const double pieces = std::max(2.0, std::ceil(long_mm / wanted_mm));
-  return {needle ? shortest : longest, static_cast<std::size_t>(pieces), needle};
+  constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
+  return {static_cast<std::uint32_t>(std::min(pieces, kMost)),
+          static_cast<std::uint8_t>(needle ? shortest : longest), needle};
 }
 
 }  // namespace hotblade::pipeline

@@ -46,7 +46,8 @@ class DesignCells {
 
   // How a cell is divided: a needle at its shortest edge, others in two at their longest.
   struct Cut {
-    std::size_t edge = 0, pieces = 0;  // 0: it is not
+    std::uint32_t pieces = 0;  // 0: it is not
+    std::uint8_t edge = 0;
     bool needle = false;
   };
   [[nodiscard]] Cut cut_of(const Cell& cell, double wanted_mm) const;

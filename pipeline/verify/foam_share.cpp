@@ -50,8 +50,8 @@ std::vector<Eigen::Vector3d> blade_in_block(const Block& block, const BladePose&
   const auto turned = [&, normal = axes.normal()](const Eigen::Vector3d& d) -> Eigen::Vector3d {
     return {d.dot(axes.x), d.dot(axes.y), d.dot(normal)};
   };
-  const Eigen::Vector3d origin = block.local(pose.frame.origin), x = turned(pose.frame.x),
-                        y = turned(pose.frame.y);
+  const Eigen::Vector3d origin = block.local(pose.frame.origin), x = turned(pose.frame.x()),
+                        y = turned(pose.frame.y());
   std::vector<Eigen::Vector3d> points;
   points.reserve(blades.points);
   for (std::size_t k = 0; k < blades.points; ++k) {

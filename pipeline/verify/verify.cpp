@@ -250,11 +250,14 @@ class CutMeasurement {
   // What of the cut is nearest to a design sample.
   struct NearestCut {
     double distance = std::numeric_limits<double>::infinity();
-    std::uint32_t vertex = 0;  // of the facet it lies on
-    int strip = -1;
+    int vertex = -1;    // of the facet it lies on; -1: of none
     bool uncut = true;  // too far, or past the cut's edge
     bool on_edge = true;
   };
+  // -1: of none.
+  [[nodiscard]] int strip_of(const NearestCut& at) const {
+    return at.vertex < 0 ? -1 : cut_.strip_of_vertex[static_cast<std::size_t>(at.vertex)];
+  }
 
   // Corners of large facets stand out of what bends smoothly between the cut's samples. Those at the cut's
   // edge may be other strips'.
@@ -263,7 +266,8 @@ class CutMeasurement {
     std::vector<NearestCut> nearest;
     find_nearest(search, corners, nearest);
     for (std::size_t i = 0; i < nearest.size(); ++i) {
-      if (!nearest[i].uncut && !nearest[i].on_edge) add(nearest[i].distance, corners[i], 0, nearest[i].strip);
+      if (!nearest[i].uncut && !nearest[i].on_edge)
+        add(nearest[i].distance, corners[i], 0, strip_of(nearest[i]));
     }
   }
 
@@ -295,76 +299,86 @@ class CutMeasurement {
       find_nearest(search, cells.points(), nearest);
       stands_for_mm2.resize(nearest.size(), 0);
       const std::span<const DesignCells::Cell> asked(cells.cells());
+      const double most = farthest_corner(cells, nearest);
       // Set by all cores: new memory is as much work as what is written to it.
-      const auto bounds = std::make_unique_for_overwrite<CellBound[]>(asked.size());
+      const auto known = std::make_unique_for_overwrite<Known[]>(asked.size());
       const auto wanted = std::make_unique_for_overwrite<double[]>(asked.size());
-      const std::span<double> wanted_mm(wanted.get(), asked.size());
-      const double most = set_bounds(cells, nearest, bounds.get());
       for_each_of(asked.size(), [&](std::size_t i) {
-        wanted_mm[i] = wanted_edge_mm(cells, asked[i], nearest, bounds[i], most);
+        const CellBound bound = bound_of(cells, asked[i], nearest);
+        known[i] = {bound.sum(), cells.area_mm2(asked[i])};
+        wanted[i] = wanted_edge_mm(cells, asked[i], nearest, bound, most);
       });
       std::vector<DesignCells::Cell> before;  // what `asked` shows from then on
       tbb::parallel_invoke(
           [&] {
             for (std::size_t i = 0; i < asked.size(); ++i) {
               gpu::stop_point();
-              if (wanted_mm[i] == 0) settle(asked[i], nearest, bounds[i], stands_for_mm2);
+              if (wanted[i] == 0) settle(asked[i], nearest, known[i], stands_for_mm2);
             }
           },
-          [&] { before = cells.divide(wanted_mm); });
+          [&] {
+            before = cells.divide({wanted.get(), asked.size()});
+          });
       gpu::stop_point();
     }
     report_.design_samples = nearest.size();
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       gpu::stop_point();
       if (stands_for_mm2[i] > 0)
-        add(nearest[i].distance, cells.points()[i], stands_for_mm2[i], nearest[i].strip);
+        add(nearest[i].distance, cells.points()[i], stands_for_mm2[i], strip_of(nearest[i]));
     }
   }
 
   // What is known of a cell's points by its corners: none is farther from the cut than the farthest corner
-  // and what the cut bends between them.
+  // and what the cut bends between them. Where a corner is uncut nothing is known.
   struct CellBound {
-    double corner, bend, area_mm2;
-    bool uncut;  // a corner is: nothing is known
-    [[nodiscard]] double sum() const { return corner + bend; }
+    double corner = 0, bend = 0;
+    bool uncut = false;
+    [[nodiscard]] double sum() const {
+      return uncut ? std::numeric_limits<double>::infinity() : corner + bend;
+    }
   };
 
-  // Sets the bounds of all cells. Returns the largest deviation there is.
-  [[nodiscard]] double set_bounds(const DesignCells& cells, std::span<const NearestCut> nearest,
-                                  CellBound* bounds) const {
-    constexpr std::size_t kGrain = 1024;
-    const double most = tbb::parallel_reduce(
+  // Of it what settles a cell: the sum, and the area.
+  struct Known {
+    double bound_mm, area_mm2;
+  };
+
+  // Returns the largest deviation there is, with those of the cells' corners.
+  [[nodiscard]] double farthest_corner(const DesignCells& cells, std::span<const NearestCut> nearest) const {
+    constexpr std::size_t kGrain = 4096;
+    const double farthest = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, cells.cells().size(), kGrain), worst_,
         [&](const auto& range, double found) {
           gpu::stop_point();
-          for (std::size_t i = range.begin(); i != range.end(); ++i)
-            bounds[i] = bound_of(cells, cells.cells()[i], nearest, found);
+          for (std::size_t i = range.begin(); i != range.end(); ++i) {
+            for (const std::uint32_t corner : cells.cells()[i].corners) {
+              const NearestCut& at = nearest[corner];
+              if (!at.uncut) found = std::max(found, at.distance);
+            }
+          }
           return found;
         },
         [](double a, double b) { return std::max(a, b); });
     gpu::stop_point();
-    return most;
+    return farthest;
   }
 
-  // Raises `found` to the farthest of the corners that are not uncut.
   [[nodiscard]] CellBound bound_of(const DesignCells& cells, const DesignCells::Cell& cell,
-                                   std::span<const NearestCut> nearest, double& found) const {
+                                   std::span<const NearestCut> nearest) const {
     // A circle whose radius squared is a third of the longest edge's covers a triangle, and a surface that
     // bends by k rises k/2 times that radius squared over it.
     constexpr double kCover = 1.0 / 6;
-    CellBound bound{};
+    CellBound bound;
     double bend_per_mm = 0;
     for (const std::uint32_t corner : cell.corners) {
       const NearestCut& at = nearest[corner];
-      bound.uncut = bound.uncut || at.uncut;
+      if (at.uncut) return {.uncut = true};
       bound.corner = std::max(bound.corner, at.distance);
-      if (!at.uncut) found = std::max(found, at.distance);
-      bend_per_mm = std::max(bend_per_mm, cut_.bends_per_mm[at.vertex]);
+      bend_per_mm = std::max(bend_per_mm, cut_.bends_per_mm[static_cast<std::size_t>(at.vertex)]);
     }
     const double edge = cells.longest_edge_mm(cell);
     bound.bend = kCover * bend_per_mm * edge * edge;
-    bound.area_mm2 = cells.area_mm2(cell);
     return bound;
   }
 
@@ -378,7 +392,8 @@ class CutMeasurement {
     if (nearest[a].uncut && nearest[b].uncut && nearest[c].uncut) return 0;
     const bool at_edge = nearest[a].on_edge || nearest[b].on_edge || nearest[c].on_edge;
     if (at_edge && edge > edges_.finest_mm) return edges_.finest_mm;
-    const bool between_strips = nearest[a].strip != nearest[b].strip || nearest[b].strip != nearest[c].strip;
+    const int strip = strip_of(nearest[a]);
+    const bool between_strips = strip_of(nearest[b]) != strip || strip_of(nearest[c]) != strip;
     // Each strip goes on for some millimetres past where they meet.
     if (between_strips && edge > 2 * edges_.finest_mm) return 2 * edges_.finest_mm;
     if (bound.uncut) return 0;
@@ -392,9 +407,9 @@ class CutMeasurement {
 
   [[nodiscard]] double settled_mm() const { return kSettledShare * options_.tolerance_mm; }
 
-  void settle(const DesignCells::Cell& cell, std::span<const NearestCut> nearest, const CellBound& bound,
+  void settle(const DesignCells::Cell& cell, std::span<const NearestCut> nearest, const Known& known,
               std::vector<double>& stands_for_mm2) {
-    const double share = bound.area_mm2 / 3;
+    const double share = known.area_mm2 / 3;
     double farthest = -1;
     int strip = -1;
     for (const std::uint32_t corner : cell.corners) {
@@ -406,10 +421,10 @@ class CutMeasurement {
       stands_for_mm2[corner] += share;
       if (at.distance > farthest) {
         farthest = at.distance;
-        strip = at.strip;
+        strip = strip_of(at);
       }
     }
-    if (!bound.uncut) add_bound(bound.sum(), strip);
+    if (std::isfinite(known.bound_mm)) add_bound(known.bound_mm, strip);
   }
 
   // Of the points that `nearest` does not hold yet.
@@ -440,8 +455,7 @@ class CutMeasurement {
     for_each_of(found.size(), [&](std::size_t k) {
       NearestCut& at = nearest[all ? k : index[k]];
       at.distance = search.distance_mm(asked[k], found[k]);
-      at.vertex = static_cast<std::uint32_t>(search.vertex_of(found[k].triangle));
-      at.strip = search.strip_of(found[k].triangle);
+      at.vertex = static_cast<int>(search.vertex_of(found[k].triangle));
       at.on_edge = search.on_edge(found[k]);
       if (at.on_edge) at.distance = found[k].distance;
       at.uncut = at.distance > far() || (at.distance > near() && at.on_edge);

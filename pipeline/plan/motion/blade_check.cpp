@@ -14,6 +14,7 @@
 #include "pipeline/plan/motion/blocks.hpp"
 #include "pipeline/plan/motion/clamp_margins.hpp"
 #include "pipeline/plan/motion/refuser.hpp"
+#include "pipeline/plan/motion/round_poses.hpp"
 #include "pipeline/program/clamps.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/clamp_error.hpp"
@@ -86,8 +87,8 @@ std::vector<PoseCheck> check_poses(const std::vector<BladePose>& poses, const St
 }
 
 PoseLoads pose_loads(const PoseCheck& c) {
-  return {c.loads.force_n.norm(), c.loads.moment_a_n_mm, c.loads.moment_b_n_mm,
-          c.loads.stress_mpa,     c.sag.droop_mm,        c.sag.in_plane_mm};
+  return {load_of(c.loads.force_n.norm()), load_of(c.loads.moment_a_n_mm), load_of(c.loads.moment_b_n_mm),
+          load_of(c.loads.stress_mpa),     load_of(c.sag.droop_mm),        load_of(c.sag.in_plane_mm)};
 }
 
 void collect(const std::vector<PoseCheck>& checks, BladeMotion& motion) {

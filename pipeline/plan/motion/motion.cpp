@@ -45,7 +45,8 @@ void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedSt
     pose.t = t0 + timed.law.step_s * static_cast<double>(k);
     pose.phase = cutting ? cut_phase(shape.offset_mm, marks) : stretch.phase;
     pose.heat = stretch.heat;
-    pose.frame = timed.at.frames[k];
+    const Frame& frame = timed.at.frames[k];
+    pose.frame = poses.size() < 2 ? SharedFrame(frame) : SharedFrame(frame, poses[poses.size() - 2].frame);
     pose.blade = shape.blade;
     if (pose.phase == StripPhase::kCut) pose.foam = {{shape.foam0, shape.foam1}};
     pose.a = timed.at.pairs[k].a;

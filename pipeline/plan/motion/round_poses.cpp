@@ -54,11 +54,18 @@ void round_pose(Pose& pose) {
 
 }  // namespace
 
+float load_of(double value) {
+  return static_cast<float>(to_digits(std::clamp(value, -kLargestLoad, kLargestLoad), kJudgementDigits));
+}
+
 void round_geometry(std::span<BladePose> poses) {
+  SharedFrame before;
   for (BladePose& pose : poses) {
-    put_on_grid(pose.frame.origin, kLength);
-    put_on_grid(pose.frame.x, kUnit);
-    put_on_grid(pose.frame.y, kUnit);
+    Frame frame = pose.frame;
+    put_on_grid(frame.origin, kLength);
+    put_on_grid(frame.x, kUnit);
+    put_on_grid(frame.y, kUnit);
+    before = pose.frame = {frame, before};
     elastica::Elastica& blade = pose.blade;
     for (double* length : {&blade.x, &blade.y, &blade.length}) *length = on_grid(*length, kLength);
     blade.theta = on_grid(blade.theta, kUnit);
@@ -74,11 +81,6 @@ void round_judgement(std::span<BladePose> poses) {
   for (BladePose& pose : poses) {
     pose.margin = to_digits(pose.margin, kJudgementDigits);
     if (pose.margin_mm) pose.margin_mm = down_to_digits(*pose.margin_mm, kJudgementDigits);
-    if (!pose.loads) continue;
-    PoseLoads& l = *pose.loads;
-    for (double* load :
-         {&l.force_n, &l.moment_a_n_mm, &l.moment_b_n_mm, &l.stress_mpa, &l.droop_mm, &l.in_plane_sag_mm})
-      *load = to_digits(*load, kJudgementDigits);
   }
 }
 

@@ -15,9 +15,11 @@ namespace hotblade::pipeline {
 // 1e-12, curvatures and lambdas to 12 digits. That moves no point of a blade of 3 m by more than 1e-7 mm.
 void round_geometry(std::span<BladePose> poses);
 
-// Rounds what a pose is judged by, margins and loads, to 6 digits; the margin of the clamps, a bound from
-// below, down.
+// Rounds the margins that a pose is judged by to 6 digits; that of the clamps, a bound from below, down.
 void round_judgement(std::span<BladePose> poses);
+
+// Returns one of a pose's loads as programs have it: 6 digits, and kLargestLoad at most.
+[[nodiscard]] float load_of(double value);
 
 // Rounds both arms' joints to 1e-11 rad, which is 3e-8 mm at a reach of 3 m.
 void round_joints(std::span<ClampJoints> joints);

@@ -41,6 +41,11 @@ double slack_sag_mm(const elastica::ElasticaCurve& curve, const Eigen::Vector3d&
   return rise < sag ? sag : 0;
 }
 
+SweepSag::Value between(const SweepSag::Value& p, const SweepSag::Value& q, double t) {
+  return {(1 - t) * p.droop_mm + t * q.droop_mm, (1 - t) * p.twist_rad + t * q.twist_rad,
+          (1 - t) * p.theta + t * q.theta};
+}
+
 }  // namespace
 
 SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBlade& blade,
@@ -80,14 +85,17 @@ SweepSag::SweepSag(const SweepFamily& family, const RibAxes& axes, const SweepBl
         axes.planes.turns() ? slack_sag_mm(elastica::ElasticaCurve(shapes[k]), down[k], section) : 0;
     nodes_[k].reserve(kNodes + 1);
     for (std::size_t i = 0; i <= kNodes; ++i) {
-      const double share = static_cast<double>(i) / kNodes, x_mm = points.at(k, i).x();
+      const double share = static_cast<double>(i) / kNodes;
+      const auto x_mm = static_cast<float>(points.at(k, i).x());
       // Ends may turn back; what lies inwards of them in x stays a graph.
       if (!nodes_[k].empty() && x_mm <= nodes_[k].back().x_mm) continue;
       const auto value = sag.at(share);
       const double theta = shapes[k].theta + points.turn[k * points.points + i];
-      nodes_[k].push_back(
-          {x_mm, share * blade.length_mm - blade.before_mm, {value.droop_mm, value.twist_rad, theta}});
-      if (axes.planes.turns()) in_plane_mm_[k].push_back(std::max(slack_mm, value.in_plane_mm.norm()));
+      nodes_[k].push_back({x_mm, static_cast<float>(share * blade.length_mm - blade.before_mm),
+                           static_cast<float>(value.droop_mm), static_cast<float>(value.twist_rad),
+                           static_cast<float>(theta)});
+      if (axes.planes.turns())
+        in_plane_mm_[k].push_back(static_cast<float>(std::max(slack_mm, value.in_plane_mm.norm())));
     }
   }
 }
@@ -96,19 +104,15 @@ SweepSag::Value SweepSag::at(double offset_mm, double x_mm) const {
   const auto across = [&](const std::vector<Node>& nodes) -> Value {
     const auto above = std::lower_bound(nodes.begin(), nodes.end(), x_mm,
                                         [](const Node& n, double x) { return n.x_mm < x; });
-    if (above == nodes.begin()) return above->value;
-    if (above == nodes.end()) return nodes.back().value;
+    const auto value = [](const Node& n) -> Value { return {n.droop_mm, n.twist_rad, n.theta}; };
+    if (above == nodes.begin()) return value(*above);
+    if (above == nodes.end()) return value(nodes.back());
     const Node &p = *(above - 1), &q = *above;
-    const double t = (x_mm - p.x_mm) / (q.x_mm - p.x_mm);
-    return {(1 - t) * p.value.droop_mm + t * q.value.droop_mm,
-            (1 - t) * p.value.twist_rad + t * q.value.twist_rad, (1 - t) * p.value.theta + t * q.value.theta};
+    return between(value(p), value(q), (x_mm - p.x_mm) / (q.x_mm - p.x_mm));
   };
   const double place = std::clamp((offset_mm - first_mm_) / (last_mm_ - first_mm_), 0.0, 1.0) * (kPlaces - 1);
   const auto k = std::min(static_cast<std::size_t>(place), kPlaces - 2);
-  const double t = place - static_cast<double>(k);
-  const Value p = across(nodes_[k]), q = across(nodes_[k + 1]);
-  return {(1 - t) * p.droop_mm + t * q.droop_mm, (1 - t) * p.twist_rad + t * q.twist_rad,
-          (1 - t) * p.theta + t * q.theta};
+  return between(across(nodes_[k]), across(nodes_[k + 1]), place - static_cast<double>(k));
 }
 
 double SweepSag::moved_mm(double arc_low_mm, double arc_high_mm, double steepest_rad) const {
@@ -118,9 +122,9 @@ double SweepSag::moved_mm(double arc_low_mm, double arc_high_mm, double steepest
     for (std::size_t i = 0; i < nodes_[k].size(); ++i) {
       const Node& n = nodes_[k][i];
       if (n.s_mm < arc_low_mm || n.s_mm > arc_high_mm) continue;
-      droop = std::max(droop, std::abs(n.value.droop_mm));
-      twist = std::max(twist, std::abs(n.value.twist_rad));
-      if (!in_plane_mm_[k].empty()) in_plane = std::max(in_plane, in_plane_mm_[k][i]);
+      droop = std::max<double>(droop, std::abs(n.droop_mm));
+      twist = std::max<double>(twist, std::abs(n.twist_rad));
+      if (!in_plane_mm_[k].empty()) in_plane = std::max<double>(in_plane, in_plane_mm_[k][i]);
     }
   }
   return droop * std::sin(steepest_rad) + half_width_mm_ * twist + in_plane;

@@ -46,17 +46,19 @@ class SweepSag {
 
  private:
   static constexpr std::size_t kPlaces = 15;
+  // A plan of many strips keeps a thousand sags. In single precision, which is a ten-thousandth of a
+  // millimetre along a blade and less of how it hangs.
   struct Node {
-    double x_mm = 0, s_mm = 0;  // s from the middle
-    Value value;
+    float x_mm = 0, s_mm = 0;  // s from the middle
+    float droop_mm = 0, twist_rad = 0, theta = 0;
   };
 
   double first_mm_ = 0, last_mm_ = 1, half_width_mm_ = 0;
   SweepBlade blade_;
   bool stable_ = true;
   double margin_ = 0;
-  std::array<std::vector<Node>, kPlaces> nodes_;          // ascending in x
-  std::array<std::vector<double>, kPlaces> in_plane_mm_;  // at the nodes; empty where planes are level
+  std::array<std::vector<Node>, kPlaces> nodes_;         // ascending in x
+  std::array<std::vector<float>, kPlaces> in_plane_mm_;  // at the nodes; empty where planes are level
 };
 
 }  // namespace hotblade::pipeline

@@ -87,7 +87,7 @@ TEST(CardOf, SaysWhatTheVaultIs) {
 
 TEST(CardOf, GivesTheLoadsOfAPose) {
   Program program = vault_program();
-  program.strips[0].poses[20].loads = PoseLoads{1.25, 30, -40, 99, 0.15, 0};
+  program.strips[0].poses[20].loads = PoseLoads{1.25, 30, -40, 99, 0.15F, 0};
   const ViewModel model = view_model(program, nullptr, {});
   const Card pose = card_of(model, {Part::kPose, 0, 20});
   EXPECT_THAT(pose.lines, Contains("force 1.25 N, stress 99 MPa"));

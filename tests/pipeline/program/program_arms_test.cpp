@@ -67,7 +67,9 @@ TEST(ProgramArms, AreRefusedWithThePlace) {
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["b"]["arm"] = "R1"; }),
               HasSubstr("are not both arms"));
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["b"]["branch"][1] = 0; }), HasSubstr("branch[1]"));
-  EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["nearest_mm"]["arm_cat"] = {1, 2}; }),
+  EXPECT_THAT(refusal([](Json& j) {
+                j["strips"][0]["arms"]["nearest_mm"]["arm_cat"] = {1, 2};
+              }),
               HasSubstr("strips[0].arms.nearest_mm: has the unknown kind \"arm_cat\""));
   EXPECT_THAT(refusal([](Json& j) { j["strips"][0]["arms"]["nearest_mm"]["blade"][0] = -1; }),
               HasSubstr("nearest_mm.blade[0]"));

@@ -421,6 +421,26 @@ TEST(ProgramJson, KeepsEveryBitOfAwkwardNumbers) {
   EXPECT_EQ(back.strips[0].poses[3].margin, pose.margin);
 }
 
+TEST(ProgramJson, KeepsLoadsOfAnySize) {
+  Program program = vault_program();
+  constexpr auto kMost = static_cast<float>(kLargestLoad);
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  const PoseLoads loads{0.1F, -123456, 1e-5F / 3, kMost, kLeast, 0};
+  program.strips[0].poses[3].loads = loads;
+  const std::string text = to_json(program);
+  EXPECT_THAT(text, HasSubstr("\"loads\":{\"force_n\":0.1,\"moment_a_n_mm\":-123456,"));
+  for (const std::string& way : {text, relaid(text)}) {
+    const PoseLoads back = parse_program(way, "job.json").strips[0].poses[3].loads.value();
+    for (const auto load : {&PoseLoads::force_n, &PoseLoads::moment_a_n_mm, &PoseLoads::moment_b_n_mm,
+                            &PoseLoads::stress_mpa, &PoseLoads::droop_mm, &PoseLoads::in_plane_sag_mm})
+      EXPECT_EQ(back.*load, loads.*load);
+  }
+  std::string larger = text;
+  larger.replace(larger.find("1e+38"), 5, "2e+38");
+  EXPECT_THAT(outcome(larger), HasSubstr("poses[3].loads.stress_mpa"));
+  EXPECT_EQ(outcome(larger), outcome(relaid(larger)));
+}
+
 TEST(ProgramJson, RoundTripsStringsThatNeedEscapes) {
   Program program = vault_program();
   program.overrides = {"deviation 2.1 mm, \"accepted\"\nby line \t2", "gr\xc3\xbc\xc3\x9f"};

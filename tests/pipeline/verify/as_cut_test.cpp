@@ -150,7 +150,7 @@ TEST(AsCut, AHotBladeBesideTheCutCountsOnTheKeptSideOnly) {
     while (!strip.poses[middle].foam) ++middle;
     BladePose stray = strip.poses[middle];
     stray.foam.reset();
-    stray.frame.origin -= depth * stray.frame.y * (stray.frame.y.z() > 0 ? 1 : -1);
+    stray.frame.origin -= depth * stray.frame.y() * (stray.frame.y().z() > 0 ? 1 : -1);
     strip.poses.push_back(stray);
     strip.after.push_back(strip.after.back());
     strip.path_s.push_back(strip.path_s.back());

@@ -42,7 +42,7 @@ TEST(FollowBranch, FindsTheShapesOfAPlanFromItsClampsAlone) {
 
 TEST(FollowBranch, SeesABladeThatIsNotWhereTheProgramSays) {
   Strip strip = cylinder_strip();
-  strip.poses[300].b.p += 0.5 * strip.poses[300].frame.x;
+  strip.poses[300].b.p += 0.5 * strip.poses[300].frame.x();
   const BranchReport report = follow_branch(strip, kSpring);
   EXPECT_EQ(report.limit, Limit::kPlannedShape);
   EXPECT_EQ(report.pose, 300u);
@@ -123,7 +123,7 @@ TEST(BranchRefusal, NamesStripRibPhaseAndTime) {
   Strip strip = cylinder_strip();
   std::size_t cut = 0;
   while (!strip.poses[cut].rib || *strip.poses[cut].rib != 3) ++cut;
-  strip.poses[cut].b.p += 0.5 * strip.poses[cut].frame.x;
+  strip.poses[cut].b.p += 0.5 * strip.poses[cut].frame.x();
   const Refusal refusal = branch_refusal(strip, follow_branch(strip, kSpring));
   EXPECT_EQ(refusal.strip, "S001");
   EXPECT_EQ(refusal.rib, "S001R004");

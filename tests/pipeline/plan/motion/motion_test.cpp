@@ -144,7 +144,7 @@ TEST(MoveBlade, ClampsSitOnTheBladesEndsWithItsTangents) {
     for (const auto& [clamp, point] : {std::pair{pose.a, ends[0]}, std::pair{pose.b, ends[1]}}) {
       EXPECT_LT((clamp.p - pose.frame.point(point.x, point.y)).norm(), 1e-7);  // RoundPoses
       const Eigen::Vector3d tangent =
-          std::cos(point.theta) * pose.frame.x + std::sin(point.theta) * pose.frame.y;
+          std::cos(point.theta) * pose.frame.x() + std::sin(point.theta) * pose.frame.y();
       EXPECT_LT((axis(clamp, 0) - tangent).norm(), 1e-9);
       EXPECT_LT((axis(clamp, 2) - pose.frame.normal()).norm(), 1e-9);
     }

@@ -43,8 +43,8 @@ void expect_clear_way_home(const Program& program, double around_mm = 70) {
     EXPECT_EQ(last.phase, StripPhase::kTravel);
     const auto middle = [&](const BladePose& pose) {
       const auto m = elastica::point_at(pose.blade, pose.blade.length / 2);
-      return std::pair{pose.frame.point(m.x, m.y),
-                       Eigen::Vector3d(std::cos(m.theta) * pose.frame.x + std::sin(m.theta) * pose.frame.y)};
+      return std::pair{pose.frame.point(m.x, m.y), Eigen::Vector3d(std::cos(m.theta) * pose.frame.x() +
+                                                                   std::sin(m.theta) * pose.frame.y())};
     };
     EXPECT_LT((middle(first).first - middle(last).first).norm(), 1e-6) << strip.id;
     EXPECT_LT((middle(first).second - middle(last).second).norm(), 1e-9) << strip.id;
