@@ -1,6 +1,7 @@
 #include "pipeline/preview/draw.hpp"
 
 #include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <future>
 
 #include "pipeline/preview/offscreen.hpp"
@@ -21,24 +24,46 @@ namespace {
 
 constexpr int kZoom = Painter::kZoom;
 
-// RGB rows from the bottom, averaged over kZoom x kZoom pixels.
-void reduce(vtkUnsignedCharArray& pixels, PictureSize size, vtkImageData& image) {
-  image.SetDimensions(size.width, size.height, 1);
-  image.AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(image.GetScalarPointer());
+// A drawing is kZoom times as large as its picture each way, and drawn tile by tile: each is as large as the
+// picture, so that it takes no more memory than that. Rows count from the bottom.
+struct Tile {
+  int column, row;
+};
+
+// Adds the pixels of a tile, RGB rows from the bottom, to the sums of those that become one of the picture.
+void add_tile(vtkUnsignedCharArray& pixels, PictureSize size, Tile tile, std::vector<std::uint16_t>& sums) {
   const unsigned char* in = pixels.GetPointer(0);
-  const std::ptrdiff_t row_bytes = 3L * size.width * kZoom;
   for (int y = 0; y < size.height; ++y) {
-    for (int x = 0; x < size.width * 3; ++x) {
-      const unsigned char* corner = in + y * kZoom * row_bytes + (x / 3) * 3 * kZoom + x % 3;
-      int sum = kZoom * kZoom / 2;
-      for (int v = 0; v < kZoom; ++v) {
-        for (int u = 0; u < kZoom; ++u) sum += corner[v * row_bytes + 3 * u];
+    const std::ptrdiff_t row = (tile.row * size.height + y) / kZoom * std::ptrdiff_t{size.width};
+    for (int x = 0; x < size.width; ++x) {
+      const std::ptrdiff_t pixel = row + (tile.column * size.width + x) / kZoom;
+      for (std::ptrdiff_t c = 0; c < 3; ++c) {
+        std::uint16_t& sum = sums[static_cast<std::size_t>(3 * pixel + c)];
+        sum = static_cast<std::uint16_t>(sum + *in++);
       }
-      *out++ = static_cast<unsigned char>(sum / (kZoom * kZoom));
     }
   }
 }
+
+// Turns a camera, whose projection is parallel, to a tile while it lives: by themselves VTK's tiles are of
+// what lies over a scene alone.
+class CameraOfTile {
+ public:
+  CameraOfTile(vtkCamera& camera, Tile tile) : camera_(camera), scale_(camera.GetParallelScale()) {
+    camera_.SetParallelScale(scale_ / kZoom);
+    camera_.SetWindowCenter(2 * tile.column + 1 - kZoom, 2 * tile.row + 1 - kZoom);
+  }
+  ~CameraOfTile() {
+    camera_.SetParallelScale(scale_);
+    camera_.SetWindowCenter(0, 0);
+  }
+  CameraOfTile(const CameraOfTile&) = delete;
+  CameraOfTile& operator=(const CameraOfTile&) = delete;
+
+ private:
+  vtkCamera& camera_;
+  double scale_;
+};
 
 // A window object on a context of our own: VTK's own off-screen window asks for an X display. GLEW as Debian
 // builds it loads every function and then complains that there is no GLX; VTK reports that as an error and
@@ -60,7 +85,8 @@ class OffscreenWindow {
     window_->SetIsCurrent(true);
     window_->SetOffScreenRendering(1);
     window_->SetMultiSamples(0);
-    window_->SetSize(size.width * kZoom, size.height * kZoom);
+    window_->SetSize(size.width, size.height);
+    window_->SetTileScale(kZoom);
     window_->OpenGLInit();
     window_->AddRenderer(renderer_);
   }
@@ -70,12 +96,16 @@ class OffscreenWindow {
 
   [[nodiscard]] vtkRenderer& renderer() { return *renderer_; }
 
-  // Pixels as RGB rows from the bottom, kZoom times the picture's size.
-  [[nodiscard]] vtkNew<vtkUnsignedCharArray> render() {
+  // Pixels of a tile as RGB rows from the bottom.
+  [[nodiscard]] vtkNew<vtkUnsignedCharArray> render(Tile tile) {
+    const auto share = [](int k) { return static_cast<double>(k) / kZoom; };
+    window_->SetTileViewport(share(tile.column), share(tile.row), share(tile.column + 1),
+                             share(tile.row + 1));
+    const CameraOfTile camera(*renderer_->GetActiveCamera(), tile);
     window_->Render();
     vtkNew<vtkUnsignedCharArray> pixels;
-    window_->GetPixelData(0, 0, size_.width * kZoom - 1, size_.height * kZoom - 1, 0, pixels, 0);
-    const vtkIdType expected = vtkIdType{3} * size_.width * kZoom * size_.height * kZoom;
+    window_->GetPixelData(0, 0, size_.width - 1, size_.height - 1, 0, pixels, 0);
+    const vtkIdType expected = vtkIdType{3} * size_.width * size_.height;
     if (pixels->GetNumberOfValues() != expected) {
       throw Error(ErrorKind::kDrawing, "picture: nothing was drawn: " + errors_);
     }
@@ -125,8 +155,17 @@ vtkRenderer& Painter::renderer() {
 }
 
 void Painter::paint(vtkImageData& image) {
-  const auto pixels = window_->window.render();
-  reduce(*pixels, window_->size, image);
+  const PictureSize size = window_->size;
+  std::vector<std::uint16_t> sums(std::size_t{3} * static_cast<std::size_t>(size.width * size.height), 0);
+  for (int row = 0; row < kZoom; ++row) {
+    for (int column = 0; column < kZoom; ++column)
+      add_tile(*window_->window.render({column, row}), size, {column, row}, sums);
+  }
+  constexpr int kPixels = kZoom * kZoom;
+  image.SetDimensions(size.width, size.height, 1);
+  image.AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  std::transform(sums.begin(), sums.end(), static_cast<unsigned char*>(image.GetScalarPointer()),
+                 [](std::uint16_t sum) { return static_cast<unsigned char>((sum + kPixels / 2) / kPixels); });
 }
 
 namespace {

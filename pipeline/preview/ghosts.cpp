@@ -1,6 +1,7 @@
 #include "pipeline/preview/ghosts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "pipeline/preview/picture_texts.hpp"
@@ -10,7 +11,8 @@ namespace {
 
 // Ghosts a strip: enough to read the motion, few enough to see the surface between them.
 constexpr int kGhosts = 8;
-constexpr int kLinePoints = 161;  // a blade of 1500 mm in steps under 10 mm
+constexpr double kMostPoints = 161;  // a blade of 1500 mm in steps under 10 mm
+constexpr double kFewestPoints = 9;  // a quarter of a circle has 11 degrees from one to the next
 
 // Tells over which strip a point lies.
 class StripMap {
@@ -65,7 +67,7 @@ Cutting cutting_of(const Strip& strip) {
 
 // Adds both ends of the blade.
 void add_ends(Ghosts& ghosts, const Strip& strip, std::size_t index, const BladePose& pose,
-              const StripMap& map) {
+              const StripMap& map, double seen) {
   const auto [s0, s1] = *pose.foam;
   const std::array<int, 2> place{static_cast<int>(index), static_cast<int>(&pose - strip.poses.data())};
   const auto add = [&](const Pose& clamp, std::vector<Pose>& clamps, double from, double to) {
@@ -74,7 +76,7 @@ void add_ends(Ghosts& ghosts, const Strip& strip, std::size_t index, const Blade
       return;
     }
     clamps.push_back(clamp);
-    ghosts.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, from, to)));
+    ghosts.blades.push_back(line_of(pose.frame, elastica::segment(pose.blade, from, to), seen));
     ghosts.pose_of_blade.push_back(place);
   };
   add(pose.a, ghosts.clamps_a, 0, s0);
@@ -92,9 +94,18 @@ std::optional<double> possible_step(const std::vector<Cutting>& cuttings, std::o
 
 }  // namespace
 
-Polyline line_of(const Frame& frame, const elastica::Elastica& curve) {
+double seen_mm(const Program& program) {
+  constexpr double kFinest = 2.5, kStepsAcross = 400;
+  const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];
+  return std::max(kFinest, size.norm() / kStepsAcross);
+}
+
+Polyline line_of(const Frame& frame, const elastica::Elastica& curve, double step_mm) {
   Polyline line;
-  for (const auto& point : elastica::sample(curve, kLinePoints))
+  const double points = step_mm > 0
+                            ? std::clamp(std::ceil(curve.length / step_mm) + 1, kFewestPoints, kMostPoints)
+                            : kMostPoints;
+  for (const auto& point : elastica::sample(curve, static_cast<int>(points)))
     line.points.push_back(frame.point(point.x, point.y));
   return line;
 }
@@ -104,6 +115,7 @@ Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<do
   std::vector<Cutting> cuttings;
   for (const Strip& strip : program.strips) cuttings.push_back(cutting_of(strip));
   const std::optional<double> given = possible_step(cuttings, step_mm);
+  const double seen = seen_mm(program);
   Ghosts ghosts;
   double longest_step = 0;
   for (std::size_t strip = 0; strip < cuttings.size(); ++strip) {
@@ -116,7 +128,7 @@ Ghosts ghosts_of(const CutSurface& cut, const Program& program, std::optional<do
       const auto found =
           std::lower_bound(cutting.way.begin(), cutting.way.end(), ghost * step) - cutting.way.begin();
       const auto index = std::min(static_cast<std::size_t>(found), cutting.poses.size() - 1);
-      add_ends(ghosts, program.strips[strip], strip, *cutting.poses[index], map);
+      add_ends(ghosts, program.strips[strip], strip, *cutting.poses[index], map, seen);
     }
   }
   if (!ghosts.blades.empty()) ghosts.note = text_of(PictureText::kBladeEvery, longest_step);

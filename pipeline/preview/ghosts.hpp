@@ -5,8 +5,12 @@
 
 namespace hotblade::pipeline::preview {
 
-// The curve in a frame's plane as points in space.
-[[nodiscard]] Polyline line_of(const Frame& frame, const elastica::Elastica& curve);
+// Returns what can be told apart in a picture of a program, mm, and no finer than the kept surface is worth.
+[[nodiscard]] double seen_mm(const Program& program);
+
+// The curve in a frame's plane as points in space, so far apart, but never so few that a bend is lost, nor so
+// many that a picture of hundreds of curves takes long; without a step as many.
+[[nodiscard]] Polyline line_of(const Frame& frame, const elastica::Elastica& curve, double step_mm = 0);
 
 // Ends of the blade at even steps of its middle through the cut, with their clamps.
 struct Ghosts {

@@ -56,11 +56,12 @@ void add_blade_at(Scene& scene, const Strip& strip, double at_s, const CellShown
   scene.clamps_a.push_back(pose.a);
   scene.clamps_b.push_back(pose.b);
   scene.blade_note = fmt::format("blade at {:.2f} s, {}", pose.t, name(pose.phase));
-  if (cell != nullptr) show_cell(scene, *cell, strip, static_cast<std::size_t>(after - strip.poses.begin()) - 1);
+  if (cell != nullptr)
+    show_cell(scene, *cell, strip, static_cast<std::size_t>(after - strip.poses.begin()) - 1);
 }
 
-void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options) {
-  for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica));
+void add_strip(Scene& scene, const Strip& strip, const SceneOptions& options, double seen) {
+  for (const Rib& rib : strip.ribs) scene.ribs.push_back(line_of(rib.frame, rib.elastica, seen));
   scene.blocks.push_back(strip.block);
   if (options.at_s) add_blade_at(scene, strip, *options.at_s, options.cell);
 }
@@ -69,13 +70,6 @@ Eigen::Vector3d mean_direction(const std::vector<Eigen::Vector3d>& normals) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& normal : normals) sum += normal;
   return sum.norm() > 0 ? sum.normalized() : sum;
-}
-
-// Grid step of the cut: what can be told apart in a picture, and no finer than the kept surface is worth.
-double sample_mm(const Program& program) {
-  constexpr double kFinest = 2.5, kStepsAcross = 400;
-  const Eigen::Vector3d size = program.design.bbox_mm[1] - program.design.bbox_mm[0];
-  return std::max(kFinest, size.norm() / kStepsAcross);
 }
 
 std::string duration_text(double seconds) {
@@ -189,12 +183,14 @@ Scene scene_of(const Program& program, const surface::DesignSurface* design, con
   }
   const std::vector<int> strips = chosen_strips(program, options);
   Scene scene;
-  for (const int index : strips) add_strip(scene, program.strips[static_cast<std::size_t>(index)], options);
+  const double seen = seen_mm(program);
+  for (const int index : strips)
+    add_strip(scene, program.strips[static_cast<std::size_t>(index)], options, seen);
   // A whole program of hundreds of strips is not copied.
   const bool whole = !options.at_s && strips.size() == program.strips.size();
   const Program chosen = whole ? Program{} : shown_part(program, options);
   const Program& part = whole ? program : chosen;
-  SweptSurface swept = swept_surface(part, sample_mm(program));
+  SweptSurface swept = swept_surface(part, seen);
   scene.waste_direction = mean_direction(swept.normals);
   scene.cut = {std::move(swept.vertices),
                std::move(swept.triangles),

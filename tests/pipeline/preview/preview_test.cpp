@@ -63,6 +63,34 @@ TEST(PngOf, NeedsNoDisplay) {
   EXPECT_GT(decoded(png_of(scene_of(vault_program(), nullptr, {}), kSmall)).colors.size(), 100u);
 }
 
+// The share of a picture's middle row and middle column that is unlike what lies on both sides of it.
+double seam_share(const std::string& png) {
+  vtkNew<vtkPNGReader> reader;
+  reader->SetMemoryBuffer(png.data());
+  reader->SetMemoryBufferLength(static_cast<vtkIdType>(png.size()));
+  reader->Update();
+  vtkImageData& image = *reader->GetOutput();
+  const int width = image.GetDimensions()[0], height = image.GetDimensions()[1];
+  const auto unlike = [&](int x, int y, int dx, int dy) {
+    const auto* is = static_cast<const unsigned char*>(image.GetScalarPointer(x, y, 0));
+    const auto* before = static_cast<const unsigned char*>(image.GetScalarPointer(x - dx, y - dy, 0));
+    const auto* behind = static_cast<const unsigned char*>(image.GetScalarPointer(x + dx, y + dy, 0));
+    constexpr int kSeen = 12;
+    return std::abs(is[1] - before[1]) > kSeen && std::abs(is[1] - behind[1]) > kSeen;
+  };
+  int count = 0;
+  for (int x = 1; x + 1 < width; ++x) count += unlike(x, height / 2, 0, 1) ? 1 : 0;
+  for (int y = 1; y + 1 < height; ++y) count += unlike(width / 2, y, 1, 0) ? 1 : 0;
+  return static_cast<double>(count) / (width + height);
+}
+
+TEST(PngOf, ShowsNoSeamWhereItsTilesMeet) {
+  const auto design = vault_design(1);
+  const Scene scene = scene_of(vault_program({.bulge_mm = 1.4}), &design, {});
+  for (const PictureSize size : {PictureSize{320, 180}, {321, 181}, {322, 183}})
+    EXPECT_LT(seam_share(png_of(scene, size)), 0.2) << size.width;  // a tenth by the lines there are
+}
+
 TEST(PngOf, GivesTheSameBytesForTheSameScene) {
   const Scene scene = scene_of(vault_program(), nullptr, {});
   EXPECT_EQ(png_of(scene, kSmall), png_of(scene, kSmall));
