@@ -105,7 +105,7 @@ def test_arrays_share_the_programs_memory_and_outlive_it(bump, bump_cut):
             array = getattr(strip, name)
             assert np.shares_memory(array, getattr(again, name)) and not array.flags.owndata, name
             # All are parts of the program's own waypoints, where they lie in its memory.
-            assert array.strides[0] == waypoint and 0 <= address(array) - address(strip.t) < waypoint, name
+            assert array.strides[0] == waypoint and abs(address(array) - address(strip.t)) < waypoint, name
         arrays = [getattr(strip, name) for name in names]
         before = [array.copy() for array in arrays]
         owners = [weakref.ref(array.base) for array in arrays]
