@@ -98,8 +98,9 @@ class DesignCells::Places {
       return low + (((high - low) ^ (place << 40) ^ (pieces << 52)) * kGolden >> 16);
     }
   };
-  // An entry of the table for each cell, and a place for every other: most edges are two cells'.
-  static constexpr std::size_t kRoom = sizeof(void*) + (sizeof(Key) + 2 * sizeof(void*)) / 2;
+  // An entry of the table for each cell, and a place for every other, as most edges are two cells'; an eighth
+  // to spare.
+  static constexpr std::size_t kRoom = (sizeof(void*) + (sizeof(Key) + 2 * sizeof(void*)) / 2) * 9 / 8;
 
   std::vector<Eigen::Vector3d>& points_;
   std::pmr::monotonic_buffer_resource pool_;  // a million places are let go at once
@@ -143,6 +144,7 @@ std::vector<DesignCells::Cell> DesignCells::divide(std::span<const double> wante
   for (const Cut& cut : cuts) divided += cut.pieces > 0 ? 1 : 0;
   std::vector<Cell> parts;
   parts.reserve(2 * divided);
+  points_.reserve(points_.size() + divided);  // as many at most but for needles
   Places places(points_, divided);
   for (std::size_t k = 0; k < cells_.size(); ++k) {
     const Cut& cut = cuts[k];

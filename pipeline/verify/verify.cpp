@@ -297,6 +297,7 @@ class CutMeasurement {
     std::vector<double> stands_for_mm2;
     while (!cells.cells().empty()) {
       find_nearest(search, cells.points(), nearest);
+      stands_for_mm2.reserve(nearest.size());
       stands_for_mm2.resize(nearest.size(), 0);
       const std::span<const DesignCells::Cell> asked(cells.cells());
       const double most = farthest_corner(cells, nearest);
@@ -431,6 +432,7 @@ class CutMeasurement {
   void find_nearest(const CutSearch& search, std::span<const Eigen::Vector3d> points,
                     std::vector<NearestCut>& nearest) const {
     std::size_t first = nearest.size();
+    nearest.reserve(points.size());  // no more: there are few rounds
     nearest.resize(points.size());
     for (; first < points.size(); first += kAtOnce) {
       const std::size_t count = std::min(kAtOnce, points.size() - first);
