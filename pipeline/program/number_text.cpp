@@ -55,7 +55,7 @@ char* write_number(char* to, float value) {
   const double size = std::abs(value);
   if (!(size >= kSmallest && size < kTens[6])) return std::to_chars(to, to + kNumberText, value).ptr;
   std::size_t decimals = kTens.size() - 1;
-  for (double below = 10 * kSmallest; size >= below; below *= 10) --decimals;
+  while (size * kTens[decimals] >= kTens[6]) --decimals;
   const double six = std::nearbyint(size * kTens[decimals]) / kTens[decimals];
   if (static_cast<float>(six) != std::abs(value)) return std::to_chars(to, to + kNumberText, value).ptr;
   return write_number(to, std::copysign(six, static_cast<double>(value)));

@@ -1,15 +1,20 @@
 // What keeps a million poses small: optionals without a flag, axes that are shared.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "pipeline/program/program.hpp"
 #include "tests/pipeline/vault_program.hpp"
 
 namespace hotblade::pipeline {
 namespace {
+
+using pipeline::testing::vault_program;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
