@@ -19,6 +19,7 @@
 #include "pipeline/plan/suggestions.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_search.hpp"
+#include "pipeline/program/freed_memory.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
@@ -215,6 +216,7 @@ class PlanLooks {
     full_.give(result);
     measure_ribs(result.program, hooks_.backend);
     hooks_.progress("verify", kPosed);
+    give_back_freed_memory();
     measure_cut(design_, hooks_.backend, result);
     judge(settings_, result);
     watch_.lap("verify");

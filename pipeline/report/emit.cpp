@@ -16,6 +16,7 @@
 #include "elastica/kernels/simd_pin.hpp"
 #include "pipeline/export/rib_files.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/freed_memory.hpp"
 #include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/program/sha256.hpp"
@@ -160,6 +161,7 @@ namespace {
 Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
                    const TakePictures& take_pictures) {
   Emitted emitted;
+  give_back_freed_memory();
   const bool passed = result.program.verification.status == VerificationStatus::kPassed;
   if (!passed && options.override_refusal) {
     for (const Refusal& r : result.refusals) result.program.overrides.push_back(describe(r));
