@@ -86,20 +86,20 @@ StripPhase scan_phase(Scanner& in) {
 // Frames of poses, nearly all of which have the axes of the one before.
 class FrameScanner {
  public:
-  Frame next(Scanner& in) {
+  SharedFrame next(Scanner& in) {
     frame_.origin = in.vector<3>("{\"origin\":");
     if (!axes_.empty() && in.next_is(axes_)) return frame_;
     const std::string_view before = in.left();
-    frame_.x = in.vector<3>(",\"x\":");
-    frame_.y = in.vector<3>(",\"y\":");
+    const Eigen::Vector3d x = in.vector<3>(",\"x\":"), y = in.vector<3>(",\"y\":");
     in.skip("}");
-    in.expect(is_unit(frame_.x.norm()) && is_unit(frame_.y.norm()) && is_square(frame_.x.dot(frame_.y)));
+    in.expect(is_unit(x.norm()) && is_unit(y.norm()) && is_square(x.dot(y)));
+    frame_ = {frame_.origin, x, y};
     axes_ = before.substr(0, before.size() - in.left().size());
     return frame_;
   }
 
  private:
-  Frame frame_;
+  SharedFrame frame_;
   std::string_view axes_;  // their text
 };
 
@@ -159,15 +159,13 @@ ArmJoints scan_joints(Scanner& in, std::string_view key) {
 void scan_pose(Scanner& in, FrameScanner& frames, double blade_length_mm, double clamp_reach_mm,
                std::size_t ribs, ScannedPoses& into) {
   BladePose& pose = into.poses.emplace_back();
-  const SharedFrame* const before = into.poses.size() < 2 ? nullptr : &(&pose - 1)->frame;
   pose.t = in.field("{\"t\":", kTime);
   pose.phase = scan_phase(in);
   in.skip("\",\"heat\":");
   pose.heat = in.next_is("true");
   if (!pose.heat) in.skip("false");
   in.skip(",\"frame\":");
-  const Frame frame = frames.next(in);
-  pose.frame = before != nullptr ? SharedFrame(frame, *before) : SharedFrame(frame);
+  pose.frame = frames.next(in);
   in.skip(",\"blade\":");
   pose.blade = scan_elastica(in);
   in.expect(is_blade_length(pose.blade.length, blade_length_mm));
