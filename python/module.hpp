@@ -35,11 +35,6 @@ struct Program {
   std::shared_ptr<const pipeline::Program> data;
 };
 
-// Makes every clamp pose seven numbers that follow each other, p and then w, x, y, z of q, so that arrays may
-// be views of them: a pose has a gap between p and q, whose parts are x, y, z, w, and w is written into it.
-// What is copied from these poses has nothing there.
-void write_poses_as_rows(pipeline::Program& program);
-
 using Numbers = py::array_t<double, py::array::c_style>;
 inline constexpr py::ssize_t kAny = -1;  // of a shape
 

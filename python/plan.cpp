@@ -172,9 +172,7 @@ std::shared_ptr<Plan> plan(const py::object& planned, const py::object& given, c
   pipeline::refuse_blocked(design.surface, design.surface.file_name);
   auto result = std::make_shared<Plan>();
   run_watched(threads, progress, [&](const Tell& tell) {
-    auto found = std::make_shared<pipeline::PlanResult>(planner.plan(tell));
-    write_poses_as_rows(found->program);
-    result->facts = std::move(found);
+    result->facts = std::make_shared<pipeline::PlanResult>(planner.plan(tell));
     result->program = std::make_shared<Program>(
         Program{std::shared_ptr<const pipeline::Program>(result->facts, &result->facts->program)});
   });

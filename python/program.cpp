@@ -33,9 +33,8 @@ struct Rib {
 };
 
 static_assert(sizeof(Elastica) == 7 * sizeof(double) && offsetof(Elastica, length) == 6 * sizeof(double));
-constexpr std::size_t kPosition = 3 * sizeof(double), kAligned = 4 * sizeof(double);
-static_assert(offsetof(pipeline::Pose, p) == 0 && offsetof(pipeline::Pose, q) == kAligned &&
-              sizeof(Eigen::Vector3d) == kPosition && sizeof(Eigen::Quaterniond) == kAligned);
+static_assert(sizeof(pipeline::PoseRow) == 7 * sizeof(double) && offsetof(pipeline::PoseRow, p) == 0 &&
+              offsetof(pipeline::PoseRow, w) == 3 * sizeof(double));
 static_assert(sizeof(StripPhase) == sizeof(std::uint8_t) && sizeof(Eigen::Vector2d) == 2 * sizeof(double));
 
 // One member of every pose, where the poses are.
@@ -59,8 +58,7 @@ py::array phases(const py::object& self) {
                             self);
 }
 
-// A clamp's poses, as write_poses_as_rows() left them.
-py::array clamps(const py::object& self, const pipeline::Pose BladePose::*member) {
+py::array clamps(const py::object& self, const pipeline::PoseRow BladePose::*member) {
   const auto& poses = self.cast<const Strip&>().get().poses;
   return view<double>({static_cast<py::ssize_t>(poses.size()), 7}, {sizeof(BladePose), sizeof(double)},
                       poses.empty() ? nullptr : (poses[0].*member).p.data(), self);
@@ -80,9 +78,7 @@ py::array planar(const std::vector<Eigen::Vector2d>& points, const py::object& s
 }
 
 std::shared_ptr<Program> handed_out(pipeline::Program&& program) {
-  auto whole = std::make_shared<pipeline::Program>(std::move(program));
-  write_poses_as_rows(*whole);
-  return std::make_shared<Program>(Program{std::move(whole)});
+  return std::make_shared<Program>(Program{std::make_shared<pipeline::Program>(std::move(program))});
 }
 
 std::shared_ptr<Program> load_program(const py::object& file) {
@@ -191,17 +187,6 @@ void add_strip(py::module_& module) {
 }
 
 }  // namespace
-
-void write_poses_as_rows(pipeline::Program& program) {
-  for (pipeline::Strip& strip : program.strips) {
-    for (BladePose& pose : strip.poses) {
-      for (pipeline::Pose* clamp : {&pose.a, &pose.b}) {
-        const double w = clamp->q.w();
-        std::memcpy(reinterpret_cast<std::byte*>(clamp) + kPosition, &w, sizeof(w));
-      }
-    }
-  }
-}
 
 void add_program(py::module_& module) {
   add_rib(module);

@@ -45,7 +45,7 @@ struct Options {
 struct Planned {
   int code = -1;  // exit code; -1 when a signal ended it
   double processor_s = 0;
-  long peak_mib = 0;
+  long peak_mb = 0;
   json report;                    // null without one
   std::vector<double> bezier_mm;  // by rib of the program, none without one
 };
@@ -99,7 +99,7 @@ Planned planned(const fs::path& obj, const fs::path& out, const Options& options
   Planned result;
   result.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   result.processor_s = seconds(used.ru_utime) + seconds(used.ru_stime);
-  result.peak_mib = used.ru_maxrss / 1024;
+  result.peak_mb = used.ru_maxrss * 1024 / 1000000;
   if (std::ifstream in(out / "report.json"); in) result.report = json::parse(in);
   if (std::ifstream in(out / "program.json"); in) {
     const json program = json::parse(in);
@@ -135,7 +135,7 @@ std::string cell(std::string text) {
 std::string row(const std::string& name, const Planned& p, const std::string& reason, Totals& totals) {
   ++totals.panels;
   totals.processor_s.push_back(p.processor_s);
-  const std::string cost = fmt::format("{:.2f} | {}", p.processor_s, p.peak_mib);
+  const std::string cost = fmt::format("{:.2f} | {}", p.processor_s, p.peak_mb);
   if (p.report.is_null())
     return fmt::format("| {} | none | - | - | - | - | - | - | {} | {} |", name, cost, cell(reason));
   const json& r = p.report;

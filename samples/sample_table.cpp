@@ -66,7 +66,7 @@ std::string row(const Case& c) {
       "{:.2f} | {} | {} |",
       name, design.health.triangles, result.strips.size(), ribs, settings.design.tolerance_mm, d.max, d.p99,
       gap, kink, bezier_mm, result.verification.ribs.far.size(), volume > 0 ? 100 * kept / volume : 0,
-      result.verification.uncut_mm2, duration / 60, seconds, used.ru_maxrss / 1024,
+      result.verification.uncut_mm2, duration / 60, seconds, used.ru_maxrss * 1024 / 1000000,
       pipeline::name(result.program.verification.status));
 }
 

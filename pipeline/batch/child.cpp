@@ -138,7 +138,7 @@ std::optional<ChildEnd> Child::poll() {
   if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
   end.cpu_s = seconds_of(used.ru_utime) + seconds_of(used.ru_stime);
-  end.peak_mb = static_cast<double>(used.ru_maxrss) / 1000;
+  end.peak_mb = static_cast<double>(used.ru_maxrss) * 1024 / 1e6;
   return end;
 }
 

@@ -246,8 +246,8 @@ double off_straight_mm(const Program& program, const robot::Cell& cell) {
         };
         const Eigen::Vector3d is =
             (base * robot::forward(arm.model.arm, (angles(k - 1) + angles(k)) / 2) * jaw).translation();
-        const Pose &from = b ? strip.poses[k - 1].b : strip.poses[k - 1].a,
-                   &to = b ? strip.poses[k].b : strip.poses[k].a;
+        const PoseRow &from = b ? strip.poses[k - 1].b : strip.poses[k - 1].a,
+                      &to = b ? strip.poses[k].b : strip.poses[k].a;
         most = std::max(most, (is - to_cell * Eigen::Vector3d((from.p + to.p) / 2)).norm());
       }
     }

@@ -38,7 +38,7 @@ std::vector<double> triangle_times(const ViewModel& model) {
 }
 
 // Clamps stand still or move along lines in air, so a point every few millimetres shows their way.
-void add_air_path(const Strip& strip, const Pose BladePose::*clamp, std::vector<Polyline>& paths) {
+void add_air_path(const Strip& strip, const PoseRow BladePose::*clamp, std::vector<Polyline>& paths) {
   constexpr double kStepMm = 2;
   Polyline path;
   const auto finish = [&] {

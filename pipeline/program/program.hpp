@@ -16,6 +16,7 @@
 #include "pipeline/program/block.hpp"
 #include "pipeline/program/compact_optional.hpp"
 #include "pipeline/program/frame.hpp"
+#include "pipeline/program/pose_row.hpp"
 #include "pipeline/program/program_arms.hpp"
 #include "pipeline/program/shared_frame.hpp"
 #include "pipeline/settings/settings.hpp"
@@ -86,7 +87,7 @@ inline constexpr std::array kStripPhases{StripPhase::kForm,    StripPhase::kPreh
 // Where the blade and its clamps are at one time of a strip. A job has a million: in this order there are no
 // gaps between members.
 struct BladePose {
-  Pose a, b;     // design frame
+  PoseRow a, b;  // clamps, design frame
   double t = 0;  // s from the strip's start
   SharedFrame frame;
   elastica::Elastica blade;                     // whole blade, clamp A to clamp B, in the frame's plane

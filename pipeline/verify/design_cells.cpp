@@ -9,9 +9,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "gpu/backend/stop.hpp"
-#include "surface/read/blocks.hpp"
-
 namespace hotblade::pipeline {
 
 namespace {
@@ -129,17 +126,8 @@ void DesignCells::slice(const Cell& cell, std::size_t shortest, std::size_t piec
   }
 }
 
-std::vector<DesignCells::Cell> DesignCells::divide(std::span<const double> wanted_mm) {
-  if (wanted_mm.size() != cells_.size()) throw std::logic_error("DesignCells::divide: one edge a cell");
-  // How each is cut is looked at beside the others; points have their places in one order.
-  std::vector<Cut> cuts(cells_.size());
-  constexpr std::size_t kCells = 1 << 12;
-  surface::for_blocks(cells_.size(), kCells, [&](std::size_t first, std::size_t last) {
-    gpu::stop_point();
-    for (std::size_t k = first; k < last; ++k) {
-      if (wanted_mm[k] > 0) cuts[k] = cut_of(cells_[k], wanted_mm[k]);
-    }
-  });
+std::vector<DesignCells::Cell> DesignCells::divide(std::span<const Cut> cuts) {
+  if (cuts.size() != cells_.size()) throw std::logic_error("DesignCells::divide: one cut a cell");
   std::size_t divided = 0;
   for (const Cut& cut : cuts) divided += cut.pieces > 0 ? 1 : 0;
   std::vector<Cell> parts;
@@ -158,7 +146,7 @@ std::vector<DesignCells::Cell> DesignCells::divide(std::span<const double> wante
   return std::exchange(cells_, std::move(parts));
 }
 
-DesignCells::Cut DesignCells::cut_of(const Cell& cell, double wanted_mm) const {
+DesignCells::Cut DesignCells::cut_to(const Cell& cell, double wanted_mm) const {
   constexpr double kNeedle = 0.25;  // shortest by longest edge
   const std::size_t longest = longest_edge(cell);
   std::size_t shortest = 0;

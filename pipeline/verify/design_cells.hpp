@@ -32,25 +32,25 @@ class DesignCells {
   [[nodiscard]] double area_mm2(const Cell& cell) const;
   [[nodiscard]] double longest_edge_mm(const Cell& cell) const;
 
-  // Divides the cells for which an edge is wanted, mm, towards that their longest is no longer, and takes
-  // those for which none is (0) away: they are settled. One span entry a cell (std::logic_error). A place on
-  // an edge that two of the cells share becomes one point. New points and cells are the same whatever the
-  // number of threads. Returns the cells that were; views of them stay valid meanwhile.
-  std::vector<Cell> divide(std::span<const double> wanted_mm);
-
- private:
-  // The longest edge from corners[edge] to the next; of equal ones the one between the lowest indices, so
-  // that two cells at an edge choose alike.
-  [[nodiscard]] std::size_t longest_edge(const Cell& cell) const;
-  [[nodiscard]] double edge_mm(const Cell& cell, std::size_t edge) const;
-
   // How a cell is divided: a needle at its shortest edge, others in two at their longest.
   struct Cut {
     std::uint32_t pieces = 0;  // 0: it is not
     std::uint8_t edge = 0;
     bool needle = false;
   };
-  [[nodiscard]] Cut cut_of(const Cell& cell, double wanted_mm) const;
+  // Towards that its longest edge is no longer than wanted, mm, > 0.
+  [[nodiscard]] Cut cut_to(const Cell& cell, double wanted_mm) const;
+
+  // Divides the cells, and takes those that are not away: they are settled. One cut a cell
+  // (std::logic_error). A place on an edge that two of the cells share becomes one point. Returns the cells
+  // that were; views of them stay valid meanwhile.
+  std::vector<Cell> divide(std::span<const Cut> cuts);
+
+ private:
+  // The longest edge from corners[edge] to the next; of equal ones the one between the lowest indices, so
+  // that two cells at an edge choose alike.
+  [[nodiscard]] std::size_t longest_edge(const Cell& cell) const;
+  [[nodiscard]] double edge_mm(const Cell& cell, std::size_t edge) const;
 
   // Points of one division, by the edge and the place on it.
   class Places;

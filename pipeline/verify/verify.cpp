@@ -303,22 +303,23 @@ class CutMeasurement {
       const double most = farthest_corner(cells, nearest);
       // Set by all cores: new memory is as much work as what is written to it.
       const auto known = std::make_unique_for_overwrite<Known[]>(asked.size());
-      const auto wanted = std::make_unique_for_overwrite<double[]>(asked.size());
+      const auto cuts = std::make_unique_for_overwrite<DesignCells::Cut[]>(asked.size());
       for_each_of(asked.size(), [&](std::size_t i) {
         const CellBound bound = bound_of(cells, asked[i], nearest);
         known[i] = {bound.sum(), cells.area_mm2(asked[i])};
-        wanted[i] = wanted_edge_mm(cells, asked[i], nearest, bound, most);
+        const double wanted_mm = wanted_edge_mm(cells, asked[i], nearest, bound, most);
+        cuts[i] = wanted_mm > 0 ? cells.cut_to(asked[i], wanted_mm) : DesignCells::Cut{};
       });
       std::vector<DesignCells::Cell> before;  // what `asked` shows from then on
       tbb::parallel_invoke(
           [&] {
             for (std::size_t i = 0; i < asked.size(); ++i) {
               gpu::stop_point();
-              if (wanted[i] == 0) settle(asked[i], nearest, known[i], stands_for_mm2);
+              if (cuts[i].pieces == 0) settle(asked[i], nearest, known[i], stands_for_mm2);
             }
           },
           [&] {
-            before = cells.divide({wanted.get(), asked.size()});
+            before = cells.divide({cuts.get(), asked.size()});
           });
       gpu::stop_point();
     }

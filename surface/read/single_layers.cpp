@@ -210,16 +210,19 @@ class Border {
 }  // namespace
 
 SingleLayers::SingleLayers(const TriangleMesh& mesh, std::span<const int> order)
-    : mesh_(mesh), order_(order), place_(order.size()), seen_(order.size()) {
+    : mesh_(mesh), order_(order), place_(order.size()) {
   if (order.size() != mesh.triangles().size() || (!order.empty() && !mesh.half_edges().plain()))
     throw std::logic_error("SingleLayers: needs a plain surface and each of its faces once");
   for_blocks(order.size(), kBlock, [&](std::size_t from, std::size_t to) {
-    for (std::size_t i = from; i < to; ++i) {
-      const auto f = static_cast<std::size_t>(order[i]);
-      place_[f] = static_cast<int>(i);
-      seen_[i] = static_cast<std::uint8_t>(seen_along(mesh.vertices(), mesh.triangles()[f]));
-    }
+    for (std::size_t i = from; i < to; ++i) place_[static_cast<std::size_t>(order[i])] = static_cast<int>(i);
   });
+}
+
+unsigned SingleLayers::fronts(std::size_t first, std::size_t count) const {
+  unsigned axes = (1U << kAxes) - 1;
+  for (std::size_t i = first; i < first + count && axes != 0; ++i)
+    axes &= seen_along(mesh_.vertices(), mesh_.triangles()[static_cast<std::size_t>(order_[i])]);
+  return axes;
 }
 
 int SingleLayers::widest(std::size_t first, std::size_t count, unsigned axes) const {
@@ -242,8 +245,7 @@ int SingleLayers::widest(std::size_t first, std::size_t count, unsigned axes) co
 }
 
 bool SingleLayers::holds(std::size_t first, std::size_t count) const {
-  unsigned axes = (1U << kAxes) - 1;
-  for (std::size_t i = first; i < first + count; ++i) axes &= seen_[i];
+  const unsigned axes = fronts(first, count);
   const int axis = axes == 0 ? -1 : widest(first, count, axes);
   if (axis < 0) return false;
   const HalfEdges::Mesh& links = mesh_.half_edges().mesh();

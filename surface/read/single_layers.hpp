@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -28,13 +27,14 @@ class SingleLayers {
   [[nodiscard]] bool holds(std::size_t first, std::size_t count) const;
 
  private:
+  // Returns the axes, as bits, that all of some faces are surely seen along.
+  [[nodiscard]] unsigned fronts(std::size_t first, std::size_t count) const;
   // Returns the axis of `axes` that most of the area of some of the faces is seen along.
   [[nodiscard]] int widest(std::size_t first, std::size_t count, unsigned axes) const;
 
   const TriangleMesh& mesh_;
   std::span<const int> order_;
-  std::vector<int> place_;          // of each face
-  std::vector<std::uint8_t> seen_;  // of each place: the axes that its face is surely seen along, as bits
+  std::vector<int> place_;  // of each face
 };
 
 }  // namespace hotblade::surface

@@ -34,7 +34,7 @@ inline Program motion_program(int strips, std::size_t poses, double dt_s = 0.05)
       // The shape that these clamps hold, in the axes of the first.
       if (blade.move_to(pose.a, pose.b).held()) {
         pose.blade = blade.shape();
-        pose.frame = {pose.a.p, pose.a.q * Eigen::Vector3d::UnitX(), pose.a.q * Eigen::Vector3d::UnitY()};
+        pose.frame = {pose.a.p, pose.a.q() * Eigen::Vector3d::UnitX(), pose.a.q() * Eigen::Vector3d::UnitY()};
       }
       strip.poses.push_back(pose);
     }

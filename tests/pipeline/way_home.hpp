@@ -33,13 +33,13 @@ inline Travelled measured_way_home(const Strip& strip, double width_mm) {
     const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
     if (q.phase != StripPhase::kTravel) continue;
     found.seconds += q.t - p.t;
-    const double turn = p.a.q.angularDistance(q.a.q);
+    const double turn = p.a.q().angularDistance(q.a.q());
     found.chords_mm = std::max(found.chords_mm, turn * turn / 8 * strip.blade_length_mm);
     if (seen.empty()) {
       for (const auto& point : elastica::sample(p.blade, 1000)) {
         for (const double side : {-0.5, 0.5}) {
           const Eigen::Vector3d at = p.frame.point(point.x, point.y) + side * width_mm * p.frame.normal();
-          seen.push_back(p.a.q.conjugate() * (at - p.a.p));
+          seen.push_back(p.a.q().conjugate() * (at - p.a.p));
         }
       }
     }

@@ -91,7 +91,7 @@ double outside(const Strip& strip, const ArmPlace& at, const robot::MotionLimits
   double most = 0;
   const Pose place = placed(strip.design_to_cell, at);
   for (const BladePose& pose : strip.poses) {
-    for (const Pose* clamp : {&pose.a, &pose.b}) {
+    for (const PoseRow* clamp : {&pose.a, &pose.b}) {
       const Eigen::Vector3d p = robot::transformed(place, *clamp).p;
       most =
           std::max({most, (p - limits.envelope_max_mm).maxCoeff(), (limits.envelope_min_mm - p).maxCoeff()});

@@ -47,9 +47,10 @@ double down_to_digits(double value, int digits) {
   return std::floor(value * kTens[decimals]) / kTens[decimals];
 }
 
-void round_pose(Pose& pose) {
+void round_pose(PoseRow& pose) {
   put_on_grid(pose.p, kLength);
-  put_on_grid(pose.q.coeffs(), kUnit);
+  pose.w = on_grid(pose.w, kUnit);
+  put_on_grid(pose.v, kUnit);
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ TEST(FanPlan, ClampsShareAPlaneAtAndBetweenWaypoints) {
     for (std::size_t i = 1; i < strip.poses.size(); ++i) {
       for (const double t : {0.25, 0.5, 0.8}) {
         const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
-        const Pose a{(1 - t) * p.a.p + t * q.a.p, p.a.q.slerp(t, q.a.q)},
-            b{(1 - t) * p.b.p + t * q.b.p, p.b.q.slerp(t, q.b.q)};
+        const Pose a{(1 - t) * p.a.p + t * q.a.p, p.a.q().slerp(t, q.a.q())},
+            b{(1 - t) * p.b.p + t * q.b.p, p.b.q().slerp(t, q.b.q())};
         ASSERT_LT(off_plane_mm(a, b), robot::kMaxOffPlane_mm);
       }
     }

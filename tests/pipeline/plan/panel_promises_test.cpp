@@ -95,7 +95,7 @@ void expect_blade_is_safe(const Strip& strip, const Settings& settings) {
   constexpr std::size_t kEvery = 8;
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
     const BladePose& pose = strip.poses[i];
-    for (const Pose& clamp : {pose.a, pose.b})
+    for (const PoseRow& clamp : {pose.a, pose.b})
       nearest_mm = std::min(nearest_mm, stock.exteriorDistance(axes.transpose() * (clamp.p - f.origin)));
     if (i % kEvery != 0) continue;
     EXPECT_GT(elastica::stability_margin(pose.blade), 1) << strip.id << " pose " << i;

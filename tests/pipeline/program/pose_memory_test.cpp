@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cstring>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -75,6 +76,20 @@ TEST(SharedFrame, TakesTheAxesOfAnotherOnlyWhereTheyAreTheSame) {
   EXPECT_EQ(turned.y(), -first.y);
   EXPECT_FALSE(turned.shares_axes(like));
   EXPECT_EQ(like.y(), first.y);
+}
+
+TEST(PoseRow, IsThePoseItIsMadeOfInSevenNumbers) {
+  const Pose pose{{1, 2, 3}, {0.5, -0.5, 0.1, 0.7}};
+  const PoseRow row = pose;
+  const Pose back = row;
+  EXPECT_EQ(back.p, pose.p);
+  EXPECT_EQ(back.q.coeffs(), pose.q.coeffs());
+  std::array<double, 7> numbers{};
+  static_assert(sizeof(row) == sizeof(numbers));
+  std::memcpy(numbers.data(), &row, sizeof(numbers));
+  EXPECT_EQ(numbers, (std::array<double, 7>{1, 2, 3, 0.5, -0.5, 0.1, 0.7}));
+  const Pose none = PoseRow();
+  EXPECT_EQ(none.q.coeffs(), Pose().q.coeffs());
 }
 
 TEST(BladePose, HasNoGapsBetweenItsMembers) {

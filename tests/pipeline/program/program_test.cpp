@@ -551,7 +551,7 @@ TEST(Waypoints, AreThePosesInTheCellFrameInMicroseconds) {
     const Eigen::Matrix3d turn = strip.design_to_cell.q.toRotationMatrix();
     const double rounding = 1e-12 * 1000;  // a few ulps of coordinates below a metre
     EXPECT_LT((points[i].a.p - (turn * pose.a.p + strip.design_to_cell.p)).norm(), rounding);
-    EXPECT_LT((points[i].b.q.toRotationMatrix() - turn * pose.b.q.toRotationMatrix()).norm(), rounding);
+    EXPECT_LT((points[i].b.q.toRotationMatrix() - turn * pose.b.q().toRotationMatrix()).norm(), rounding);
     EXPECT_GT(points[i].b.q.coeffs().cwiseAbs().maxCoeff(), 0);
     EXPECT_EQ(points[i].b.q.coeffs().cwiseAbs().maxCoeff(), points[i].b.q.coeffs().maxCoeff());
   }

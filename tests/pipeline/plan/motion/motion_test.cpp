@@ -71,7 +71,7 @@ Differences differences(const std::vector<BladePose>& poses) {
       const BladePose &from = poses[std::min(i, poses.size()) - 1],
                       &to = poses[std::min(i, poses.size() - 1)];
       step = {step[1], step[2], i < poses.size() ? to.t - from.t : step[2]};
-      const Eigen::AngleAxisd turn((to.*clamp).q * (from.*clamp).q.conjugate());
+      const Eigen::AngleAxisd turn((to.*clamp).q() * (from.*clamp).q().conjugate());
       const double angle = turn.angle() > M_PI ? turn.angle() - 2 * M_PI : turn.angle();
       v = {v[1], ((to.*clamp).p - (from.*clamp).p) / step[2]};
       w = {w[1], angle * turn.axis() / step[2]};
@@ -132,7 +132,7 @@ TEST(TimeLaw, JerkChangesTimesAndNothingElse) {
   ASSERT_EQ(slower.poses.size(), before.poses.size());
   for (std::size_t i = 0; i < before.poses.size(); ++i) {
     EXPECT_EQ(slower.poses[i].a.p, before.poses[i].a.p);
-    EXPECT_EQ(slower.poses[i].b.q.coeffs(), before.poses[i].b.q.coeffs());
+    EXPECT_EQ(slower.poses[i].b.q().coeffs(), before.poses[i].b.q().coeffs());
     EXPECT_EQ(slower.poses[i].rib, before.poses[i].rib);
   }
   EXPECT_GT(slower.facts.duration_s, before.facts.duration_s);
@@ -216,7 +216,7 @@ TEST(LayOutStrips, PutsTheBlockOnThePlinthAboveTheTableCentred) {
 double lowest_clamp_mm(const StripPlan& strip, const BladeMotion& motion) {
   double lowest = 1e9;
   for (const BladePose& pose : motion.poses)
-    for (const Pose& clamp : {pose.a, pose.b})
+    for (const PoseRow& clamp : {pose.a, pose.b})
       lowest = std::min(lowest, transformed(strip.design_to_cell, clamp).p.z());
   return lowest;
 }

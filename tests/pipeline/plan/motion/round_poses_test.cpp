@@ -47,8 +47,8 @@ std::vector<BladePose> random_poses(std::size_t count) {
                   within(sharpest / length),
                   length};
     pose.foam = {{length / 7, length / 3}};
-    for (Pose* clamp : {&pose.a, &pose.b})
-      *clamp = {Eigen::Vector3d(within(1e4), within(1e4), within(1e4)), Eigen::Quaterniond::UnitRandom()};
+    for (PoseRow* clamp : {&pose.a, &pose.b})
+      *clamp = Pose{Eigen::Vector3d(within(1e4), within(1e4), within(1e4)), Eigen::Quaterniond::UnitRandom()};
     pose.margin = within(80);
     pose.margin_mm = 10 + within(10);
   }
@@ -69,7 +69,7 @@ TEST(RoundPoses, MovesNoPointOfABladeByMoreThanAHundredThousandthOfAMicrometre) 
       farthest = std::max(farthest, (point(poses[i], share) - point(exact[i], share)).norm());
     for (const auto clamp : {&BladePose::a, &BladePose::b}) {
       clamps = std::max(clamps, ((poses[i].*clamp).p - (exact[i].*clamp).p).norm());
-      turned = std::max(turned, (poses[i].*clamp).q.angularDistance((exact[i].*clamp).q));
+      turned = std::max(turned, (poses[i].*clamp).q().angularDistance((exact[i].*clamp).q()));
     }
   }
   EXPECT_LT(farthest, 1e-7);
@@ -85,7 +85,7 @@ TEST(RoundPoses, LeavesFewDigits) {
   for (const BladePose& pose : poses) {
     for (const double length : {pose.frame.origin.x(), pose.a.p.z(), pose.blade.x, (*pose.foam)[1]})
       ASSERT_LE(digits(length), 13U) << shortest(length);
-    for (const double unit : {pose.frame.x().y(), pose.b.q.w(), pose.blade.kappa, pose.blade.lambda2})
+    for (const double unit : {pose.frame.x().y(), pose.b.w, pose.blade.kappa, pose.blade.lambda2})
       ASSERT_LE(digits(unit), 12U) << shortest(unit);
     for (const double judged : {pose.margin, *pose.margin_mm})
       ASSERT_LE(digits(judged), 6U) << shortest(judged);
@@ -121,7 +121,7 @@ TEST(RoundPoses, AgainChangesNothing) {
   round_all();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_EQ(poses[i].frame.origin, once[i].frame.origin);
-    EXPECT_EQ(poses[i].a.q.coeffs(), once[i].a.q.coeffs());
+    EXPECT_EQ(poses[i].a.q().coeffs(), once[i].a.q().coeffs());
     EXPECT_EQ(poses[i].blade.kappa, once[i].blade.kappa);
     EXPECT_EQ(poses[i].blade.lambda1, once[i].blade.lambda1);
     EXPECT_EQ(poses[i].margin_mm, once[i].margin_mm);
