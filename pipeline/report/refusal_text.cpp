@@ -18,8 +18,9 @@ std::string note(const Refusal& r, const Words& w) {
 
 std::string describe_amount(const Refusal& r, const Words& w) {
   const std::string in_unit = unit(r).empty() ? "" : " " + unit(r, w);
-  return fmt::format("{} {}{:.4g}{} ({} {:.4g}{}){}", w.said(info(r.limit).name), r.capped ? ">= " : "",
-                     shown_value(r), in_unit, w("limit"), r.bound, in_unit, w.said(r.when));
+  const AmountText amount = amount_text(r);
+  return fmt::format("{} {}{}{} ({} {}{}){}", w.said(info(r.limit).name), r.capped ? ">= " : "", amount.value,
+                     in_unit, w("limit"), amount.bound, in_unit, w.said(r.when));
 }
 
 std::string describe(const Refusal& r, const Words& w) {

@@ -87,11 +87,12 @@ std::string refusals_section(const PlanResult& result, const Words& w) {
                      "</th><th class=\"l\">" + w("limit") + "</th><th>" + w("is") + "</th><th>" +
                      w("allowed") + "</th><th class=\"l\">" + w("note") + "</th></tr>\n";
   for (const Refusal& r : result.refusals) {
+    const AmountText amount = amount_text(r);
     html += fmt::format(
-        "<tr><td class=\"l\">{} {} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{:.4g} "
-        "{}</td><td>{:.4g} {}</td><td class=\"l say\">{}</td></tr>\n",
+        "<tr><td class=\"l\">{} {} {}</td><td class=\"l\">{}</td><td class=\"bad\">{}{} "
+        "{}</td><td>{} {}</td><td class=\"l say\">{}</td></tr>\n",
         escaped(w.said(r.strip)), escaped(r.rib), escaped(w.said(r.place)), escaped(limit_text(r, w)),
-        r.capped ? "&ge; " : "", shown_value(r), escaped(unit(r, w)), r.bound, escaped(unit(r, w)),
+        r.capped ? "&ge; " : "", amount.value, escaped(unit(r, w)), amount.bound, escaped(unit(r, w)),
         escaped(note(r, w)));
   }
   html += "</table>\n";

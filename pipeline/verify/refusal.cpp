@@ -22,15 +22,21 @@ std::string note(const Refusal& r) {
   return r.note.empty() ? info(r.limit).meaning : r.note;
 }
 
-double shown_value(const Refusal& r) {
+AmountText amount_text(const Refusal& r) {
   constexpr double kRounding = 1e-9;  // of any limit's unit: a zero that was computed
-  return std::abs(r.value) < kRounding ? 0 : r.value;
+  constexpr int kFewestDigits = 4, kMostDigits = 15;
+  const double value = std::abs(r.value) < kRounding ? 0 : r.value;
+  for (int digits = kFewestDigits;; ++digits) {
+    AmountText text{fmt::format("{:.{}g}", value, digits), fmt::format("{:.{}g}", r.bound, digits)};
+    if (text.value != text.bound || value == r.bound || digits == kMostDigits) return text;
+  }
 }
 
 std::string describe_amount(const Refusal& r) {
   const std::string in_unit = unit(r).empty() ? "" : " " + unit(r);
-  return fmt::format("{} {}{:.4g}{} (limit {:.4g}{}){}", info(r.limit).name, r.capped ? ">= " : "",
-                     shown_value(r), in_unit, r.bound, in_unit, r.when);
+  const AmountText amount = amount_text(r);
+  return fmt::format("{} {}{}{} (limit {}{}){}", info(r.limit).name, r.capped ? ">= " : "", amount.value,
+                     in_unit, amount.bound, in_unit, r.when);
 }
 
 std::string describe(const Refusal& r) {

@@ -36,8 +36,12 @@ struct Refusal {
 [[nodiscard]] std::string unit(const Refusal& refusal);
 [[nodiscard]] std::string note(const Refusal& refusal);
 
-// Returns the measured value; a zero that was computed is one.
-[[nodiscard]] double shown_value(const Refusal& refusal);
+// The measured value and what is allowed, in digits that tell them apart.
+struct AmountText {
+  std::string value, bound;
+};
+// Returns both in four digits, or as many as they first differ in; a zero that was computed is one.
+[[nodiscard]] AmountText amount_text(const Refusal& refusal);
 
 // Returns `S003R012 at (1.0, 2.0, 3.0): radius 55.2 mm (limit 70.5 mm): note`: the reason, and not what may
 // help, which takes a trial (pipeline/advice/advice.hpp).

@@ -173,8 +173,14 @@ void check_limits(const StripPlan& strip, const Settings& settings, BladeMotion&
   if (settings.machine.plinth_mm == 0)
     motion.raise_mm =
         kRaiseStepMm * std::ceil(std::max(0.0, settings.stock.clearance_mm - m.lowest) / kRaiseStepMm);
-  const double lowest = m.lowest + motion.raise_mm;
-  const double outside = std::max(m.aside, m.highest + motion.raise_mm - settings.machine.envelope_mm[2]);
+  // Places are rounded to 1e-8 mm (round_poses.hpp), and turned by axes that are.
+  const auto to_nanometres = [](double mm) {
+    constexpr double kInMm = 1e6;
+    return std::nearbyint(mm * kInMm) / kInMm;
+  };
+  const double lowest = to_nanometres(m.lowest + motion.raise_mm);
+  const double outside =
+      to_nanometres(std::max(m.aside, m.highest + motion.raise_mm - settings.machine.envelope_mm[2]));
   // Written so that a value that is not a number is refused.
   const auto at_most = [&](Limit limit, double value, double bound) {
     if (!(value <= bound)) motion.refusals.push_back({strip.id, "", limit, value, bound});
@@ -234,7 +240,9 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook
   const SlowFeed slow = slowest_feed(motion.poses, !strip.formed.empty());
   motion.facts.slowest_feed_mm_s = slow.slowest_mm_s;
   check_limits(strip, settings, motion);
-  if (!(slow.slowest_mm_s >= settings.motion.min_feed_mm_s)) {
+  // Of a surface that asks for one feed everywhere facets and rounded times make a little less.
+  constexpr double kSameFeed = 0.999;
+  if (!(slow.slowest_mm_s >= kSameFeed * settings.motion.min_feed_mm_s)) {
     Refuser refuse(strip, motion);
     refuse(slow.pose, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
            why_slow(slow, motion.poses, strip.planes.turns(), settings.motion));

@@ -25,17 +25,28 @@ double duration_s(const PlanResult& result) {
                          [](double s, const StripFacts& f) { return s + f.motion.duration_s; });
 }
 
+std::string sample_path(const std::string& name) {
+  return hotblade::testing::source_dir() + "/samples/" + name;
+}
+
+Settings settings_of(const std::string& name) {
+  return resolve({{sample_path(name) + ".toml"}, {}, {}});
+}
+
+PlanResult plan_sample(const std::string& name, const Settings& settings) {
+  return plan(surface::read_obj(sample_path(name) + ".obj", {settings.design.units, 'z'}), settings, {});
+}
+
 PlanResult plan_sample(const std::string& name, const MotionSettings& motion) {
-  const std::string base = hotblade::testing::source_dir() + "/samples/" + name;
-  Settings settings = resolve({{base + ".toml"}, {}, {}});
+  Settings settings = settings_of(name);
   settings.motion = motion;
-  return plan(surface::read_obj(base + ".obj", {settings.design.units, 'z'}), settings, {});
+  return plan_sample(name, settings);
 }
 
 const PlanResult& usual(const std::string& name) {
   static std::map<std::string, PlanResult> plans;
   const auto at = plans.find(name);
-  return at != plans.end() ? at->second : plans.emplace(name, plan_sample(name, {})).first->second;
+  return at != plans.end() ? at->second : plans.emplace(name, plan_sample(name, MotionSettings{})).first->second;
 }
 
 // How much slower the usual motion would have to run as a whole to keep to other limits.
@@ -112,6 +123,27 @@ TEST(ClampLimitsRefusal, NamesTheRibWhereFoamWouldMeltTooWideAndTheLimitThatHold
   EXPECT_GT(motion.accel_mm_s2, 0.2);
   const PlanResult helped = plan_sample("s_wall", motion);
   EXPECT_EQ(slowest_feed(helped), nullptr) << describe(*slowest_feed(helped));
+}
+
+TEST(ClampLimitsRefusal, IsNoneByRounding) {
+  MotionSettings motion;
+  motion.min_feed_mm_s = motion.feed_mm_s;
+  // The window is a cylinder: each point has the feed, but for 0.001 mm/s.
+  const PlanResult even = plan_sample("window", motion);
+  EXPECT_EQ(slowest_feed(even), nullptr) << describe(*slowest_feed(even));
+  motion.feed_mm_s *= 1.002;
+  motion.min_feed_mm_s = motion.feed_mm_s * 1.002;
+  EXPECT_NE(slowest_feed(plan_sample("window", motion)), nullptr);
+  // The lowest clamp stands on the table, at 3e-9 mm below it.
+  Settings on_table = settings_of("bump");
+  on_table.stock.clearance_mm = 0;
+  on_table.machine.plinth_mm = 20;
+  const PlanResult standing = plan_sample("bump", on_table);
+  EXPECT_TRUE(standing.refusals.empty()) << describe(standing.refusals.front());
+  on_table.machine.plinth_mm = 19.9999;
+  const PlanResult below = plan_sample("bump", on_table);
+  ASSERT_FALSE(below.refusals.empty());
+  EXPECT_EQ(below.refusals.front().limit, Limit::kClampHeight);
 }
 
 }  // namespace

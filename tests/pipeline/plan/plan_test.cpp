@@ -333,17 +333,19 @@ TEST(Plan, RefusesABladeWhoseDroopTakesTheTolerance) {
 }
 
 TEST(Plan, RefusesASlowBladePointByName) {
-  // A fan about a line close to one border: the blade all but stands there.
-  const auto fan = grid_design("fan", 60, 60, [](double u, double v) {
-    const double turn = 0.5 * (u - 0.5), r = 60 + 500 * v;
-    return Eigen::Vector3d(r * std::sin(turn), r * std::cos(turn), 0);
+  // A helicoid: the blade turns about the middle of its part in foam, which goes along at less than its ends.
+  const auto helicoid = grid_design("helicoid", 60, 60, [](double u, double v) {
+    const double along = 400 * (u - 0.5), across = 500 * (v - 0.5), turn = along / 600;
+    return Eigen::Vector3d(along, across * std::cos(turn), across * std::sin(turn));
   });
   Settings settings = along_x();
   settings.motion.min_feed_mm_s = settings.motion.feed_mm_s;
-  const PlanResult result = plan(fan, settings, {});
-  const bool named = std::any_of(result.refusals.begin(), result.refusals.end(),
+  const PlanResult result = plan(helicoid, settings, {});
+  const auto slow = std::find_if(result.refusals.begin(), result.refusals.end(),
                                  [](const Refusal& r) { return r.limit == Limit::kSlowestFeed; });
-  EXPECT_TRUE(named);
+  ASSERT_NE(slow, result.refusals.end());
+  // Its ends go a way longer by sqrt(1 + (250 / 600)^2).
+  EXPECT_NEAR(slow->value, settings.motion.feed_mm_s / std::hypot(1, 250.0 / 600), 0.1);
 }
 
 TEST(MeshChordMm, OfACylinderIsItsSagitta) {
