@@ -209,7 +209,7 @@ Bending section_bend(const std::vector<Curved>& points, const surface::PlaneFami
                      double blade_radius_mm) {
   std::vector<double> curvatures;
   for (const Curved& c : points) {
-    const Vector3d across = planes.normal(planes.turns() ? planes.offset(c.at) : 0);
+    const Vector3d across = planes.normal_at(c.at);
     const double sine = std::min(1.0, std::abs(c.normal.dot(across)));
     if (sine > std::sin(kMaxSlopeRad)) {
       curvatures.push_back(0);

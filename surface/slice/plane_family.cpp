@@ -123,7 +123,19 @@ double PlaneFamily::angle(double offset_mm) const {
 
 Vector3d PlaneFamily::turned(const Vector3d& at_zero, double offset_mm) const {
   if (!turns()) return at_zero;
-  const double phi = angle(offset_mm), c = std::cos(phi), s = std::sin(phi);
+  const double phi = angle(offset_mm);
+  return turned_by(at_zero, std::cos(phi), std::sin(phi));
+}
+
+Vector3d PlaneFamily::turned_to(const Vector3d& at_zero, const Vector3d& p) const {
+  if (!turns()) return at_zero;
+  const Vector3d d = p - centre_;
+  const double c = reference_.dot(d), s = normal_.dot(d), r = std::sqrt(c * c + s * s);
+  // On the axis itself as at offset 0, as atan2 has it.
+  return r > 0 ? turned_by(at_zero, c / r, s / r) : at_zero;
+}
+
+Vector3d PlaneFamily::turned_by(const Vector3d& at_zero, double c, double s) const {
   return c * at_zero + s * axis_.cross(at_zero) + (1 - c) * axis_.dot(at_zero) * axis_;
 }
 

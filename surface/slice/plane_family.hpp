@@ -53,6 +53,9 @@ class PlaneFamily {
   [[nodiscard]] Eigen::Vector3d normal(double offset_mm) const { return turned(normal_, offset_mm); }
   // Returns a direction given at offset 0 as the plane at another offset carries it.
   [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& at_zero, double offset_mm) const;
+  // Return both of the plane through a point, which takes no angle: a tenth of the time.
+  [[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& p) const { return turned_to(normal_, p); }
+  [[nodiscard]] Eigen::Vector3d turned_to(const Eigen::Vector3d& at_zero, const Eigen::Vector3d& p) const;
 
   // Returns the share in [0, 1] of the way from a to b, whose offsets lie on both sides of a plane's, at
   // which it passes through the plane.
@@ -63,6 +66,9 @@ class PlaneFamily {
   [[nodiscard]] std::string describe(double offset_mm) const;
 
  private:
+  // By the cosine and sine of the turn.
+  [[nodiscard]] Eigen::Vector3d turned_by(const Eigen::Vector3d& at_zero, double c, double s) const;
+
   Eigen::Vector3d normal_ = Eigen::Vector3d::UnitX(), centre_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_ = Eigen::Vector3d::Zero(), reference_ = Eigen::Vector3d::Zero();
   double radius_mm_ = 0;

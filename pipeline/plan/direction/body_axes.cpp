@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "surface/read/blocks.hpp"
@@ -89,35 +91,98 @@ BodyAxes body_axes(const surface::TriangleMesh& mesh) {
   return body;
 }
 
+namespace {
+
+// Finds the senses of directions by moments along n, square to it and upwards that a half turn about `up`
+// changes the sign of.
+class Senses {
+ public:
+  Senses(const surface::TriangleMesh& mesh, const Eigen::Vector3d& centre,
+         std::span<const Eigen::Vector3d> directions)
+      : mesh_(mesh), centre_(centre), negative_(directions.size()) {
+    Eigen::Vector3d normals = Eigen::Vector3d::Zero();
+    for (const auto& t : mesh.triangles())
+      normals += (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
+    for (const Eigen::Vector3d& n : directions) {
+      const Eigen::Vector3d up = (normals - normals.dot(n) * n).normalized();  // zero where it is closed
+      frames_.push_back({n, up.cross(n), up});
+      open_.push_back(open_.size());
+    }
+  }
+
+  // Nothing where no moment is left: the half turn leaves the design as it is, and both senses are one.
+  [[nodiscard]] std::vector<std::optional<bool>> negative() {
+    // Nearly every direction is told by the first.
+    decide([](double h, double, double) { return h * h * h; });
+    decide([](double, double k, double) { return k * k * k; });
+    decide([](double h, double k, double) { return h * k * k; });
+    decide([](double h, double k, double) { return h * h * k; });
+    decide([](double h, double, double z) { return h * z; });
+    decide([](double, double k, double z) { return k * z; });
+    decide([](double h, double, double z) { return h * h * h * z; });
+    decide([](double, double k, double z) { return k * k * k * z; });
+    return negative_;
+  }
+
+ private:
+  struct AlongAcrossUp {
+    Eigen::Vector3d n, across, up;
+  };
+
+  // Those that the moment is left of, side by side.
+  template <class Moment>
+  void decide(const Moment& moment) {
+    constexpr std::size_t kTogether = 8;  // share what is found of each triangle
+    surface::for_blocks(open_.size(), kTogether, [&](std::size_t first, std::size_t last) {
+      std::array<double, kTogether> sums{}, sizes{};
+      for_each_area(mesh_, [&](double area, const Eigen::Vector3d& c) {
+        const Eigen::Vector3d d = c - centre_;
+        for (std::size_t i = first; i < last; ++i) {
+          const AlongAcrossUp& frame = frames_[open_[i]];
+          const double m = moment(frame.n.dot(d), frame.across.dot(d), frame.up.dot(d));
+          sums[i - first] += area * m;
+          sizes[i - first] += area * std::abs(m);
+        }
+      });
+      constexpr double kSkewed =
+          1e-6;  // less is the rounding of a symmetric design's coordinates in its file
+      for (std::size_t i = first; i < last; ++i) {
+        const double sum = sums[i - first];
+        if (std::abs(sum) > kSkewed * sizes[i - first]) negative_[open_[i]] = sum < 0;
+      }
+    });
+    std::erase_if(open_, [&](std::size_t i) { return negative_[i].has_value(); });
+  }
+
+  const surface::TriangleMesh& mesh_;
+  Eigen::Vector3d centre_;
+  std::vector<AlongAcrossUp> frames_;
+  std::vector<std::optional<bool>> negative_;
+  std::vector<std::size_t> open_;  // not known yet
+};
+
+bool points_back(const Eigen::Vector3d& n) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(n[i]) > 0.5 * n.cwiseAbs().maxCoeff()) return n[i] < 0;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<Eigen::Vector3d> with_senses(const surface::TriangleMesh& mesh, const BodyAxes& body,
+                                         std::span<const Eigen::Vector3d> directions) {
+  const std::vector<std::optional<bool>> negative = Senses(mesh, body.centre, directions).negative();
+  std::vector<Eigen::Vector3d> found(directions.begin(), directions.end());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (negative[i].value_or(points_back(found[i]))) found[i] = -found[i];
+  }
+  return found;
+}
+
 Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
                            const Eigen::Vector3d& n) {
-  Eigen::Vector3d up = Eigen::Vector3d::Zero();
-  for (const auto& t : mesh.triangles())
-    up += (at(mesh, t[1]) - at(mesh, t[0])).cross(at(mesh, t[2]) - at(mesh, t[0]));
-  up = (up - up.dot(n) * n).normalized();  // zero where the surface is closed
-  const Eigen::Vector3d across = up.cross(n);
-  // Along n, square to it and upwards: moments that a half turn about `up` changes the sign of. Where none is
-  // left, the half turn leaves the design as it is, and both senses are one.
-  constexpr std::size_t kMoments = 8;
-  std::array<double, kMoments> sums{}, sizes{};
-  for_each_area(mesh, [&](double area, const Eigen::Vector3d& c) {
-    const Eigen::Vector3d d = c - body.centre;
-    const double h = n.dot(d), k = across.dot(d), z = up.dot(d);
-    const std::array<double, kMoments> moments{h * h * h, k * k * k, h * k * k,     h * h * k,
-                                               h * z,     k * z,     h * h * h * z, k * k * k * z};
-    for (std::size_t i = 0; i < kMoments; ++i) {
-      sums[i] += area * moments[i];
-      sizes[i] += area * std::abs(moments[i]);
-    }
-  });
-  constexpr double kSkewed = 1e-6;  // less is the rounding of a symmetric design's coordinates in its file
-  for (std::size_t i = 0; i < kMoments; ++i) {
-    if (std::abs(sums[i]) > kSkewed * sizes[i]) return sums[i] < 0 ? Eigen::Vector3d(-n) : n;
-  }
-  for (int i = 0; i < 3; ++i) {
-    if (std::abs(n[i]) > 0.5 * n.cwiseAbs().maxCoeff()) return n[i] < 0 ? Eigen::Vector3d(-n) : n;
-  }
-  return n;
+  return with_senses(mesh, body, {&n, 1}).front();
 }
 
 std::vector<Eigen::Vector3d> hemisphere(const BodyAxes& body) {

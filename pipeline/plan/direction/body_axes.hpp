@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "surface/read/design_surface.hpp"
@@ -25,6 +26,10 @@ struct BodyAxes {
 // positive.
 [[nodiscard]] Eigen::Vector3d with_sense(const surface::TriangleMesh& mesh, const BodyAxes& body,
                                          const Eigen::Vector3d& n);
+// Returns the same of many unit vectors.
+[[nodiscard]] std::vector<Eigen::Vector3d> with_senses(const surface::TriangleMesh& mesh,
+                                                       const BodyAxes& body,
+                                                       std::span<const Eigen::Vector3d> directions);
 
 // Returns unit vectors over the hemisphere, at most 30 degrees from the nearest: every 15 degrees in the
 // plane of the two widest axes, every 45 degrees half-way up, and the narrowest axis.

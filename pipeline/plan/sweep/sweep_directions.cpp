@@ -45,8 +45,7 @@ std::vector<double> too_steep_shares(const WasteSurface& surface,
     const double area = normal.norm();
     all += area;
     for (std::size_t i = 0; i < planes.size(); ++i) {
-      const double along =
-          normal.dot(planes[i].turns() ? planes[i].normal(planes[i].offset(at(0))) : normals[i]);
+      const double along = normal.dot(planes[i].turns() ? planes[i].normal_at(at(0)) : normals[i]);
       if (std::abs(along) > most * area) steep[i] += area;
     }
   }
@@ -96,12 +95,13 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
   for (const Vector3d& n : all) {
     const bool known = std::any_of(apart.begin(), apart.end(),
                                    [&](const Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
-    if (!known) apart.push_back(with_sense(mesh, body, n));
+    if (!known) apart.push_back(n);
   }
   std::vector<surface::PlaneFamily> planes;
   // All of them go through one point.
   const Vector3d centre = surface::area_centre(mesh);
-  for (const Vector3d& n : apart) planes.push_back(surface::PlaneFamily::parallel(n.normalized(), centre));
+  for (const Vector3d& n : with_senses(mesh, body, apart))
+    planes.push_back(surface::PlaneFamily::parallel(n.normalized(), centre));
   for (const surface::FanAxis& axis : fan_axes(mesh, body, long_sides(mesh))) {
     if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
   }

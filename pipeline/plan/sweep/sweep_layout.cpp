@@ -288,7 +288,7 @@ double SweepLayouts::blocks_in(const surface::PlaneFamily& planes) const {
     const Vector3d twice = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     const double area = 0.5 * twice.norm();
     if (!(area > 0)) continue;
-    const Vector3d sweep = planes.normal(planes.offset(corner(0)));
+    const Vector3d sweep = planes.normal_at(corner(0));
     const double along = std::abs(twice.dot(sweep)) / (2 * area),
                  across = std::sqrt(1 - std::min(1.0, along * along));
     const double rises = along * deepest > across * highest ? highest / along : deepest / across;

@@ -391,8 +391,7 @@ RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& plan
     const double area = (at(surface.points, t[1]) - p).cross(at(surface.points, t[2]) - p).norm();
     const Vector3d n =
         area * (at(surface.normals, t[0]) + at(surface.normals, t[1]) + at(surface.normals, t[2]));
-    const double offset = planes.turns() ? planes.offset(p) : 0;
-    mean += Eigen::Vector2d(n.dot(planes.turned(first, offset)), n.dot(planes.turned(second, offset)));
+    mean += Eigen::Vector2d(n.dot(planes.turned_to(first, p)), n.dot(planes.turned_to(second, p)));
     whole += n.norm();
   }
   constexpr double kNoSide = 1e-9;

@@ -48,8 +48,13 @@ TEST(PlaneFamily, AFansOffsetIsTheArcAtItsRadius) {
     EXPECT_LT(
         (fan.turned({2, 0, 3}, 400 * angle) - Vector3d(2 * std::cos(angle), 2 * std::sin(angle), 3)).norm(),
         1e-14);
+    EXPECT_LT((fan.normal_at(p) - fan.normal(400 * angle)).norm(), 1e-14);
+    EXPECT_LT((fan.turned_to({2, 0, 3}, p) - fan.turned({2, 0, 3}, 400 * angle)).norm(), 1e-14);
   }
   EXPECT_EQ(fan.describe(400 * pi / 2), "90.000 degrees about the axis");
+  const Vector3d on_axis(10, 20, 7);
+  EXPECT_EQ(fan.normal_at(on_axis), fan.normal(fan.offset(on_axis)));
+  EXPECT_EQ(PlaneFamily::parallel({0, 1, 0}).normal_at(on_axis), Vector3d(0, 1, 0));
 }
 
 TEST(PlaneFamily, RefusesAxesThatAreNone) {
