@@ -53,7 +53,7 @@ class PlaneFamily {
   [[nodiscard]] Eigen::Vector3d normal(double offset_mm) const { return turned(normal_, offset_mm); }
   // Returns a direction given at offset 0 as the plane at another offset carries it.
   [[nodiscard]] Eigen::Vector3d turned(const Eigen::Vector3d& at_zero, double offset_mm) const;
-  // Return both of the plane through a point, which takes no angle: a tenth of the time.
+  // Return both of the plane through a point, which takes no angle.
   [[nodiscard]] Eigen::Vector3d normal_at(const Eigen::Vector3d& p) const { return turned_to(normal_, p); }
   [[nodiscard]] Eigen::Vector3d turned_to(const Eigen::Vector3d& at_zero, const Eigen::Vector3d& p) const;
 

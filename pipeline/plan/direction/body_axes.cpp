@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "gpu/backend/stop.hpp"
 #include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
@@ -134,6 +135,7 @@ class Senses {
   void decide(const Moment& moment) {
     constexpr std::size_t kTogether = 8;  // share what is found of each triangle
     surface::for_blocks(open_.size(), kTogether, [&](std::size_t first, std::size_t last) {
+      gpu::stop_point();
       std::array<double, kTogether> sums{}, sizes{};
       for_each_area(mesh_, [&](double area, const Eigen::Vector3d& c) {
         const Eigen::Vector3d d = c - centre_;
@@ -144,8 +146,8 @@ class Senses {
           sizes[i - first] += area * std::abs(m);
         }
       });
-      constexpr double kSkewed =
-          1e-6;  // less is the rounding of a symmetric design's coordinates in its file
+      // Less is the rounding of a symmetric design's coordinates in its file.
+      constexpr double kSkewed = 1e-6;
       for (std::size_t i = first; i < last; ++i) {
         const double sum = sums[i - first];
         if (std::abs(sum) > kSkewed * sizes[i - first]) negative_[open_[i]] = sum < 0;
