@@ -30,9 +30,6 @@ double waste_side(const surface::TriangleMesh& mesh, Keep keep) {
 
 std::vector<double> too_steep_shares(const WasteSurface& surface,
                                      std::span<const surface::PlaneFamily> planes) {
-  // Of parallel planes the normal, of fans each triangle's own.
-  std::vector<Vector3d> normals;
-  for (const surface::PlaneFamily& p : planes) normals.push_back(p.normal(0));
   std::vector<double> steep(planes.size(), 0);
   double all = 0;
   const double most = std::sin(kMaxSlopeRad);
@@ -45,7 +42,7 @@ std::vector<double> too_steep_shares(const WasteSurface& surface,
     const double area = normal.norm();
     all += area;
     for (std::size_t i = 0; i < planes.size(); ++i) {
-      const double along = normal.dot(planes[i].turns() ? planes[i].normal_at(at(0)) : normals[i]);
+      const double along = normal.dot(planes[i].normal_at(at(0)));
       if (std::abs(along) > most * area) steep[i] += area;
     }
   }

@@ -335,7 +335,7 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
   WasteSurface part;
   const BehindSeams near(seams, surface.points.size(), reach_mm,
                          [&](std::size_t i) -> const Vector3d& { return surface.points[i]; });
-  // Counted first: of a design of ten million triangles the room that push_back keeps is 0.4 GB.
+  // Counted first: vectors of millions would be copied again and again as they grow.
   std::vector<int> index(surface.points.size(), -1);
   std::size_t points = 0, triangles = 0;
   for (const auto& t : surface.triangles) {
