@@ -1,8 +1,8 @@
 // hotblade plan: from a design to a verified cut program.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/info.h>
+#include <tbb/parallel_invoke.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,7 +20,7 @@
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/arms/arms.hpp"
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/report/emit.hpp"
 #include "pipeline/report/json/report_json.hpp"

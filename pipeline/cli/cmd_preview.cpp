@@ -13,11 +13,7 @@
 #include "pipeline/cli/settings_options.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
-#include "pipeline/preview/draw.hpp"
-#include "pipeline/preview/exchange.hpp"
-#include "pipeline/preview/movie.hpp"
-#include "pipeline/preview/stage.hpp"
-#include "pipeline/preview/window.hpp"
+#include "pipeline/preview/drawing.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program.hpp"
@@ -198,17 +194,17 @@ void film(const Program& program, const PreviewOptions& options, preview::Pictur
     if (interrupted()) throw Error(ErrorKind::kInterrupted, "interrupted: no film was written");
     console.report_progress("film", share);
   };
-  preview::write_movie(model, with_keys(model, state, options.keys), movie, options.movie, options.force,
-                       report);
+  preview::drawing().write_movie(model, with_keys(model, state, options.keys), movie, options.movie,
+                                 options.force, report);
   std::cout << options.movie << '\n';
 }
 
 void export_scene(const preview::Scene& scene, const PreviewOptions& options) {
   const fs::path file = options.exported;
   if (file.extension() == ".vtm") {
-    preview::write_vtm(scene, file, options.force);
+    preview::drawing().write_vtm(scene, file, options.force);
   } else {
-    write_file_atomically(file, preview::gltf_of(scene), options.force);
+    write_file_atomically(file, preview::drawing().drawn(scene)->gltf(), options.force);
   }
   std::cout << file.string() << '\n';
 }
@@ -279,10 +275,13 @@ Viewed viewed(const PreviewOptions& options, preview::View view) {
 void shoot(const PreviewOptions& options, const preview::Scene& scene, preview::PictureSize size,
            preview::View view) {
   if (options.keys.empty()) {
-    write_file_atomically(options.shot, preview::png_of(scene, size, view), options.force);
+    const std::vector<std::string> pngs =
+        preview::drawing().drawn(scene)->pngs(size, std::array{preview::Shot{view}}, {});
+    write_file_atomically(options.shot, pngs.front(), options.force);
   } else {
     const Viewed window = viewed(options, view);
-    write_file_atomically(options.shot, preview::png_of(window.model, window.state, size), options.force);
+    write_file_atomically(options.shot, preview::drawing().png_of(window.model, window.state, size),
+                          options.force);
   }
   std::cout << options.shot << '\n';
 }
@@ -297,9 +296,9 @@ Exit run_preview(PreviewOptions options, const Console& console) {
       throw Error(ErrorKind::kBadSettings, "--keys: unknown key (" + key + "): h in the window shows all");
   }
   if (options.shot.empty() && options.movie.empty() && options.exported.empty()) {
-    preview::expect_display();
+    preview::drawing().expect_display();
     const Viewed window = viewed(options, view);
-    if (!window.state.closed) preview::show(window.model, window.state, size);
+    if (!window.state.closed) preview::drawing().show(window.model, window.state, size);
     return Exit::kOk;
   }
   if (!is_program(options)) {

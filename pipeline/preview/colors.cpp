@@ -1,8 +1,9 @@
+#include "pipeline/preview/colors.hpp"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
-
-#include "pipeline/preview/draw_parts.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

@@ -239,6 +239,19 @@ Scene scene_of(const surface::DesignSurface& design) {
   return scene;
 }
 
+std::vector<Polyline> block_edges(const std::vector<Block>& blocks) {
+  std::vector<Polyline> edges;
+  for (const Block& block : blocks) {
+    const std::array<Eigen::Vector3d, 8> corners = block.corners();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      for (const std::size_t axis : {1u, 2u, 4u}) {
+        if (!(i & axis)) edges.push_back({{corners[i], corners[i | axis]}});
+      }
+    }
+  }
+  return edges;
+}
+
 void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons) {
   if (scene.cut.triangles.empty()) {
     scene.verdict = "nothing is cut";

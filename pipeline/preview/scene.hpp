@@ -1,4 +1,5 @@
-// What a preview shows, as plain geometry in the design frame (mm): made from a program, drawn by draw.hpp.
+// What a preview shows, as plain geometry in the design frame (mm): made from a program, drawn by
+// drawing.hpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -101,6 +102,9 @@ void show_cell(Scene& scene, const CellShown& cell, const Strip& strip, std::siz
 // Says in a scene why it is refused, and marks the place of the first reason that has one; without any, the
 // largest deviation stays marked. A scene without a cut says that nothing is cut.
 void mark_refusal(Scene& scene, const std::vector<RefusedReason>& reasons);
+
+// The twelve edges of every block.
+[[nodiscard]] std::vector<Polyline> block_edges(const std::vector<Block>& blocks);
 
 // The signed distance of each point from the face of the design that its strip forms (design_faces.hpp), mm:
 // positive on the waste side (foam left standing), negative where the cut is too deep. Waste lies above or

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/preview/draw.hpp"
 #include "pipeline/preview/scene.hpp"
+#include "pipeline/preview/shot.hpp"
 
 namespace hotblade::pipeline::preview {
 

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <utility>
 
-#include "pipeline/preview/draw.hpp"
-#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/drawing.hpp"
 #include "pipeline/preview/picture_texts.hpp"
 #include "pipeline/report/refusal_text.hpp"
 #include "pipeline/settings/error.hpp"
@@ -51,12 +51,12 @@ std::string caption_of(const PlanResult& result, const std::string& view) {
 void draw(const PlanResult& result, const preview::Scene& scene, Pictures pictures, const Words& w,
           const std::function<void(double)>& progress, ReportPictures& taken) {
   constexpr double kView = 0.4, kFile = 0.5;
-  const preview::SceneMeshes meshes(scene);
-  progress(kView);
   try {
+    const std::unique_ptr<const preview::DrawnScene> drawn = preview::drawing().drawn(scene);
+    progress(kView);
     std::vector<preview::Shot> shots;
     if (pictures == Pictures::kFull) {
-      taken.scene_gltf = preview::gltf_of(scene, meshes);
+      taken.scene_gltf = drawn->gltf();
       // The first picture says it; the others are shown small, and their space is for the geometry.
       for (const Taken& one : kViews) {
         // Of one strip there is nothing to tell apart.
@@ -69,7 +69,7 @@ void draw(const PlanResult& result, const preview::Scene& scene, Pictures pictur
     progress(kFile);
     const preview::PictureSize size = pictures == Pictures::kFull ? preview::PictureSize{} : kThumbnail;
     std::vector<std::string> pngs =
-        preview::pngs_of(scene, meshes, size, shots, [&](const std::string& words) { return w.said(words); });
+        drawn->pngs(size, shots, [&](const std::string& words) { return w.said(words); });
     for (std::size_t i = 0; i < pngs.size(); ++i)
       taken.pictures.push_back({caption_of(result, kViews[i].caption), std::move(pngs[i])});
   } catch (const Error& error) {

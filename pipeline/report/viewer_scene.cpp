@@ -11,9 +11,8 @@
 #include <map>
 #include <utility>
 
+#include "pipeline/preview/colors.hpp"
 #include "pipeline/preview/cut_values.hpp"
-#include "pipeline/preview/draw_parts.hpp"
-#include "pipeline/preview/geometry.hpp"
 #include "pipeline/report/scene_packer.hpp"
 
 namespace hotblade::pipeline {

@@ -1,6 +1,7 @@
 """Names the source files of the rooms that no command reaches: check_doors.py ROOT
 
-A file is reached from the program's main and from what makes generated sources. A reached file reaches what it includes, and
+A file is reached from the program's main, from what gives itself to the program when that opens a library, and from what
+makes generated sources. A reached file reaches what it includes, and
 the kernel (.cl) whose embedded text it names. A reached header reaches the sources that define what it declares: the one of
 its name; else those whose name goes on after its name (project.hpp: project_search.cpp); else, for a source that no header
 of its folder names, those that take the header in.
@@ -12,7 +13,7 @@ import re
 import sys
 
 ROOMS = ("elastica", "surface", "gpu", "robot", "pipeline")
-ROOTS = ("pipeline/cli/main.cpp", "elastica/projection/generate_valleys.cpp")
+ROOTS = ("pipeline/cli/main.cpp", "pipeline/preview/drawing/library.cpp", "elastica/projection/generate_valleys.cpp")
 KINDS = {".hpp", ".cpp", ".h", ".cl"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 KERNEL = re.compile(r"\b(\w+)_source\b")

@@ -48,6 +48,18 @@ samples=$place/usr/share/doc/hotblade/samples
 ./plan "$samples/bump.toml" "$samples/bump.obj" program.json 2> plan.log || { cat plan.log; exit 1; }
 "$program" plan "$samples/bump.obj" --units mm --config "$samples/bump.toml" --pictures none -q -o planned > /dev/null
 cmp program.json planned/program.json || { echo "plan: another program than the command's"; exit 1; }
+# What draws is a library that the program opens where it is installed.
+"$program" preview planned/program.json --shot cut.png > /dev/null || { echo "the installed program does not draw"; exit 1; }
+[[ $(head -c 4 cut.png | tail -c 3) == PNG ]] || { echo "preview: no picture"; exit 1; }
+find "$place/usr" -name libhotblade_drawing.so -delete
+"$program" plan "$samples/bump.obj" --units mm --config "$samples/bump.toml" -o undrawn > /dev/null 2> undrawn.log ||
+  { echo "no plan without what draws"; cat undrawn.log; exit 1; }
+[[ -s undrawn/program.json && ! -e undrawn/preview.png ]] || { echo "a plan without what draws has a picture"; exit 1; }
+grep -q "what draws cannot be opened" undrawn.log undrawn/report.html || { echo "nothing says why there are no pictures"; exit 1; }
+code=0
+"$program" preview planned/program.json --shot none.png 2> undrawn.log || code=$?
+[[ $code -ne 0 && ! -e none.png ]] || { echo "preview without what draws: exit code $code"; exit 1; }
+grep -q "what draws cannot be opened" undrawn.log || { echo "preview does not say why nothing is drawn"; cat undrawn.log; exit 1; }
 "$program" sim --listen 127.0.0.1:0 --time-scale max --log execution.jsonl > sim.log 2>&1 &
 simulator=$!
 trap 'kill "$simulator" 2> /dev/null || true; rm -rf "$place"' EXIT

@@ -9,7 +9,7 @@
 #include <fstream>
 
 #include "pipeline/export/surface_files.hpp"
-#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/drawing/exchange.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"

@@ -9,8 +9,8 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/strip_clearance.hpp"
-#include "pipeline/preview/draw_parts.hpp"
-#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/drawing/draw_parts.hpp"
+#include "pipeline/preview/drawing/exchange.hpp"
 #include "pipeline/preview/view_model.hpp"
 #include "tests/pipeline/vault_program.hpp"
 

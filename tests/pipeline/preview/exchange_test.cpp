@@ -1,4 +1,4 @@
-#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/drawing/exchange.hpp"
 
 #include <gmock/gmock.h>
 #include <vtkCompositeDataSet.h>
@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipeline/preview/movie.hpp"
+#include "pipeline/preview/drawing/movie.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/pipeline/temporary_directory.hpp"
 #include "tests/pipeline/vault_program.hpp"

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "pipeline/cli/command.hpp"
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/paths.hpp"

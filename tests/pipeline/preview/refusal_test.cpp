@@ -7,9 +7,9 @@
 #include <array>
 #include <cmath>
 
-#include "pipeline/preview/draw.hpp"
-#include "pipeline/preview/draw_parts.hpp"
-#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
+#include "pipeline/preview/drawing/draw_parts.hpp"
+#include "pipeline/preview/drawing/stage.hpp"
 #include "pipeline/preview/view_model.hpp"
 #include "tests/pipeline/vault_design.hpp"
 #include "tests/pipeline/vault_program.hpp"

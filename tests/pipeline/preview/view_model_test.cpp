@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include "pipeline/preview/picking.hpp"
-#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/drawing/picking.hpp"
+#include "pipeline/preview/drawing/stage.hpp"
 #include "tests/pipeline/vault_design.hpp"
 
 namespace hotblade::pipeline::preview {

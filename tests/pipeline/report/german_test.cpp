@@ -10,7 +10,7 @@
 
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/arms.hpp"
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
 #include "pipeline/preview/picture_texts.hpp"
 #include "pipeline/preview/scene.hpp"
 #include "pipeline/program/read_design.hpp"

@@ -1,4 +1,4 @@
-#include "pipeline/preview/overlay.hpp"
+#include "pipeline/preview/drawing/overlay.hpp"
 #include "pipeline/preview/picture_texts.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "pipeline/preview/offscreen.hpp"
+#include "pipeline/preview/drawing/offscreen.hpp"
 
 // No X11 types: this program draws where no X11 is.
 #define EGL_NO_X11

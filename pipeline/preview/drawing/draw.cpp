@@ -1,4 +1,4 @@
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
 
 #include <vtkCallbackCommand.h>
 #include <vtkCamera.h>
@@ -15,8 +15,8 @@
 #include <cstdint>
 #include <future>
 
-#include "pipeline/preview/offscreen.hpp"
-#include "pipeline/preview/overlay.hpp"
+#include "pipeline/preview/drawing/offscreen.hpp"
+#include "pipeline/preview/drawing/overlay.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -121,7 +121,7 @@ class OffscreenWindow {
 
 }  // namespace
 
-void load_driver() {
+void load_egl() {
   try {
     const OffscreenContext context;
   } catch (const Error&) {

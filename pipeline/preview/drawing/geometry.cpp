@@ -1,4 +1,4 @@
-#include "pipeline/preview/geometry.hpp"
+#include "pipeline/preview/drawing/geometry.hpp"
 
 #include <vtkCellArray.h>
 #include <vtkNew.h>
@@ -60,19 +60,6 @@ std::vector<Polyline> rings_about(const Eigen::Vector3d& place, double radius_mm
     }
   }
   return rings;
-}
-
-std::vector<Polyline> block_edges(const std::vector<Block>& blocks) {
-  std::vector<Polyline> edges;
-  for (const Block& block : blocks) {
-    const std::array<Eigen::Vector3d, 8> corners = block.corners();
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      for (const std::size_t axis : {1u, 2u, 4u}) {
-        if (!(i & axis)) edges.push_back({{corners[i], corners[i | axis]}});
-      }
-    }
-  }
-  return edges;
 }
 
 }  // namespace hotblade::pipeline::preview

@@ -1,4 +1,4 @@
-#include "pipeline/preview/picking.hpp"
+#include "pipeline/preview/drawing/picking.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>

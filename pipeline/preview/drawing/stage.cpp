@@ -1,4 +1,4 @@
-#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/drawing/stage.hpp"
 
 #include <vtkActor.h>
 #include <vtkCamera.h>
@@ -14,7 +14,7 @@
 
 #include <algorithm>
 
-#include "pipeline/preview/geometry.hpp"
+#include "pipeline/preview/drawing/geometry.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -124,8 +124,9 @@ void Stage::Parts::set_blade(const ViewState& state) {
   set_actor_clamps(*clamp_a, {pose.a}, 1.3 * model.scene.clamp_size_mm);
   set_actor_clamps(*clamp_b, {pose.b}, 1.3 * model.scene.clamp_size_mm);
   if (model.cell != nullptr)
-    set_cell_places(actors, cell_places(*model.cell, model.program.strips[static_cast<std::size_t>(now.strip)],
-                                        static_cast<std::size_t>(now.pose)));
+    set_cell_places(actors,
+                    cell_places(*model.cell, model.program.strips[static_cast<std::size_t>(now.strip)],
+                                static_cast<std::size_t>(now.pose)));
 }
 
 // The triangles lie in the order of their times, so those done are the first ones.

@@ -8,12 +8,6 @@
 
 namespace hotblade::pipeline::preview {
 
-struct MovieOptions {
-  PictureSize size;
-  int frames = 60;
-  int frames_per_s = 12;
-};
-
 // Writes a film of what the window shows in `state`, over the model's whole time: the camera stands still,
 // the cut grows with the blade. `report` is called before each frame with the share done. `file` is written
 // whole or not at all. Throws Error as png_of does, and (kFile) when the file cannot be written.

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
 #include "pipeline/preview/scene.hpp"
 
 namespace hotblade::pipeline::preview {

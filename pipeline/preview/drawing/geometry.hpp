@@ -19,7 +19,4 @@ void set_lines(vtkPolyData& data, const std::vector<Polyline>& lines);
 // Three circles about a place, one across each axis: a ring from wherever it is looked at.
 [[nodiscard]] std::vector<Polyline> rings_about(const Eigen::Vector3d& place, double radius_mm);
 
-// The twelve edges of every block.
-[[nodiscard]] std::vector<Polyline> block_edges(const std::vector<Block>& blocks);
-
 }  // namespace hotblade::pipeline::preview

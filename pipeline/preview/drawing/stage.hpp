@@ -5,8 +5,8 @@
 #include <array>
 #include <memory>
 
-#include "pipeline/preview/overlay.hpp"
-#include "pipeline/preview/picking.hpp"
+#include "pipeline/preview/drawing/overlay.hpp"
+#include "pipeline/preview/drawing/picking.hpp"
 
 namespace hotblade::pipeline::preview {
 

@@ -1,4 +1,4 @@
-#include "pipeline/preview/window.hpp"
+#include "pipeline/preview/drawing/window.hpp"
 
 #include <vtkCallbackCommand.h>
 #include <vtkInteractorStyleTrackballCamera.h>
@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/drawing/stage.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline::preview {

@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "pipeline/preview/draw.hpp"
+#include "pipeline/preview/drawing/draw.hpp"
 #include "pipeline/settings/error.hpp"
 
 // After all others: its macros take names that they use.

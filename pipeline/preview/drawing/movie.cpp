@@ -1,10 +1,10 @@
-#include "pipeline/preview/movie.hpp"
+#include "pipeline/preview/drawing/movie.hpp"
 
 #include <vtkImageData.h>
 #include <vtkNew.h>
 #include <vtkOggTheoraWriter.h>
 
-#include "pipeline/preview/stage.hpp"
+#include "pipeline/preview/drawing/stage.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/settings/error.hpp"
 

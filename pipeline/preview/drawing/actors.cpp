@@ -15,8 +15,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/preview/draw_parts.hpp"
-#include "pipeline/preview/geometry.hpp"
+#include "pipeline/preview/drawing/draw_parts.hpp"
+#include "pipeline/preview/drawing/geometry.hpp"
 
 namespace hotblade::pipeline::preview {
 

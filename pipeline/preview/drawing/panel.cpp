@@ -1,7 +1,7 @@
 // What the window has beyond a picture: card, time bar, help.
 #include <algorithm>
 
-#include "pipeline/preview/overlay.hpp"
+#include "pipeline/preview/drawing/overlay.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "pipeline/preview/overlay.hpp"
+#include "pipeline/preview/drawing/overlay.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
@@ -84,15 +84,6 @@ class Extent {
 };
 
 }  // namespace
-
-std::optional<View> view_named(const std::string& name) {
-  constexpr std::array<std::pair<View, const char*>, 4> kViews{
-      {{View::kBest, "best"}, {View::kTop, "top"}, {View::kFront, "front"}, {View::kRight, "right"}}};
-  for (const auto& [view, one] : kViews) {
-    if (one == name) return view;
-  }
-  return std::nullopt;
-}
 
 void aim_camera(const Scene& scene, vtkRenderer& renderer, PictureSize size, View view, bool with_time_bar) {
   const Stance stance = stance_of(view, scene.view_axes.transpose() * scene.waste_direction);

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/preview/draw_parts.hpp"
+#include "pipeline/preview/drawing/draw_parts.hpp"
 
 namespace hotblade::pipeline::preview {
 

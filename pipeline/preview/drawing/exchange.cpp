@@ -1,4 +1,4 @@
-#include "pipeline/preview/exchange.hpp"
+#include "pipeline/preview/drawing/exchange.hpp"
 
 #include <vtkActor.h>
 #include <vtkActorCollection.h>
@@ -18,8 +18,8 @@
 
 #include <algorithm>
 
-#include "pipeline/preview/draw_parts.hpp"
-#include "pipeline/preview/geometry.hpp"
+#include "pipeline/preview/drawing/draw_parts.hpp"
+#include "pipeline/preview/drawing/geometry.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/settings/error.hpp"
 

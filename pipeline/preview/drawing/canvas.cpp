@@ -1,4 +1,4 @@
-#include "pipeline/preview/canvas.hpp"
+#include "pipeline/preview/drawing/canvas.hpp"
 
 #include <vtkActor2D.h>
 #include <vtkCellArray.h>

@@ -1,7 +1,7 @@
 // What is written over a picture: caption, keys and the scale of colours; in the window time, card and help.
 #pragma once
 
-#include "pipeline/preview/canvas.hpp"
+#include "pipeline/preview/drawing/canvas.hpp"
 #include "pipeline/preview/view_model.hpp"
 #include "pipeline/verify/verdict.hpp"
 

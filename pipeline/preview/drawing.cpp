@@ -1,0 +1,58 @@
+#include "pipeline/preview/drawing.hpp"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <string_view>
+
+#include "pipeline/program/version.hpp"
+#include "pipeline/settings/error.hpp"
+
+namespace hotblade::pipeline::preview {
+namespace {
+
+// Looked for where the program's run path says: beside it, or in the folder of its libraries.
+constexpr const char* kLibrary = "libhotblade_drawing.so";
+
+std::atomic<const Drawing*> given = nullptr;
+
+const Drawing& opened() {
+  if (!given) {
+    // Lazily: of VTK's functions few are called.
+    if (dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL) == nullptr) {
+      const char* why = dlerror();
+      throw Error(ErrorKind::kDrawing,
+                  fmt::format("picture: what draws cannot be opened ({}): it is installed with the program",
+                              why != nullptr ? why : kLibrary));
+    }
+    if (!given) throw Error(ErrorKind::kDrawing, fmt::format("picture: {} does not draw", kLibrary));
+  }
+  const Drawing& drawing = *given;
+  if (std::string_view(drawing.version()) != version()) {
+    throw Error(ErrorKind::kDrawing, fmt::format("picture: {} is of version {}, the program of version {}",
+                                                 kLibrary, drawing.version(), version()));
+  }
+  return drawing;
+}
+
+}  // namespace
+
+const Drawing& drawing() {
+  static const Drawing& one = opened();
+  return one;
+}
+
+void draw_with(const Drawing& drawing) {
+  given = &drawing;
+}
+
+void load_driver() {
+  try {
+    drawing().load_driver();
+  } catch (const Error&) {
+    return;
+  }
+}
+
+}  // namespace hotblade::pipeline::preview
