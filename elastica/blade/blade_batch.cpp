@@ -338,6 +338,39 @@ void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, 
       });
 }
 
+std::vector<PlaneShift> plane_shifts(std::span<const Elastica> blades, std::span<const Eigen::Vector2d> loads,
+                                     Simd simd) {
+  expect_size(blades.size(), loads.size());
+  for (std::size_t i = 0; i < blades.size(); ++i) expect_droop(blades[i], {loads[i].sum()});
+  constexpr std::size_t kCells = kGravityCells;
+  constexpr double kShare = 1.0 / kGravityCells;
+  std::vector<PlaneShift> shifts;
+  shifts.reserve(blades.size());
+  std::vector<Part> parts;
+  std::vector<double> halves;
+  std::array<CurvePoint, kBlock> middles;
+  for (std::size_t from = 0; from < blades.size(); from += kBlock) {
+    const std::span<const Elastica> some = blades.subspan(from, std::min(kBlock, blades.size() - from));
+    parts.clear();
+    halves.clear();
+    for (const Elastica& e : some) {
+      parts.push_back({0.5 * kShare * e.length, (1 - 0.5 * kShare) * e.length});
+      halves.push_back(0.5 * e.length);
+    }
+    const PartPoints cells = sample_parts(some, parts, kCells, simd);
+    points_at(some, halves, std::span(middles).first(some.size()), simd);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const auto of_blade = [&](const Unset& values) {
+        return std::span<const double>(values.begin(), values.end()).subspan(i * kCells, kCells);
+      };
+      const CellMiddles at{middles[i].theta, of_blade(cells.cos), of_blade(cells.sin),
+                           of_blade(cells.curvature)};
+      shifts.push_back(plane_shift(some[i], loads[from + i], at));
+    }
+  }
+  return shifts;
+}
+
 std::vector<Droop> droop_profiles(std::span<const Elastica> blades, std::span<const double> loads,
                                   const StiffnessRatios& ratios, Simd simd) {
   expect_size(blades.size(), loads.size());

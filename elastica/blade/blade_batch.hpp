@@ -95,6 +95,11 @@ struct DroopReach {
 void droops(std::span<const Elastica> blades, std::span<const DroopLoad> loads, const StiffnessRatios& ratios,
             std::span<DroopReach> out, Simd simd = best_simd());
 
+// Returns plane_shift(blades[i], loads[i]).
+[[nodiscard]] std::vector<PlaneShift> plane_shifts(std::span<const Elastica> blades,
+                                                   std::span<const Eigen::Vector2d> loads,
+                                                   Simd simd = best_simd());
+
 // Returns droop(blades[i], loads[i], ratios).
 [[nodiscard]] std::vector<Droop> droop_profiles(std::span<const Elastica> blades,
                                                 std::span<const double> loads, const StiffnessRatios& ratios,

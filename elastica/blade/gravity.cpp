@@ -23,18 +23,27 @@ struct Middle {
   double compression = 0;              // lambda1 cos theta + lambda2 sin theta
 };
 
+// The force on a blade along and across its middle tangent, the blade scaled to length 1.
+Eigen::Vector2d middle_force(const Elastica& e, double turn) {
+  return force_along(e, turn) * (e.length * e.length);
+}
+
+// Of a cell whose middle has a tangent at this angle to the blade's middle tangent, and this curvature.
+Middle middle_of(const Eigen::Vector2d& force, double cos, double sin, double kappa) {
+  const double along = force.x(), across = force.y();
+  return {cos, sin, kappa, across * cos - along * sin, along * cos + across * sin};
+}
+
 std::vector<Middle> cell_middles(const ElasticaCurve& curve) {
   const Elastica& e = curve.elastica();
-  const double turn = curve.at(0.5 * e.length).theta, l2 = e.length * e.length;
-  // The force along and across the middle tangent, made pure.
-  const Eigen::Vector2d force = force_along(e, turn) * l2;
-  const double along = force.x(), across = force.y();
+  const double turn = curve.at(0.5 * e.length).theta;
+  const Eigen::Vector2d force = middle_force(e, turn);
   std::vector<Middle> middles;
   middles.reserve(kSagCells);
   for (int i = 0; i < kSagCells; ++i) {
     const CurvePoint p = curve.at(e.length * (i + 0.5) * kStep);
-    const double c = std::cos(p.theta - turn), s = std::sin(p.theta - turn);
-    middles.push_back({c, s, p.kappa * e.length, across * c - along * s, along * c + across * s});
+    middles.push_back(
+        middle_of(force, std::cos(p.theta - turn), std::sin(p.theta - turn), p.kappa * e.length));
   }
   return middles;
 }
@@ -148,11 +157,11 @@ int lateral_eigenvalues_below(const std::vector<Middle>& middles, const Stiffnes
 
 }  // namespace
 
-PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
-  require_finite(e, load.sum());
-  const ElasticaCurve curve(e);
-  const std::vector<Middle> middles = cell_middles(curve);
-  const double turn = curve.at(0.5 * e.length).theta, l3 = std::pow(e.length, 3);
+namespace {
+
+PlaneShift plane_shift_of(const Elastica& e, const Eigen::Vector2d& load, double turn,
+                          const std::vector<Middle>& middles) {
+  const double l3 = std::pow(e.length, 3);
   // The load in the axes of the middle tangent.
   const Eigen::Vector2d q = l3 * (Eigen::Rotation2Dd(-turn) * load);
   // Right sides: the load's moment about the rest of the blade, and the two constraints that keep the end
@@ -187,6 +196,30 @@ PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
     result.largest = std::max(result.largest, result.shift.back().norm());
   }
   return result;
+}
+
+}  // namespace
+
+PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load) {
+  require_finite(e, load.sum());
+  const ElasticaCurve curve(e);
+  return plane_shift_of(e, load, curve.at(0.5 * e.length).theta, cell_middles(curve));
+}
+
+PlaneShift plane_shift(const Elastica& e, const Eigen::Vector2d& load, const CellMiddles& at) {
+  require_finite(e, load.sum());
+  for (const std::size_t size : {at.cos.size(), at.sin.size(), at.curvature.size()}) {
+    if (size != kSagCells) throw std::logic_error("a blade has one middle a cell");
+  }
+  const Eigen::Vector2d force = middle_force(e, at.turn);
+  const double c = std::cos(at.turn), s = std::sin(at.turn);
+  std::vector<Middle> middles;
+  middles.reserve(kSagCells);
+  for (std::size_t i = 0; i < kSagCells; ++i) {
+    middles.push_back(middle_of(force, c * at.cos[i] + s * at.sin[i], c * at.sin[i] - s * at.cos[i],
+                                at.curvature[i] * e.length));
+  }
+  return plane_shift_of(e, load, at.turn, middles);
 }
 
 namespace {

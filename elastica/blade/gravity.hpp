@@ -14,6 +14,7 @@
 // error is about 1e-4 for blades that turn by less than two turns.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "elastica/curve/elastica.hpp"
@@ -34,9 +35,19 @@ struct PlaneShift {
   double largest = 0;
 };
 
+// A blade at the middles of its kGravityCells cells, and at its own middle.
+struct CellMiddles {
+  double turn = 0;                    // direction of the tangent at the blade's middle, rad
+  std::span<const double> cos, sin;   // of the tangent, by cell
+  std::span<const double> curvature;  // signed, by cell; 1/unit of the elastica
+};
+
 // The change of the shape under an even load in its plane. Throws std::logic_error when the load or the
 // elastica is not finite. The answer means nothing when the shape is not stable.
 [[nodiscard]] PlaneShift plane_shift(const Elastica& elastica, const Eigen::Vector2d& load);
+// The same with the elastica's middles at hand.
+[[nodiscard]] PlaneShift plane_shift(const Elastica& elastica, const Eigen::Vector2d& load,
+                                     const CellMiddles& middles);
 
 // The shift and twist out of the plane at kGravityCells + 1 evenly spaced points.
 struct Droop {

@@ -85,6 +85,31 @@ BladeLoads blade_loads(const elastica::Elastica& blade, double end_per_mm, doubl
   return loads;
 }
 
+namespace {
+
+// The blades whose planes are not level, and what an even load in them does.
+struct LoadedInPlane {
+  std::vector<std::size_t> blades;
+  std::vector<elastica::PlaneShift> shifts;
+
+  // `load` is the weight over the stiffness; `down` says of a blade where down is in its frame.
+  template <typename Down>
+  LoadedInPlane(std::span<const elastica::Elastica> shapes, double load, const Down& down) {
+    std::vector<elastica::Elastica> bent;
+    std::vector<Eigen::Vector2d> loads;
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const Eigen::Vector2d in_plane = down(i).template head<2>();
+      if (in_plane.norm() <= kLevel) continue;
+      blades.push_back(i);
+      bent.push_back(shapes[i]);
+      loads.emplace_back(load * in_plane);
+    }
+    shifts = elastica::plane_shifts(bent, loads);
+  }
+};
+
+}  // namespace
+
 BladeSag blade_sag(const elastica::Elastica& shape, const Blade& blade, const Eigen::Vector3d& down,
                    double s0, double s1) {
   const SagPlace place{down, s0, s1};
@@ -106,13 +131,12 @@ std::vector<BladeSag> blade_sags(std::span<const elastica::Elastica> shapes, con
   std::vector<elastica::DroopReach> reach(shapes.size());
   elastica::droops(shapes, loads, stiffness_ratios(blade), reach);
   std::vector<BladeSag> sags;
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    BladeSag& sag = sags.emplace_back(BladeSag{reach[i].shift, reach[i].twist, 0, reach[i].stable});
-    const Eigen::Vector2d in_plane = places[i].down.head<2>();
-    if (in_plane.norm() <= kLevel) continue;
-    const elastica::PlaneShift shift = elastica::plane_shift(shapes[i], load * in_plane);
+  for (const elastica::DroopReach& r : reach) sags.push_back({r.shift, r.twist, 0, r.stable});
+  const LoadedInPlane in_plane(shapes, load, [&](std::size_t i) { return places[i].down; });
+  for (std::size_t j = 0; j < in_plane.blades.size(); ++j) {
+    const std::size_t i = in_plane.blades[j];
     for (std::size_t k = loads[i].first; k <= loads[i].last; ++k)
-      sag.in_plane_mm = std::max(sag.in_plane_mm, shift.shift[k].norm());
+      sags[i].in_plane_mm = std::max(sags[i].in_plane_mm, in_plane.shifts[j].shift[k].norm());
   }
   return sags;
 }
@@ -138,17 +162,13 @@ std::vector<SagProfile> sag_profiles(std::span<const elastica::Elastica> shapes,
   for (const Eigen::Vector3d& d : down) loads.push_back(load * d.z());
   std::vector<elastica::Droop> droops = elastica::droop_profiles(shapes, loads, stiffness_ratios(blade));
   std::vector<SagProfile> profiles;
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    elastica::Droop& droop = droops[i];
-    SagProfile& profile =
-        profiles.emplace_back(SagProfile{std::move(droop.shift), std::move(droop.twist), {}, droop.stable});
-    const Eigen::Vector2d in_plane = down[i].head<2>();
-    if (in_plane.norm() <= kLevel) {
-      profile.in_plane_mm.assign(profile.droop_mm.size(), Eigen::Vector2d::Zero());
-    } else {
-      profile.in_plane_mm = elastica::plane_shift(shapes[i], load * in_plane).shift;
-    }
+  for (elastica::Droop& droop : droops) {
+    const std::vector<Eigen::Vector2d> none(droop.shift.size(), Eigen::Vector2d::Zero());
+    profiles.push_back({std::move(droop.shift), std::move(droop.twist), none, droop.stable});
   }
+  LoadedInPlane in_plane(shapes, load, [&](std::size_t i) { return down[i]; });
+  for (std::size_t j = 0; j < in_plane.blades.size(); ++j)
+    profiles[in_plane.blades[j]].in_plane_mm = std::move(in_plane.shifts[j].shift);
   return profiles;
 }
 

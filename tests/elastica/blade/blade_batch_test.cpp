@@ -205,6 +205,32 @@ TEST(BladeBatch, DroopProfilesAreThoseOfOneBladeOnEveryInstructionSet) {
   EXPECT_GT(stable, 400U);
 }
 
+TEST(BladeBatch, ShiftsInThePlaneAreThoseOfOneBlade) {
+  const std::vector<Elastica> all = blades(331);
+  std::vector<Eigen::Vector2d> loads;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const double turn = 0.7 * static_cast<double>(i);
+    loads.emplace_back(Eigen::Vector2d(std::cos(turn), std::sin(turn)) / std::pow(all[i].length, 3));
+  }
+  for (const Simd simd : instruction_sets()) {
+    const std::vector<PlaneShift> shifts = plane_shifts(all, loads, simd);
+    ASSERT_EQ(shifts.size(), all.size());
+    std::size_t stable = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (stability_margin(all[i]) <= 0.1) continue;  // a blade about to snap magnifies rounding
+      ++stable;
+      const PlaneShift one = plane_shift(all[i], loads[i]);
+      ASSERT_EQ(shifts[i].shift.size(), one.shift.size());
+      for (std::size_t k = 0; k < one.shift.size(); ++k)
+        ASSERT_NEAR((shifts[i].shift[k] - one.shift[k]).norm(), 0, 1e-9 * one.largest) << i << ", node " << k;
+      EXPECT_NEAR(shifts[i].largest, one.largest, 1e-9 * one.largest) << i;
+      const PlaneShift alone = plane_shifts({&all[i], 1}, {&loads[i], 1}, simd).front();
+      EXPECT_EQ(alone.shift, shifts[i].shift) << i;
+    }
+    EXPECT_GT(stable, 100U);
+  }
+}
+
 TEST(BladeBatch, SplittingABatchChangesNoBit) {
   const std::vector<Elastica> all = blades(203);
   for (const Simd simd : instruction_sets()) {
@@ -238,6 +264,10 @@ TEST(BladeBatch, RefusesWhatOneCurveRefuses) {
   std::vector<DroopReach> reach(1);
   EXPECT_THROW(droops(good, std::vector<DroopLoad>{{1, 5, 300}}, kStrip, reach), std::logic_error);
   EXPECT_THROW(droops(good, std::vector<DroopLoad>{{nan, 0, 3}}, kStrip, reach), std::logic_error);
+  EXPECT_THROW((void)plane_shifts(good, {}), std::logic_error);
+  EXPECT_THROW((void)plane_shifts(good, std::vector<Eigen::Vector2d>{{nan, 0}}), std::logic_error);
+  EXPECT_THROW((void)plane_shifts(bad, std::vector<Eigen::Vector2d>{{1, 0}}), std::logic_error);
+  EXPECT_THROW((void)plane_shift(good[0], {1, 0}, CellMiddles{}), std::logic_error);
   EXPECT_THROW((void)droop_profiles(good, {}, kStrip), std::logic_error);
   EXPECT_THROW((void)droop_profiles(good, std::vector<double>{nan}, kStrip), std::logic_error);
   EXPECT_THROW((void)droop_profiles(good, std::vector<double>{1}, {0, 1}), std::logic_error);
