@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
@@ -12,15 +14,23 @@
 namespace hotblade::pipeline::preview {
 namespace {
 
-// Looked for where the program's run path says: beside it, or in the folder of its libraries.
 constexpr const char* kLibrary = "libhotblade_drawing.so";
+
+// Beside the program where it is built, in the folder of its libraries where it is installed. By its whole
+// name: a sanitizer opens libraries in the program's place, and its run path is not the program's.
+std::filesystem::path library() {
+  std::error_code unknown;
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+  const std::filesystem::path beside = folder / kLibrary;
+  return std::filesystem::exists(beside, unknown) ? beside : folder / HOTBLADE_DRAWING_FOLDER / kLibrary;
+}
 
 std::atomic<const Drawing*> given = nullptr;
 
 const Drawing& opened() {
   if (!given) {
     // Lazily: of VTK's functions few are called.
-    if (dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL) == nullptr) {
+    if (dlopen(library().c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr) {
       const char* why = dlerror();
       throw Error(ErrorKind::kDrawing,
                   fmt::format("picture: what draws cannot be opened ({}): it is installed with the program",
