@@ -155,10 +155,6 @@ int lateral_eigenvalues_below(const std::vector<Middle>& middles, const Stiffnes
   return solved.negative + (compliance > 0 ? 1 : 0) - 1;
 }
 
-}  // namespace
-
-namespace {
-
 PlaneShift plane_shift_of(const Elastica& e, const Eigen::Vector2d& load, double turn,
                           const std::vector<Middle>& middles) {
   const double l3 = std::pow(e.length, 3);

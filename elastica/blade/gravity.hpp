@@ -45,7 +45,7 @@ struct CellMiddles {
 // The change of the shape under an even load in its plane. Throws std::logic_error when the load or the
 // elastica is not finite. The answer means nothing when the shape is not stable.
 [[nodiscard]] PlaneShift plane_shift(const Elastica& elastica, const Eigen::Vector2d& load);
-// The same with the elastica's middles at hand.
+// The same with the elastica's middles at hand; throws std::logic_error too unless there is one a cell.
 [[nodiscard]] PlaneShift plane_shift(const Elastica& elastica, const Eigen::Vector2d& load,
                                      const CellMiddles& middles);
 

@@ -27,7 +27,9 @@ std::filesystem::path library() {
 
 std::atomic<const Drawing*> given = nullptr;
 
-const Drawing& opened() {
+}  // namespace
+
+const Drawing& drawing() {
   if (!given) {
     // Lazily: of VTK's functions few are called.
     if (dlopen(library().c_str(), RTLD_LAZY | RTLD_LOCAL) == nullptr) {
@@ -36,21 +38,20 @@ const Drawing& opened() {
                   fmt::format("picture: what draws cannot be opened ({}): it is installed with the program",
                               why != nullptr ? why : kLibrary));
     }
-    if (!given) throw Error(ErrorKind::kDrawing, fmt::format("picture: {} does not draw", kLibrary));
+    if (!given)
+      throw Error(ErrorKind::kDrawing,
+                  fmt::format("picture: {} does not draw: another has its place, the program's own is "
+                              "installed with it",
+                              kLibrary));
   }
   const Drawing& drawing = *given;
   if (std::string_view(drawing.version()) != version()) {
-    throw Error(ErrorKind::kDrawing, fmt::format("picture: {} is of version {}, the program of version {}",
-                                                 kLibrary, drawing.version(), version()));
+    throw Error(
+        ErrorKind::kDrawing,
+        fmt::format("picture: {} is of version {}, the program of version {}: install both from one package",
+                    kLibrary, drawing.version(), version()));
   }
   return drawing;
-}
-
-}  // namespace
-
-const Drawing& drawing() {
-  static const Drawing& one = opened();
-  return one;
 }
 
 void draw_with(const Drawing& drawing) {

@@ -163,8 +163,8 @@ std::vector<SagProfile> sag_profiles(std::span<const elastica::Elastica> shapes,
   std::vector<elastica::Droop> droops = elastica::droop_profiles(shapes, loads, stiffness_ratios(blade));
   std::vector<SagProfile> profiles;
   for (elastica::Droop& droop : droops) {
-    const std::vector<Eigen::Vector2d> none(droop.shift.size(), Eigen::Vector2d::Zero());
-    profiles.push_back({std::move(droop.shift), std::move(droop.twist), none, droop.stable});
+    std::vector<Eigen::Vector2d> none(droop.shift.size(), Eigen::Vector2d::Zero());
+    profiles.push_back({std::move(droop.shift), std::move(droop.twist), std::move(none), droop.stable});
   }
   LoadedInPlane in_plane(shapes, load, [&](std::size_t i) { return down[i]; });
   for (std::size_t j = 0; j < in_plane.blades.size(); ++j)

@@ -51,7 +51,13 @@ cmp program.json planned/program.json || { echo "plan: another program than the 
 # What draws is a library that the program opens where it is installed.
 "$program" preview planned/program.json --shot cut.png > /dev/null || { echo "the installed program does not draw"; exit 1; }
 [[ $(head -c 4 cut.png | tail -c 3) == PNG ]] || { echo "preview: no picture"; exit 1; }
-find "$place/usr" -name libhotblade_drawing.so -delete
+library=$(find "$place/usr" -name libhotblade_drawing.so)
+cp "$(ldd "$program" | awk '/libz\.so|libm\.so/ { print $3; exit }')" "$library"
+code=0
+"$program" preview planned/program.json --shot none.png 2> undrawn.log || code=$?
+[[ $code -ne 0 && ! -e none.png ]] || { echo "preview with another library: exit code $code"; exit 1; }
+grep -q "does not draw" undrawn.log || { echo "preview does not say that another library has the place"; cat undrawn.log; exit 1; }
+rm "$library"
 "$program" plan "$samples/bump.obj" --units mm --config "$samples/bump.toml" -o undrawn > /dev/null 2> undrawn.log ||
   { echo "no plan without what draws"; cat undrawn.log; exit 1; }
 [[ -s undrawn/program.json && ! -e undrawn/preview.png ]] || { echo "a plan without what draws has a picture"; exit 1; }

@@ -1,4 +1,4 @@
-// The library of what draws: it gives itself to the program that opens it.
+// The library of what draws: it gives itself to the program that opens it, or that is linked with it.
 #include "pipeline/preview/drawing/vtk_drawing.hpp"
 
 namespace {
