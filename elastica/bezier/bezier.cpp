@@ -39,29 +39,32 @@ void solve_inner(std::span<const Eigen::Vector2d> q, const std::vector<double>& 
   b[2] = x.row(1);
 }
 
-// One Gauss-Newton step of the inner control points on the distances across the curve, foot points held:
-// converges quadratically where alternating with solve_inner creeps.
-void step_across(std::span<const Eigen::Vector2d> q, const std::vector<double>& t, Bezier& b) {
+// Squared distances across the curve, foot points held: how the inner control points change their sum, to
+// second order (Gauss-Newton).
+struct Across {
   Eigen::Matrix4d a = Eigen::Matrix4d::Zero();
   Eigen::Vector4d r = Eigen::Vector4d::Zero();
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const BezierPoint p = evaluate(b, t[i]);
-    const double speed = p.d1.norm();
-    if (!(speed > 0)) continue;
-    const Eigen::Vector2d normal(-p.d1.y() / speed, p.d1.x() / speed);
-    const auto w = bernstein(t[i]);
-    const Eigen::Vector4d row(w[1] * normal.x(), w[1] * normal.y(), w[2] * normal.x(), w[2] * normal.y());
-    a += row * row.transpose();
-    r += row * normal.dot(q[i] - p.p);
+
+  Across(std::span<const Eigen::Vector2d> q, const std::vector<double>& t, const Bezier& b) {
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      const BezierPoint p = evaluate(b, t[i]);
+      const double speed = p.d1.norm();
+      if (!(speed > 0)) continue;
+      const Eigen::Vector2d normal(-p.d1.y() / speed, p.d1.x() / speed);
+      const auto w = bernstein(t[i]);
+      const Eigen::Vector4d row(w[1] * normal.x(), w[1] * normal.y(), w[2] * normal.x(), w[2] * normal.y());
+      a += row * row.transpose();
+      r += row * normal.dot(q[i] - p.p);
+    }
   }
-  // On a straight rib sliding along the line changes nothing: the damping keeps the control points where they
-  // are.
-  constexpr double kDamping = 1e-9;
-  a.diagonal().array() += kDamping * a.trace();
-  const Eigen::Vector4d x = solve_symmetric(a, r);
-  b[1] += x.head<2>();
-  b[2] += x.tail<2>();
-}
+  // On a flat rib sliding along the line changes hardly anything: the damping, a share of the trace, keeps
+  // the control points near to where they are.
+  [[nodiscard]] Eigen::Vector4d step(double damping) const {
+    Eigen::Matrix4d damped = a;
+    damped.diagonal().array() += damping * a.trace();
+    return solve_symmetric(damped, r);
+  }
+};
 
 // One Newton step of the foot point, kept inside [0, 1].
 double closer_parameter(const Bezier& b, const Eigen::Vector2d& q, double t) {
@@ -70,6 +73,17 @@ double closer_parameter(const Bezier& b, const Eigen::Vector2d& q, double t) {
   const double f = r.dot(e.d1), df = e.d1.squaredNorm() + r.dot(e.d2);
   if (!(df > 0)) return t;
   return std::clamp(t - f / df, 0.0, 1.0);
+}
+
+// Moves the parameters to the points' feet, as far as two steps do, the ends' left; returns the sum of
+// squared distances.
+double project(std::span<const Eigen::Vector2d> q, const Bezier& b, std::vector<double>& t) {
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 < q.size(); ++i) {
+    for (int k = 0; k < 2; ++k) t[i] = closer_parameter(b, q[i], t[i]);
+    sum += (evaluate(b, t[i]).p - q[i]).squaredNorm();
+  }
+  return sum;
 }
 
 }  // namespace
@@ -133,23 +147,36 @@ BezierFit fit_bezier(std::span<const Eigen::Vector2d> q) {
   for (double& v : t) v /= t.back();
   BezierFit fit;
   fit.bezier = {q.front(), q.front(), q.back(), q.back()};
-  constexpr int kAlternating = 4, kNewton = 8;  // settles to rounding on ribs of up to a half turn
-  for (int round = 0; round < kAlternating + kNewton; ++round) {
-    if (round < kAlternating) {
-      solve_inner(q, t, fit.bezier);
-    } else {
-      step_across(q, t, fit.bezier);
-    }
-    for (std::size_t i = 1; i + 1 < q.size(); ++i) {
-      for (int k = 0; k < 2; ++k) t[i] = closer_parameter(fit.bezier, q[i], t[i]);
-    }
-  }
+  constexpr int kAlternating = 4, kNewton = 12;
   double sum = 0;
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const double d = (evaluate(fit.bezier, t[i]).p - q[i]).norm();
-    sum += d * d;
-    fit.max = std::max(fit.max, d);
+  for (int round = 0; round < kAlternating; ++round) {
+    solve_inner(q, t, fit.bezier);
+    sum = project(q, fit.bezier, t);
   }
+  // Converges quadratically where alternating creeps: on ribs of up to a half turn these settle to rounding.
+  constexpr double kLeastDamping = 1e-9, kMostDamping = 1, kSettled = 1e-12;
+  double damping = kLeastDamping;
+  for (int round = 0; round < kNewton && damping < kMostDamping; ++round) {
+    const Eigen::Vector4d step = Across(q, t, fit.bezier).step(damping);
+    Bezier next = fit.bezier;
+    next[1] += step.head<2>();
+    next[2] += step.tail<2>();
+    std::vector<double> at = t;
+    const double other = project(q, next, at);
+    if (!(other < sum)) {
+      if (step.norm() <= kSettled * (q.back() - q.front()).norm()) break;
+      damping *= 100;
+      continue;
+    }
+    damping = std::max(kLeastDamping, 0.1 * damping);
+    const bool settled = sum - other <= kSettled * sum;
+    fit.bezier = next;
+    t = std::move(at);
+    sum = other;
+    if (settled) break;
+  }
+  for (std::size_t i = 0; i < q.size(); ++i)
+    fit.max = std::max(fit.max, (evaluate(fit.bezier, t[i]).p - q[i]).norm());
   fit.rms = std::sqrt(sum / static_cast<double>(q.size()));
   return fit;
 }

@@ -1,6 +1,7 @@
 // A design as its strips are compared with it: a strip forms one of its smooth faces
 // (surface/slice/creases.hpp), and ends at that face's creases as at the design's border. Past a crease it
-// cuts foam of its own block, beside which the next face stands in another.
+// cuts foam of its own block, beside which the next face stands in another. So do pieces of a face that lie
+// apart, where strips form them one by one.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,7 +22,8 @@ namespace hotblade::pipeline {
 
 class DesignFaces {
  public:
-  // A strip forms the face that most of its ribs' points are nearest to. The mesh must have triangles.
+  // A strip forms the face that most of its ribs' points are nearest to; of a face in several pieces those
+  // that have a place which no other strip is nearer to. The mesh must have triangles.
   DesignFaces(const surface::TriangleMesh& design, const Program& program, gpu::Backend backend);
 
   // The nearest point of a face of the design.
@@ -40,7 +42,7 @@ class DesignFaces {
   [[nodiscard]] std::vector<Foot> feet_and_sides(std::span<const Eigen::Vector3d> points,
                                                  const std::function<int(std::size_t)>& strip_of) const;
 
-  [[nodiscard]] std::size_t count() const { return faces_.size(); }
+  [[nodiscard]] std::size_t count() const { return smooth_; }
   [[nodiscard]] std::size_t face_of(int strip) const {
     return face_of_strip_[static_cast<std::size_t>(strip)];
   }
@@ -61,8 +63,10 @@ class DesignFaces {
                                        const std::function<int(std::size_t)>& strip_of, bool sides) const;
   void assign(const surface::TriangleMesh& design, const std::vector<int>& face_of_triangle,
               const Program& program);
+  void part(std::size_t face, const Program& program, gpu::Backend backend);
 
-  std::vector<Face> faces_;
+  std::vector<Face> faces_;  // smooth ones, then pieces of these
+  std::size_t smooth_ = 0;
   std::vector<std::size_t> face_of_strip_;
 };
 

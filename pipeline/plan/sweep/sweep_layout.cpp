@@ -2,6 +2,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/section_beziers.hpp"
+#include "pipeline/plan/sweep/sweep_cuts.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_few.hpp"
 #include "robot/blade/blade_section.hpp"
@@ -36,31 +37,6 @@ constexpr double kReachMm = 60;
 constexpr double kLittle = 0.02;
 // That parts share their whole's axes up to.
 constexpr double kSharedTurn_rad = 1;
-
-SweepSeam seam_across_sweep(const RibAxes& axes, double offset, double side) {
-  const Vector3d normal = side * axes.planes.normal(offset);
-  return {normal, normal.dot(axes.plane(offset).origin)};
-}
-
-// Square to the ribs of the plane at `offset`.
-SweepSeam seam_across_ribs(const RibAxes& axes, double offset, double x, double side) {
-  const Frame plane = axes.plane(offset);
-  const Vector3d normal = side * plane.x;
-  return {normal, normal.dot(plane.point(x, 0))};
-}
-
-std::vector<double> even_shares(std::size_t parts) {
-  return std::vector<double>(parts, 1 / static_cast<double>(parts));
-}
-
-// Ends of the parts inside an extent: one fewer than parts.
-std::vector<double> cuts(double from, double to, const std::vector<double>& shares) {
-  std::vector<double> at;
-  double passed = 0;
-  for (std::size_t i = 0; i + 1 < shares.size(); ++i)
-    at.push_back(from + (passed += shares[i]) * (to - from));
-  return at;
-}
 
 bool lies_behind(const std::vector<SweepSeam>& seams, const Vector3d& p) {
   return std::all_of(seams.begin(), seams.end(),
@@ -223,21 +199,24 @@ bool SweepLayouts::meets_design(const SweepPart& part) const {
 std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGrid& grid) const {
   const RibAxes& axes = whole.axes;
   const Box& box = whole.box;
-  const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep)),
-                            across = cuts(box.min().y(), box.max().y(), even_shares(grid.along_ribs));
+  const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep));
   std::vector<std::vector<SweepPart>> rows(grid.along_sweep);
   surface::for_blocks(rows.size(), 1, [&](std::size_t s, std::size_t) {
     std::vector<SweepSeam> ends;
     if (s > 0) ends.push_back(seam_across_sweep(axes, along[s - 1], -1));
     if (s < along.size()) ends.push_back(seam_across_sweep(axes, along[s], 1));
     const SweepPart row = part_behind(axes, std::move(ends), surface_);
-    for (std::size_t r = 0; r < grid.along_ribs; ++r) {
+    const Range offsets(s > 0 ? along[s - 1] : box.min().x(), s < along.size() ? along[s] : box.max().x());
+    const bool turns = grid.along_ribs > 1 && whole.turn_rad > kSharedTurn_rad;
+    const std::vector<std::vector<SweepSeam>> across =
+        turns && !axes.planes.turns()
+            ? even_lengths(mesh_, axes, offsets, grid.along_ribs)
+            : even_widths(axes, box.center().x(), {box.min().y(), box.max().y()}, grid.along_ribs);
+    for (const std::vector<SweepSeam>& own : across) {
       std::vector<SweepSeam> seams = row.seams;
-      if (r > 0) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r - 1], -1));
-      if (r < across.size()) seams.push_back(seam_across_ribs(axes, box.center().x(), across[r], 1));
+      seams.insert(seams.end(), own.begin(), own.end());
       SweepPart part = grid.along_ribs > 1 ? part_behind(axes, std::move(seams), row.surface) : row;
-      if (grid.along_ribs > 1 && whole.turn_rad > kSharedTurn_rad)
-        part.axes = sweep_axes(*part.surface, axes.planes);
+      if (turns) part.axes = sweep_axes(*part.surface, axes.planes);
       // A triangle's grid has cells without design.
       if (grid.count() > 1 && !meets_design(part)) continue;
       part.rib_splits = static_cast<int>(grid.along_ribs - std::min(grid.along_ribs, whole.least.along_ribs));
@@ -502,9 +481,9 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
   for (std::size_t i = 0; i < asked.size(); ++i) asked[i].missed_mm = misses[i];
   std::stable_sort(asked.begin(), asked.end(),
                    [](const Asked& a, const Asked& b) { return a.missed_mm < b.missed_mm; });
-  // As many of each way to split: splits along the sweep make no section easier to follow. The forty panels
-  // of a seed take one strip more with six and the same with all.
-  constexpr std::size_t kFitted = 10;
+  // As many of each way to split: splits along the sweep make no section easier to follow. 320 panels and
+  // parts of buildings take 563 strips with ten, 557 with fourteen in less time, and 555 with twenty in more.
+  constexpr std::size_t kFitted = 14;
   std::map<std::size_t, std::size_t> taken;  // by parts along the sweep
   for (Asked& a : asked) a.fitted = taken[a.grid.along_sweep]++ < kFitted;
   std::vector<Layout> all(asked.size());

@@ -76,6 +76,8 @@ class Search {
     std::size_t tries = 0;
     Tried nearest, first;
     std::vector<Tried> open;  // what parted() has not split yet
+    // In planes of their own each; those that blocks allow so few parts in come first.
+    std::vector<surface::PlaneFamily> opened;
     const std::size_t most_even = std::min(kMostEven, most_parts_);
     for (std::size_t parts = fewest; parts <= most_even && tries < kMostTries; ++parts) {
       // One failing strip split costs no more strips than even parts do.
@@ -91,9 +93,10 @@ class Search {
       const std::vector<Layout> near = refined(ranked);
       if (near.empty() && nearest.layout.parts.empty())
         nearest = hanging_too_far(ranked, kNear * tolerance, tolerance);
-      if (first.layout.parts.empty() && !ranked.empty()) {
-        first = first_try(ranked.front(), SweepWay::kEven);
-        open = first_tries(ranked, kPartedPlanes, SweepWay::kParted);
+      if (first.layout.parts.empty() && !ranked.empty()) first = first_try(ranked.front(), SweepWay::kEven);
+      for (const Layout& layout : ranked) {
+        if (opened.size() < kPartedPlanes && opens(layout, opened))
+          open.push_back(first_try(layout, SweepWay::kParted));
       }
       std::vector<Tried> failed;
       for (const Layout& layout : near) {
@@ -117,6 +120,17 @@ class Search {
       if (nearest.taken) return;
     }
     if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
+  }
+
+  // Tells whether a layout is the first in its planes, which are added then.
+  [[nodiscard]] static bool opens(const Layout& layout, std::vector<surface::PlaneFamily>& opened) {
+    const auto same = [&](const surface::PlaneFamily& planes) {
+      return planes.normal(0) == layout.planes.normal(0) && planes.axis() == layout.planes.axis() &&
+             planes.centre() == layout.planes.centre();
+    };
+    if (std::any_of(opened.begin(), opened.end(), same)) return false;
+    opened.push_back(layout.planes);
+    return true;
   }
 
   // The best planes split where no strip serves, before any is looked at: the layout of the fewest parts that

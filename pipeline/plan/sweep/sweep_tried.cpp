@@ -21,13 +21,6 @@ Tried first_try(Layout layout, SweepWay way) {
   return tried;
 }
 
-std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t most, SweepWay way) {
-  std::vector<Tried> tries;
-  for (std::size_t i = 0; i < std::min(most, layouts.size()); ++i)
-    tries.push_back(first_try(layouts[i], way));
-  return tries;
-}
-
 Tried hanging_too_far(const std::vector<Layout>& layouts, double most_mm, double tolerance_mm) {
   for (const Layout& layout : layouts) {
     if (layout.parts.size() > 1 || layout.cost_mm > most_mm) continue;

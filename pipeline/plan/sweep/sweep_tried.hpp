@@ -60,10 +60,6 @@ struct Tried {
 // Returns a layout that nothing is planned of yet.
 [[nodiscard]] Tried first_try(Layout layout, SweepWay way);
 
-// Returns the same of the first of these layouts, `most` at most.
-[[nodiscard]] std::vector<Tried> first_tries(const std::vector<Layout>& layouts, std::size_t most,
-                                             SweepWay way);
-
 // Returns the first of these layouts that costs no more than `most_mm`, whose one part comes within the
 // tolerance but for what weight moves: as failed, since a narrower fan hangs less. An empty one where there
 // is none.

@@ -9,6 +9,7 @@
 
 #include "elastica/bezier/bezier.hpp"
 #include "elastica/bezier/lambda_residual.hpp"
+#include "elastica/fit/even_points.hpp"
 #include "tests/elastica/fit/ribs.hpp"
 
 namespace hotblade::elastica {
@@ -148,6 +149,46 @@ TEST(FitBezier, RecoversACubicFromItsOwnPoints) {
   for (const double t : even_parameters(b, 80)) q.push_back(evaluate(b, t).p);
   const BezierFit fit = fit_bezier(q);
   EXPECT_LT(fit.max, 0.05);
+}
+
+// Facets bring the control points nowhere: however they lie to the samples, the cubic of a faceted arc is as
+// near to its corners' arc as the facets are.
+TEST(FitBezier, StaysByFacetedArcs) {
+  constexpr double kRadius = 490;
+  for (const double turn : {0.1, 0.5, 0.8, 1.07, 2.0, 3.0}) {
+    const auto arc = [&](int chords) {
+      std::vector<Eigen::Vector2d> line;
+      for (int i = 0; i <= chords; ++i) {
+        const double angle = turn * (static_cast<double>(i) / chords - 0.5);
+        line.emplace_back(kRadius * std::sin(angle), kRadius * std::cos(angle));
+      }
+      return line;
+    };
+    const double smooth = fit_bezier(arc(512)).max;
+    for (int facets = 4; facets <= 80; ++facets) {
+      const double sagitta = kRadius * (1 - std::cos(0.5 * turn / facets));
+      const BezierFit fit = fit_bezier(evenly_spaced(arc(facets), 33));
+      EXPECT_LE(fit.max, smooth + sagitta) << turn << " rad in " << facets;
+    }
+  }
+}
+
+// Noise of a hundredth of what an arc rises: a cubic comes nearer to it than the arc's own does.
+TEST(FitBezier, StaysByNoisyArcs) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> noise(-1, 1), turns(0.05, 2.5);
+  for (int trial = 0; trial < 500; ++trial) {
+    const double turn = turns(random), radius = 400, rise = radius * (1 - std::cos(0.5 * turn));
+    std::vector<Eigen::Vector2d> clean, noisy;
+    for (int i = 0; i <= 32; ++i) {
+      const double angle = turn * (i / 32.0 - 0.5), r = radius + 0.01 * rise * noise(random);
+      clean.emplace_back(radius * std::sin(angle), radius * std::cos(angle));
+      noisy.emplace_back(r * std::sin(angle), r * std::cos(angle));
+    }
+    const double own = fit_bezier(clean).rms;
+    // Its ends are those of the points: the curve through them is off by as much as they are.
+    EXPECT_LE(fit_bezier(noisy).rms, own + 0.015 * rise) << turn;
+  }
 }
 
 TEST(EvenParameters, SpacePointsEvenlyByArcLength) {

@@ -389,7 +389,16 @@ TEST(PlanParts, ThatLieApartArePlannedOneByOne) {
   const auto planes = [&](std::size_t strip) {
     return far.program.strips[strip].ribs.front().frame.normal();
   };
-  EXPECT_LT(std::abs(planes(0).dot(planes(1))), 0.1);
+  EXPECT_LT(std::abs(planes(0).dot(planes(1))), 0.99) << "each in planes of its own";
+  // Each is compared with its own panel, however it passes by the other one.
+  const DesignFaces faces(two_panels(2500, 400).mesh, far.program, gpu::Backend::kCpu);
+  EXPECT_EQ(faces.count(), 1U);
+  const std::vector<Vector3d> between{{1500, 250, 60}};
+  std::vector<double> x;
+  for (const int strip : {0, 1})
+    x.push_back(faces.feet(between, [&](std::size_t) { return strip; }).front().point.x());
+  EXPECT_LE(std::min(x[0], x[1]), 600.001);
+  EXPECT_GE(std::max(x[0], x[1]), 3099.999);
   // One block holds both of these, and one blade follows them.
   const PlanResult near = plan(two_panels(100), back(), {});
   EXPECT_TRUE(near.refusals.empty());

@@ -192,6 +192,22 @@ Passed passed(const Panel& panel) {
   return {result.strips.size(), deviation_mm, (deviation_mm + sag_mm) / panel_settings().design.tolerance_mm};
 }
 
+// A trimmed tube of 236 degrees, longer than two blocks: planes square to it need three parts along it before
+// any strip is as long as a block, and are split on from there.
+TEST(ShellPanels, LongTubesAreCutIntoRingsOfArcs) {
+  const samples::Panel tube = samples::shell_panels(640317)[8];
+  ASSERT_EQ(tube.name, "s08_tube");
+  EXPECT_LE(passed(tube).strips, 8U);
+}
+
+// 246 degrees: three arcs alike, each seam square to the tube. By their widths, the outer two of three parts
+// would be arcs of 103 degrees.
+TEST(ShellPanels, TubesOfMoreThanHalfATurnAreCutIntoArcsAlike) {
+  const samples::Panel tube = samples::shell_panels(90011)[16];
+  ASSERT_EQ(tube.name, "s16_tube");
+  EXPECT_LE(passed(tube).strips, 3U);
+}
+
 TEST_P(PanelPromises, TakeAsManyStripsWhereverThePanelLiesAndHoweverItsQuadrilateralsAreCut) {
   const Panel is = panel();
   const Passed here = passed(is);
