@@ -72,7 +72,9 @@ TEST(SampleCorner, IsCutAsNearByBandsThatDependOnTheSpeed) {
     ASSERT_EQ(coupled.program.verification.status, pipeline::VerificationStatus::kPassed) << feed;
     const double coupled_mm = coupled.verification.deviation.max;
     EXPECT_GT(executed_mm - planned_mm, feed < 10 ? 0.04 : 0.01) << feed;
-    EXPECT_LT(coupled_mm - planned_mm, (executed_mm - planned_mm) / 5) << feed;
+    // What the verification tells of two largest deviations, a hundredth of the tolerance, is no difference.
+    const double told_mm = 0.01 * settings.design.tolerance_mm;
+    EXPECT_LT(coupled_mm - planned_mm, std::max(told_mm, (executed_mm - planned_mm) / 5)) << feed;
     // The program says its bands itself.
     const pipeline::Program read = pipeline::parse_program(pipeline::to_json(coupled.program), "corner");
     EXPECT_EQ(read.blade.melt, melt);

@@ -4,16 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/motion/blade.hpp"
-#include "pipeline/plan/motion/clamp_margins.hpp"
-#include "pipeline/plan/motion/rib_clamp_error.hpp"
-#include "pipeline/plan/motion/rib_fold.hpp"
 #include "pipeline/plan/sweep/moved_surface.hpp"
 #include "pipeline/plan/sweep/sweep_block.hpp"
-#include "pipeline/plan/sweep/sweep_facets.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -22,8 +17,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 double rib_length(const SweepFitReport& fit) {
   return 2 * std::max(-fit.arc_low_mm, fit.arc_high_mm);
@@ -233,7 +226,7 @@ double PartFitter::cost_of(const PartFit& fit, bool turns) const {
   FollowedPart part;
   part.deviation_mm = fit.max_mm;
   part.sag_mm = fit.sag_mm;
-  part.unknown_share = turns ? 1 : robot::kSagUnknownShare;
+  part.unknown_share = robot::kSagUnknownShare + (turns ? 1 : 0);
   part.margin = fit.margin;
   part.least_margin = settings_.blade.min_margin;
   part.clamp_depth_mm = fit.clamp_depth_mm;
@@ -263,173 +256,6 @@ SweptStrip PartFitter::strip_of(const SweepPart& part, const SweepEffort& effort
     fit = std::move(again);
   }
   return made;
-}
-
-// Closer and closer fits of one pull towards few and smooth tensions, as long as these help.
-PartPlan PartFitter::plan_at(const SweepPart& part, const PartFit& start, double calm) const {
-  constexpr double kHelps = 0.8;  // of the deviation before
-  const double near_mm = near_enough_mm(part);
-  PartPlan best{start, std::nullopt, start.refusal, calm};
-  best.fit.max_mm = kInfinite;
-  PartFit now = start;
-  for (const int coefficients : {5, 7, 10, 14}) {
-    const SweepEffort effort = final_effort(coefficients, calm);
-    MovedPart moved;
-    now = fit(part, effort, &now, moved);
-    if (!now.holds()) {
-      if (!best.strip) best.refusal = now.refusal;
-      break;
-    }
-    const double before = best.fit.max_mm;
-    // One that does not help need not be the last: a triangle takes 7 strips by it, and 9 without.
-    if (best.strip && !(now.max_mm < kHelps * before)) continue;
-    PartFit fitted = now;
-    SweptStrip made = strip_of(part, effort, fitted, std::move(moved));
-    if (made.strip && (!best.strip || fitted.max_mm < kHelps * before)) {
-      best = {std::move(fitted), std::move(made.strip), std::nullopt, calm};
-    } else if (!made.strip && !best.strip && !(fitted.max_mm > before)) {
-      best = {std::move(fitted), std::nullopt, made.refusal, calm};
-    }
-    if (best.strip && best.fit.max_mm <= near_mm) break;
-  }
-  return best;
-}
-
-// A blade that its clamps' errors would snap bends more than it needs to: what the fit leaves of the
-// tolerance is given for tensions that are calmer, up to the first that hold.
-PartPlan PartFitter::plan(const SweepPart& part, const PartFit& start, double calmer_than) const {
-  PartPlan best{start, std::nullopt, start.refusal, 0};
-  if (!start.holds()) return best;
-  for (const double calm : kCalms) {
-    if (calm <= calmer_than) continue;
-    PartPlan plan = plan_at(part, start, calm);
-    // A calmer blade comes no nearer.
-    const bool too_far = plan.strip ? best.strip && !(plan.fit.max_mm <= most_mm(plan))
-                                    : plan.refusal && plan.refusal->limit == Limit::kDeviation;
-    if (plan.strip) {
-      plan.fold_mm = fold_of(plan);
-      if (!too_far && (!best.strip || plan.fold_mm > best.fold_mm)) best = std::move(plan);
-      if (best.fold_mm >= least_fold_mm(best)) break;
-    } else if (!best.strip) {
-      best = std::move(plan);
-    }
-    if (too_far || (best.refusal && stable_as_can_be(best.refusal->limit, best.refusal->value))) break;
-  }
-  if (best.refusal && best.refusal->limit == Limit::kDeviation) explain(part, best);
-  return best;
-}
-
-// Of what one rib may deviate: edges, corners and what lies between samples have the rest.
-double PartFitter::wanted_mm() const {
-  constexpr double kWanted = 0.5;
-  return kWanted * settings_.fit.deviation_share * settings_.design.tolerance_mm;
-}
-
-// More coefficients bring no blade much nearer to facets than what these leave for a smooth cut, but where it
-// bends at their edges.
-double PartFitter::near_enough_mm(const SweepPart& part) const {
-  // The facets' own figure is of half of their area. A reserve stays for what lies between samples.
-  constexpr double kOver = 1.25, kMostShare = 0.6;
-  const double facets_mm = kOver * smooth_over_facets(*part.surface, part.seams).off_mm;
-  return std::max(wanted_mm(), std::min(facets_mm, kMostShare * settings_.design.tolerance_mm));
-}
-
-double PartFitter::most_mm(const PartPlan& plan) const {
-  // Edges and corners between the samples are farther off than these, on most panels by less than a tenth of
-  // the tolerance. What was found of a strip is hardly more of the next fit.
-  constexpr double kBetween = 0.1, kMore = 0.03;
-  const double tolerance = settings_.design.tolerance_mm;
-  if (plan.beyond_fit_mm) return (1 - kMore) * tolerance - *plan.beyond_fit_mm;
-  return (1 - kBetween) * tolerance - robot::kSagUnknownShare * plan.fit.sag_mm;
-}
-
-double PartFitter::fold_of(const PartPlan& plan) const {
-  constexpr double kFar = 3;  // times what is wanted: of two that are farther neither is the better
-  return rib_fold_mm(*plan.strip, settings_.machine, kFar * least_fold_mm(plan));
-}
-
-double PartFitter::least_fold_mm(const PartPlan& plan) const {
-  // Between ribs and on its way into the block a blade snaps a little sooner than at its ribs.
-  constexpr double kReserve = 1.2;
-  return kReserve * smallest_margin_mm(settings_, plan.strip->blade_length_mm);
-}
-
-HeldBlade PartFitter::held(const PartPlan& plan) const {
-  // In a fan nothing of it is compensated.
-  const double left = robot::kSagUnknownShare + (plan.strip->planes.turns() ? 1 : 0);
-  return {plan.fit.max_mm, rib_clamp_error_mm(*plan.strip, settings_.machine), left * plan.strip->sag_mm};
-}
-
-// The strip fitted on with blades of this length and this pull, where it stays as near as it is to be.
-std::optional<PartPlan> PartFitter::steadier(const SweepPart& part, const PartPlan& plan, const PartFit& from,
-                                             const Steadying& steadying) const {
-  const double most_mm = steady_deviation_mm(plan.fit.max_mm, wanted_mm(), settings_.design.tolerance_mm);
-  PartPlan other = plan;
-  other.steadying = steadying;
-  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, steadying);
-  MovedPart moved;
-  other.fit = fit(part, effort, &from, moved);
-  if (!other.fit.holds() || !(other.fit.max_mm <= most_mm)) return std::nullopt;
-  SweptStrip made = strip_of(part, effort, other.fit, std::move(moved));
-  if (!made.strip || !(other.fit.max_mm <= most_mm)) return std::nullopt;
-  other.strip = std::move(made.strip);
-  other.fold_mm = fold_of(other);
-  if (!(other.fold_mm >= std::min(plan.fold_mm, least_fold_mm(other)))) return std::nullopt;
-  other.held = held(other);
-  return other;
-}
-
-PartPlan PartFitter::steadied(const SweepPart& part, PartPlan plan) const {
-  plan.held = held(plan);
-  // Where the budget only warns, the shortest blade and the nearest fit are kept.
-  if (settings_.design.over_budget != OverBudget::kRefuse || !clamps_lead(*plan.held)) return plan;
-  // With a fifth, a blade that moves by 1 mm counts as much as one that is off by 0.2 mm everywhere.
-  constexpr std::array<double, 3> kPulls{0.2, 0.1, 0.05};
-  const double own_mm = plan.strip->blade_length_mm;
-  PartPlan best = plan;
-  for (const double length_mm : settings_.blade.free_lengths_mm) {
-    if (length_mm < own_mm) continue;
-    const auto take = [&](std::optional<PartPlan> other) {
-      if (!other || !(cost_mm(*other->held) < cost_mm(*best.held))) return false;
-      best = std::move(*other);
-      return true;
-    };
-    bool helps = false;
-    // A longer blade alone, and one that is pulled to be steady as strongly as its fit lets it.
-    if (length_mm > own_mm) helps = take(steadier(part, plan, plan.fit, {0, length_mm}));
-    for (const double pull : kPulls) {
-      std::optional<PartPlan> other = steadier(part, plan, best.fit, {pull, length_mm});
-      const bool near = other.has_value();
-      helps = take(std::move(other)) || helps;
-      if (near) break;
-    }
-    if (!helps && length_mm > own_mm) break;
-  }
-  const bool longer = best.strip->blade_length_mm > own_mm;
-  if (!worth_steadying(*best.held, *plan.held, longer)) return plan;
-  best.unsteady = std::make_shared<const PartPlan>(std::move(plan));
-  return best;
-}
-
-PartPlan PartFitter::again(const SweepPart& part, const PartPlan& plan) const {
-  const SweepEffort effort = final_effort(plan.fit.family.count(), plan.calm, plan.steadying);
-  PartPlan now = plan;
-  MovedPart moved;
-  now.fit = fit(part, effort, &plan.fit, moved);
-  now.strip.reset();
-  now.refusal.reset();
-  if (!now.fit.holds()) {
-    now.refusal = now.fit.refusal;
-    return now;
-  }
-  SweptStrip made = strip_of(part, effort, now.fit, std::move(moved));
-  now.strip = std::move(made.strip);
-  if (now.strip) {
-    now.fold_mm = fold_of(now);
-  } else {
-    now.refusal = made.refusal;
-  }
-  return now;
 }
 
 PartPlan PartFitter::met(const MovedSurface& moved, const JointPart& joint, const SweepFamily& together,

@@ -130,8 +130,9 @@ class StripMaker {
     gather();
     std::vector<RibFit> ribs = make_ribs();
     enclose(ribs);
-    // What the fit leaves of the tolerance may be used up by what of the sag is not known.
-    const double sag = axes_.planes.turns() ? left : left / robot::kSagUnknownShare;
+    // What the fit leaves of the tolerance may be used up by what of the sag is not known; in a fan, where
+    // nothing is moved against it, by all of it as well.
+    const double sag = left / (robot::kSagUnknownShare + (axes_.planes.turns() ? 1 : 0));
     const RibAxes& axes = axes_;
     const BladeReport blade =
         choose_blade(ribs, axes, block_around(ribs, axes, settings_.stock), settings_, sag, least_blade_mm_);
