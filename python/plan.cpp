@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/advice/advice.hpp"
@@ -116,9 +117,9 @@ class Planner {
   std::vector<pipeline::Suggestion> suggestions(std::vector<std::string>& warnings) const {
     if (!(design_.surface.health.area_mm2 > 0)) return {};
     try {
-      const pipeline::Forecast met = forecast(design_.surface, settings_);
-      if (const auto warning = warning_of(met)) warnings.push_back(*warning);
-      return met.suggestions;
+      pipeline::FirstLook look = first_look(design_.surface, settings_);
+      if (const auto warning = warning_of(look.odd_size)) warnings.push_back(*warning);
+      return std::move(look.suggestions);
     } catch (const surface::FanError&) {  // of which the plan tells
       return {};
     }

@@ -1,6 +1,7 @@
 #include "elastica/blade/continuation.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -55,6 +56,7 @@ struct Solved {
   Vector3d p;
   JacobiFields end;
   int steps = 0;
+  Vector3d went = Vector3d::Zero(), bent = Vector3d::Zero();  // ClampedShape
 };
 
 // Size of a change of the unknowns as a change of curvature: a force changes curvature by its moment.
@@ -91,7 +93,7 @@ std::optional<Solved> newton(Vector3d p, const Vector3d& wanted, Exactness exact
 }
 
 ClampedShape shape_of(const Solved& s, const PlanarPose& a, double length) {
-  return {placed(s.p, a, length), s.end.index, s.steps, s.end};
+  return {placed(s.p, a, length), s.end.index, s.steps, s.end, s.went, s.bent};
 }
 
 // Of a blade that starts so, by the end of the blade 1 long.
@@ -118,13 +120,26 @@ void check(const Elastica& e, const ClampPair& c) {
   if (!(e.length > 0)) throw std::logic_error("a blade needs a length");
 }
 
+// What a branch bends from its tangent by over a step of the end: by the square of the step as much as over
+// the one before, where it goes on as that did.
+Vector3d bend_over(const Solved& at, const Vector3d& step) {
+  constexpr double kAlong = 0.9;  // cosine of the angle between both
+  const double before = at.went.norm(), now = step.norm();
+  if (!(before > 0) || !(at.went.dot(step) > kAlong * before * now)) return Vector3d::Zero();
+  constexpr double kLonger = 4;
+  const double share = std::min(kLonger, now / before);
+  return share * share * at.bent;
+}
+
 // One blade on its way; `at` is the last place reached.
 class Walk {
  public:
-  Walk(const Elastica& from, const JacobiFields& end, const ClampPair& to, Exactness exactness)
-      : from_(clamps_by(from, end.point)), to_(to), length_(from.length), exactness_(exactness) {
-    at_.p = unknowns_of(from);
-    at_.end = end;
+  Walk(const ClampedShape& from, const ClampPair& to, Exactness exactness)
+      : from_(clamps_by(from.elastica, from.end.point)),
+        to_(to),
+        length_(from.elastica.length),
+        exactness_(exactness) {
+    at_ = {unknowns_of(from.elastica), from.end, 0, from.went, from.bent};
   }
 
   [[nodiscard]] double place() const { return place_; }
@@ -145,14 +160,18 @@ class Walk {
   // The equilibrium at t on the same branch, if it can be told from here.
   bool step_to(double t) {
     const Vector3d here(at_.end.point.x, at_.end.point.y, at_.end.point.theta);
-    const Vector3d predicted = at_.end.fields.partialPivLu().solve(wanted(t) - here);
+    const Vector3d step = wanted(t) - here;
+    const Vector3d predicted = at_.end.fields.partialPivLu().solve(step);
     // The corrector's part of the step measures how far the branch bends; beyond this share, and beyond what
     // is small for any blade, another branch might have been met.
     constexpr double kBend = 0.2, kSmall = 1e-3;
     const double correction = kBend * bend_of(predicted) + kSmall;
-    const std::optional<Solved> next = newton(at_.p + predicted, wanted(t), exactness_, correction);
+    std::optional<Solved> next =
+        newton(at_.p + predicted + bend_over(at_, step), wanted(t), exactness_, correction);
     if (!next || next->end.index != at_.end.index) return false;
-    if (bend_of(next->p - at_.p - predicted) > 2 * correction) return false;
+    next->went = step;
+    next->bent = next->p - at_.p - predicted;
+    if (bend_of(next->bent) > 2 * correction) return false;
     at_ = *next;
     place_ = t;
     return true;
@@ -186,12 +205,12 @@ std::optional<ClampedShape> solve_clamped(const Elastica& near, const ClampPair&
 FollowReport follow(const Elastica& from, const ClampPair& to, const FollowOptions& options) {
   check(from, to);
   const JacobiFields end = end_map(unit_blade(unknowns_of(from)), options.exactness);
-  return follow_on(ClampedShape{from, end.index, 0, end}, to, options);
+  return follow_on(ClampedShape{from, end.index, 0, end, {0, 0, 0}, {0, 0, 0}}, to, options);
 }
 
 FollowReport follow_on(const ClampedShape& from, const ClampPair& to, const FollowOptions& options) {
   check(from.elastica, to);
-  Walk walk(from.elastica, from.end, to, options.exactness);
+  Walk walk(from, to, options.exactness);
   FollowReport report;
   double step = 1;
   while (walk.place() < 1) {

@@ -27,6 +27,9 @@ struct ClampedShape {
   int index = 0;  // negative eigenvalues of the second variation; 0 is stable
   int newton_steps = 0;
   JacobiFields end;  // of the same blade 1 long, at the origin along x
+  // Of the last step of the way to it, of that blade: what the end (x, y, theta) went by, and what the
+  // unknowns (kappa, lambda1, lambda2) bent from the tangent. Zero: not known.
+  Eigen::Vector3d went = Eigen::Vector3d::Zero(), bent = Eigen::Vector3d::Zero();
   [[nodiscard]] bool stable() const { return index == 0; }
 };
 

@@ -15,16 +15,35 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
   throw Error(ErrorKind::kBadInput, file + ": cannot be sliced: " + design.health.blockers.front());
 }
 
+namespace {
+
+bool can_be_forecast(const surface::DesignSurface& design) {
+  return design.health.blockers.empty() && design.health.area_mm2 > 0;
+}
+
+void warn_of(const std::optional<OddSize>& odd, surface::DesignSurface& design) {
+  if (const auto warning = warning_of(odd)) design.health.warnings.push_back(*warning);
+}
+
+}  // namespace
+
 std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings) {
-  if (!design.health.blockers.empty() || !(design.health.area_mm2 > 0)) return std::nullopt;
+  if (!can_be_forecast(design)) return std::nullopt;
   Forecast met = forecast(design, settings);
-  if (const auto warning = warning_of(met)) design.health.warnings.push_back(*warning);
+  warn_of(met.odd_size, design);
   return met;
 }
 
-std::optional<std::string> warning_of(const Forecast& forecast) {
-  if (!forecast.odd_size || !forecast.odd_size->hopeless) return std::nullopt;
-  return describe(*forecast.odd_size);
+FirstLook first_look_of(surface::DesignSurface& design, const Settings& settings) {
+  if (!can_be_forecast(design)) return {};
+  FirstLook look = first_look(design, settings);
+  warn_of(look.odd_size, design);
+  return look;
+}
+
+std::optional<std::string> warning_of(const std::optional<OddSize>& odd) {
+  if (!odd || !odd->hopeless) return std::nullopt;
+  return describe(*odd);
 }
 
 void refuse_warnings(PlanResult& result) {
@@ -60,7 +79,7 @@ PlanResult plan_again(const ReadAgain& read, const Settings& settings, const Pla
   PlanResult result = plan(design, settings, hooks);
   judge(design, result);
   if (!strict) return result;
-  (void)forecast_of(design, settings);
+  (void)first_look_of(design, settings);
   for (const std::string& line : design.health.warnings) result.warnings.push_back(line);
   if (const std::string text = surface::self_crossings_text(design, gpu::stop_point); !text.empty())
     result.warnings.push_back(text);

@@ -22,8 +22,11 @@ void refuse_blocked(const surface::DesignSurface& design, const std::string& fil
 // anything could be cut is added to the design's warnings. Throws surface::FanError as forecast() does.
 [[nodiscard]] std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings);
 
-// Returns what of a forecast is a warning: a size of which hardly anything could be cut.
-[[nodiscard]] std::optional<std::string> warning_of(const Forecast& forecast);
+// Returns what a plan begins with, in the same way; nothing where there would be no forecast.
+[[nodiscard]] FirstLook first_look_of(surface::DesignSurface& design, const Settings& settings);
+
+// Returns what of a size is a warning: that hardly anything could be cut.
+[[nodiscard]] std::optional<std::string> warning_of(const std::optional<OddSize>& odd);
 
 // With --strict a warning is as good as a limit.
 void refuse_warnings(PlanResult& result);

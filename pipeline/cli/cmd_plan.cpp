@@ -12,6 +12,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "pipeline/advice/design_trials.hpp"
 #include "pipeline/cell/cell_file.hpp"
@@ -128,10 +129,9 @@ void tell_remedies(const PlanResult& result, bool asked, const Console& console)
 std::vector<Suggestion> suggestions_for(surface::DesignSurface& design, const Settings& settings,
                                         const Console& console) {
   try {
-    const std::optional<Forecast> met = forecast_of(design, settings);
-    if (!met) return {};
-    if (met->odd_size && !met->odd_size->hopeless) console.note(describe(*met->odd_size));
-    return met->suggestions;
+    FirstLook look = first_look_of(design, settings);
+    if (look.odd_size && !look.odd_size->hopeless) console.note(describe(*look.odd_size));
+    return std::move(look.suggestions);
   } catch (const surface::FanError&) {
     return {};
   }

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "pipeline/plan/direction/body_axes.hpp"
 #include "pipeline/plan/face_plans.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
@@ -223,13 +224,11 @@ Bending section_bend(const std::vector<Curved>& points, const surface::PlaneFami
   return bend_of(points, curvatures, blade_radius_mm);
 }
 
-// The planes that leave least of the area too steep or too sharply bent for the blade; of equal ones those
-// whose sections bend least.
+// Takes of these planes those that leave least of the area too steep or too sharply bent for the blade; of
+// equal ones those whose sections bend least.
 void choose_planes(const surface::TriangleMesh& mesh, const std::vector<Curved>& points,
-                   const Settings& settings, Forecast& f) {
-  const WasteSurface surface = waste_surface(mesh, 1);
-  const std::vector<surface::PlaneFamily> all = sweep_planes(mesh, settings.slice);
-  const std::vector<double> steep = too_steep_shares(surface, all);
+                   const std::vector<surface::PlaneFamily>& all, Forecast& f) {
+  const std::vector<double> steep = too_steep_shares(waste_surface(mesh, 1), all);
   std::vector<std::pair<double, Bending>> tried(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
     tried[i] = {steep[i], section_bend(points, all[i], f.blade_radius_mm)};
@@ -324,35 +323,64 @@ Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Vect
   return shape;
 }
 
+// The faces of a design that would be cut.
+struct CutFaces {
+  surface::TriangleMesh mesh;
+  double area_mm2 = 0;
+
+  CutFaces(const surface::DesignSurface& design, const Settings& settings, Forecast& f)
+      : mesh(design.mesh), area_mm2(design.health.area_mm2) {
+    if (design.health.closed && !settings.design.facing) {
+      const std::array<double, 3> facing = facing_of(design.mesh, settings.design.facing_max_deg);
+      const surface::TriangleMesh faces = facing_part(design.mesh, facing, settings.design.facing_max_deg);
+      // None where hardly any angle between faces and direction is allowed.
+      if (const double faced = area_of(faces); faced > 0) {
+        f.facing = facing;
+        f.facing_share = faced / area_mm2;
+        mesh = faces;
+        area_mm2 = faced;
+      }
+    }
+    if (!(area_mm2 > 0)) throw std::logic_error("forecast: a design without area");
+  }
+
+  // Two rings of cells so wide reach as far as a bend of the blade's radius has to for the depth of the
+  // tolerance. A design that is small for that keeps some cells.
+  void thin(double blade_radius_mm, double tolerance_mm) {
+    const double passed_over = std::sqrt(blade_radius_mm * tolerance_mm / 2);
+    const surface::TriangleMesh few = thinned(
+        mesh,
+        std::max(std::sqrt(area_mm2 / kCells), std::min(passed_over, std::sqrt(area_mm2 / kLeastCells))));
+    if (!few.triangles().empty()) mesh = few;
+  }
+};
+
+// What a forecast begins with.
+Forecast begun(const Settings& settings) {
+  Forecast f;
+  f.blade_radius_mm = 1 / robot::max_curvature_per_mm(settings.blade);
+  return f;
+}
+
+// Of the faces that would be cut, thinned.
+void tell_lean(const surface::TriangleMesh& cut, Forecast& f) {
+  f.lean = lean_of(cut);
+  f.upright = waste_side(cut, Keep::kBelow) == 0;
+}
+
 }  // namespace
 
 Forecast forecast(const surface::DesignSurface& design, const Settings& settings) {
-  Forecast f;
-  f.blade_radius_mm = 1 / robot::max_curvature_per_mm(settings.blade);
-  surface::TriangleMesh cut = design.mesh;
-  double area = design.health.area_mm2;
-  if (design.health.closed && !settings.design.facing) {
-    const std::array<double, 3> facing = facing_of(design.mesh, settings.design.facing_max_deg);
-    const surface::TriangleMesh faces = facing_part(design.mesh, facing, settings.design.facing_max_deg);
-    // None where hardly any angle between faces and direction is allowed.
-    if (const double faced = area_of(faces); faced > 0) {
-      f.facing = facing;
-      f.facing_share = faced / area;
-      cut = faces;
-      area = faced;
-    }
-  }
-  if (!(area > 0)) throw std::logic_error("forecast: a design without area");
+  Forecast f = begun(settings);
+  CutFaces cut(design, settings, f);
+  const double area = cut.area_mm2;
   f.strips_lower_bound = strips_lower_bound(area, settings);
-  // Two rings of such cells reach as far as a bend of the blade's radius has to for the depth of the
-  // tolerance. A design that is small for that keeps some cells.
-  const double passed_over = std::sqrt(f.blade_radius_mm * settings.design.tolerance_mm / 2);
-  surface::TriangleMesh thin;
+  const surface::TriangleMesh whole = cut.mesh;
   Vector3d seen = Vector3d::Zero();
   surface::side_by_side(
       [&] {
         const auto faces = [&](const Settings& with) {
-          const auto found = surface::smooth_faces(cut, crease_limits(with, with.blade));
+          const auto found = surface::smooth_faces(whole, crease_limits(with, with.blade));
           const bool apart = found.size() == 1 && design.health.components > 1;
           return apart ? parts_apart(found.front()).size() : found.size();
         };
@@ -363,21 +391,41 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
         f.faces_between_folds = faces(parted);
       },
       [&] {
-        thin = thinned(
-            cut, std::max(std::sqrt(area / kCells), std::min(passed_over, std::sqrt(area / kLeastCells))));
+        cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
         seen = seen_along_axes(design.mesh);
       });
-  if (!thin.triangles().empty()) cut = thin;
-  f.lean = lean_of(cut);
-  f.upright = waste_side(cut, Keep::kBelow) == 0;
-  const std::vector<Curved> points = curved_points(cut);
+  tell_lean(cut.mesh, f);
+  const std::vector<Curved> points = curved_points(cut.mesh);
   f.surface = surface_bend(points, f.blade_radius_mm);
-  choose_planes(cut, points, settings, f);
+  choose_planes(cut.mesh, points, sweep_planes(cut.mesh, settings.slice), f);
   const Shape shape = shape_of(design, area, seen, f);
   f.odd_size = odd_size(shape, settings);
   f.reasons = reasons(shape, settings);
   f.suggestions = suggestions(shape, f.odd_size, settings);
   return f;
+}
+
+FirstLook first_look(const surface::DesignSurface& design, const Settings& settings) {
+  Forecast f = begun(settings);
+  CutFaces cut(design, settings, f);
+  const double area = cut.area_mm2;
+  cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
+  tell_lean(cut.mesh, f);
+  const std::vector<Curved> points = curved_points(cut.mesh);
+  const Vector3d seen = seen_along_axes(design.mesh);
+  if (!settings.slice.direction && !settings.slice.fan_axis) {
+    // Of no size that asks for more, and in planes along it most of the design is followed: the best planes
+    // say the same.
+    std::vector<surface::PlaneFamily> along;
+    for (const Vector3d& n : body_axes(cut.mesh).axes) along.push_back(surface::parallel_about(cut.mesh, n));
+    choose_planes(cut.mesh, points, along, f);
+    const Shape shape = shape_of(design, area, seen, f);
+    if (is_of_usual_size(shape, settings)) return {std::nullopt, suggestions(shape, std::nullopt, settings)};
+  }
+  choose_planes(cut.mesh, points, sweep_planes(cut.mesh, settings.slice), f);
+  const Shape shape = shape_of(design, area, seen, f);
+  const std::optional<OddSize> odd = odd_size(shape, settings);
+  return {odd, suggestions(shape, odd, settings)};
 }
 
 }  // namespace hotblade::pipeline

@@ -51,4 +51,14 @@ struct Forecast {
 // surface::FanError where the fan's axis does not go with the design.
 [[nodiscard]] Forecast forecast(const surface::DesignSurface& design, const Settings& settings);
 
+// What a plan begins with.
+struct FirstLook {
+  std::optional<OddSize> odd_size;
+  std::vector<Suggestion> suggestions;
+};
+
+// Returns both as the forecast has them, sooner: the best of many planes are looked for only where those
+// along the design's own axes leave it open whether its size is odd. Throws as forecast() does.
+[[nodiscard]] FirstLook first_look(const surface::DesignSurface& design, const Settings& settings);
+
 }  // namespace hotblade::pipeline

@@ -19,6 +19,9 @@ namespace {
 // to think of.
 constexpr std::size_t kManyStrips = 50, kTooManyStrips = 1000;
 
+// More of it than this is lost in the best of planes: what is left is no job.
+constexpr double kMostlyLost = 0.5;
+
 // Clamps that stand at their clearance on both sides are as far apart as a part of this size.
 double least_extent_mm(const Settings& settings) {
   return 2 * settings.stock.clearance_mm;
@@ -89,9 +92,12 @@ std::vector<Suggestion> of_faces(const Shape& shape, const Settings& settings) {
 
 }  // namespace
 
+bool is_of_usual_size(const Shape& shape, const Settings& settings) {
+  return shape.size_mm.maxCoeff() >= least_extent_mm(settings) && shape.lost_share <= kMostlyLost &&
+         strips_lower_bound(shape.area_mm2, settings) <= kManyStrips;
+}
+
 std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings) {
-  // More of it than this is lost in the best of planes: what is left is no job.
-  constexpr double kMostlyLost = 0.5;
   const double extent = shape.size_mm.maxCoeff();
   const std::size_t strips = strips_lower_bound(shape.area_mm2, settings);
   OddSize odd;

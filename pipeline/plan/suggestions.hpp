@@ -52,6 +52,9 @@ struct Shape {
 // Returns why the size is odd, in words, and units in which it is not; absent where it is not odd.
 [[nodiscard]] std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings);
 
+// Tells whether the size is not odd, and would not be in planes that suit more of it either.
+[[nodiscard]] bool is_of_usual_size(const Shape& shape, const Settings& settings);
+
 // Returns it as one line: "largest extent ...: is the design really in mm? 900 x 500 x 140 mm if in m".
 [[nodiscard]] std::string describe(const OddSize& odd);
 

@@ -172,6 +172,29 @@ TEST(FollowOn, GoesTheSameWayAsFromTheShapeAlone) {
   }
 }
 
+// Along a smooth way the branch bends as it did over the step before: a Newton step less, and the same shape.
+TEST(FollowOn, TakesFewerNewtonStepsAlongASmoothWay) {
+  ClampedShape on = follow(arc(0.4), clamps_of(arc(0.4))).shape, alone = on;
+  int steps = 0, without = 0;
+  constexpr int kPoses = 400;
+  for (int i = 1; i <= kPoses; ++i) {
+    const double t = static_cast<double>(i) / kPoses, wave = std::sin(3 * t);
+    const ClampPair to{{0, 20 * wave, 0.4 + 0.2 * wave}, {778 - 60 * t, 0, -0.4 + 0.3 * t}};
+    const FollowReport way = follow_on(on, to);
+    alone.went = alone.bent = Eigen::Vector3d::Zero();
+    const FollowReport other = follow_on(alone, to);
+    ASSERT_EQ(way.status, FollowStatus::kFollowed) << i;
+    ASSERT_EQ(other.status, FollowStatus::kFollowed) << i;
+    EXPECT_LT(shape_distance(way.shape.elastica, other.shape.elastica), 1e-7) << i;
+    EXPECT_EQ(way.shape.index, other.shape.index);
+    steps += way.shape.newton_steps;
+    without += other.shape.newton_steps;
+    on = way.shape;
+    alone = other.shape;
+  }
+  EXPECT_LE(steps, 0.75 * without);
+}
+
 TEST(Follow, RefusesNonsense) {
   EXPECT_THROW((void)follow(arc(0.3), {{0, 0, NAN}, {1, 0, 0}}), std::logic_error);
   EXPECT_THROW((void)follow({0, 0, 0, 0, 0, 0, 0}, leaning(1, 0)), std::logic_error);

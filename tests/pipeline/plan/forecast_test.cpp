@@ -37,6 +37,23 @@ surface::DesignSurface bowl_on_its_side() {
   });
 }
 
+// The forecast; a first look says the same as far as it goes.
+Forecast met(const surface::DesignSurface& design, const Settings& settings) {
+  const Forecast whole = forecast(design, settings);
+  const FirstLook look = first_look(design, settings);
+  EXPECT_EQ(look.odd_size.has_value(), whole.odd_size.has_value());
+  if (look.odd_size && whole.odd_size) {
+    EXPECT_EQ(describe(*look.odd_size), describe(*whole.odd_size));
+    EXPECT_EQ(look.odd_size->hopeless, whole.odd_size->hopeless);
+  }
+  EXPECT_EQ(look.suggestions.size(), whole.suggestions.size());
+  for (std::size_t i = 0; i < std::min(look.suggestions.size(), whole.suggestions.size()); ++i) {
+    EXPECT_EQ(look.suggestions[i].assignments, whole.suggestions[i].assignments);
+    EXPECT_EQ(look.suggestions[i].why, whole.suggestions[i].why);
+  }
+  return whole;
+}
+
 Settings in(const std::string& units) {
   return resolve({{}, {"design.units=" + units}, {}});
 }
@@ -47,7 +64,7 @@ Settings followed(const Forecast& f, std::size_t which = 0) {
 }
 
 TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
-  const Forecast round = forecast(cap(300, 0.7), in("mm")), tube = forecast(cylinder_design(), in("mm"));
+  const Forecast round = met(cap(300, 0.7), in("mm")), tube = met(cylinder_design(), in("mm"));
   EXPECT_NEAR(round.surface.radius_mm, 300, 0.1 * 300);
   EXPECT_NEAR(tube.surface.radius_mm, 400, 0.05 * 400);
   EXPECT_EQ(round.surface.sharper_share, 0);
@@ -62,7 +79,7 @@ TEST(Forecast, SaysTheSmallestRadiusOfKnownSurfaces) {
 }
 
 TEST(Forecast, SaysThatABallBendsMoreSharplyThanTheBladeAllOver) {
-  const Forecast f = forecast(cap(40, 0.7), in("mm"));
+  const Forecast f = met(cap(40, 0.7), in("mm"));
   EXPECT_GT(f.surface.sharper_share, 0.95);
   // Whatever the planes, what is not too steep for them is too sharp.
   EXPECT_GT(f.steep_share + f.sections.sharper_share, 0.95);
@@ -70,8 +87,7 @@ TEST(Forecast, SaysThatABallBendsMoreSharplyThanTheBladeAllOver) {
 }
 
 TEST(Forecast, SaysTheSameOfAFinerMesh) {
-  const Forecast coarse = forecast(cap(300, 0.7, 30), in("mm")),
-                 fine = forecast(cap(300, 0.7, 240), in("mm"));
+  const Forecast coarse = met(cap(300, 0.7, 30), in("mm")), fine = met(cap(300, 0.7, 240), in("mm"));
   EXPECT_NEAR(fine.surface.radius_mm, coarse.surface.radius_mm, 0.1 * 300);
   EXPECT_NEAR(fine.sections.radius_mm, coarse.sections.radius_mm, 0.15 * coarse.sections.radius_mm);
 }
@@ -87,7 +103,7 @@ TEST(Forecast, SaysTheShareThatIsTooSteepForPlanesThatAreGiven) {
            Vector3d(std::sin(polar) * std::cos(round), std::sin(polar) * std::sin(round), std::cos(polar));
   });
   const double share = (1 - std::cos(std::numbers::pi / 6)) / (1 - std::cos(1.3));
-  EXPECT_NEAR(forecast(wide, settings).steep_share, share, 0.03);
+  EXPECT_NEAR(met(wide, settings).steep_share, share, 0.03);
 }
 
 // Whether a plan by the settings passes.
@@ -100,7 +116,7 @@ using ::testing::ElementsAre;
 
 TEST(Suggestion, OfABowlOnItsSideIsToKeepWhatLiesBehindIt) {
   const surface::DesignSurface side = bowl_on_its_side();
-  const Forecast f = forecast(side, in("mm"));
+  const Forecast f = met(side, in("mm"));
   EXPECT_TRUE(f.upright);
   ASSERT_EQ(f.suggestions.size(), 1U);
   EXPECT_THAT(f.suggestions[0].assignments, ElementsAre("design.keep=back"));
@@ -108,8 +124,8 @@ TEST(Suggestion, OfABowlOnItsSideIsToKeepWhatLiesBehindIt) {
               ElementsAre("design.keep = \"below\" says nothing about a surface that stands upright"));
   EXPECT_FALSE(plan(side, in("mm"), {}).refusals.empty());
   expect_planned(side, followed(f));
-  EXPECT_TRUE(forecast(side, followed(f)).suggestions.empty());
-  EXPECT_TRUE(forecast(side, followed(f)).reasons.empty());
+  EXPECT_TRUE(met(side, followed(f)).suggestions.empty());
+  EXPECT_TRUE(met(side, followed(f)).reasons.empty());
 }
 
 TEST(Suggestion, OfAVaultWithYUpIsToReadItSo) {
@@ -132,7 +148,7 @@ TEST(Suggestion, OfAVaultWithYUpIsToReadItSo) {
     }
   }
   const Settings before = in("mm");
-  const Forecast f = forecast(read_design(file, before.design), before);
+  const Forecast f = met(read_design(file, before.design), before);
   ASSERT_EQ(f.suggestions.size(), 2U);
   EXPECT_THAT(f.suggestions[0].assignments, ElementsAre("design.up=y"));
   EXPECT_THAT(f.suggestions[1].assignments, ElementsAre("design.keep=back"));
@@ -143,10 +159,10 @@ TEST(Suggestion, OfAVaultWithYUpIsToReadItSo) {
   }
   // Read as told it asks for nothing more; a vault with z up, read with y up, is told to say that.
   const Settings after = followed(f);
-  EXPECT_TRUE(forecast(read_design(file, after.design), after).suggestions.empty());
+  EXPECT_TRUE(met(read_design(file, after.design), after).suggestions.empty());
   const std::string vault = hotblade::testing::source_dir() + "/samples/barrel_vault.obj";
   const Settings lying = with_assignments(in("mm"), {"design.up=y"});
-  const Forecast other = forecast(read_design(vault, lying.design), lying);
+  const Forecast other = met(read_design(vault, lying.design), lying);
   ASSERT_FALSE(other.suggestions.empty());
   EXPECT_THAT(other.suggestions[0].assignments, ElementsAre("design.up=z"));
 }
@@ -182,7 +198,7 @@ TEST(Suggestion, OfAClosedDesignIsTheSideThatShowsMostOfIt) {
   const Settings before = in("mm");
   const surface::DesignSurface plate = read_design(file, before.design);
   ASSERT_TRUE(plate.health.closed);
-  const Forecast f = forecast(plate, before);
+  const Forecast f = met(plate, before);
   ASSERT_TRUE(f.facing.has_value());
   EXPECT_NEAR(std::abs((*f.facing)[0]), 1, 1e-3);
   // It stands upright, so that `below` says nothing.
@@ -230,7 +246,7 @@ TEST(OddSize, NamesEveryUnitThatSuitsAndNoneWhereTheSizeIsUsual) {
   for (const Case& c : {Case{1e-3, "mm", "m", true, 900}, Case{1e-3, "in", "m", true, 900},
                         Case{1 / 25.4, "mm", "in", true, 900}, Case{0.023, "mm", "m", true, 20700},
                         Case{1, "in", "mm", false, 900}, Case{1, "m", "mm", false, 900}}) {
-    const Forecast f = forecast(scaled_vault(c.by, c.read_as), settings);
+    const Forecast f = met(scaled_vault(c.by, c.read_as), settings);
     ASSERT_TRUE(f.odd_size.has_value()) << c.by << " " << c.read_as;
     EXPECT_EQ(f.odd_size->hopeless, c.hopeless) << c.by << " " << c.read_as << ": " << f.odd_size->why;
     EXPECT_THAT(units_of(*f.odd_size), ::testing::Contains(c.is)) << c.by << " " << c.read_as;
@@ -248,17 +264,17 @@ TEST(OddSize, NamesEveryUnitThatSuitsAndNoneWhereTheSizeIsUsual) {
   }
   for (const Case& c : {Case{1e-3, "m", "", false, 0}, Case{1 / 25.4, "in", "", false, 0},
                         Case{1, "mm", "", false, 0}, Case{0.3, "mm", "", false, 0}})
-    EXPECT_FALSE(forecast(scaled_vault(c.by, c.read_as), settings).odd_size.has_value()) << c.read_as;
+    EXPECT_FALSE(met(scaled_vault(c.by, c.read_as), settings).odd_size.has_value()) << c.read_as;
 }
 
 // A roof of 20 x 15 m is large and no mistake; read as mm or inches, metres are among what may be meant.
 TEST(OddSize, OfARoofIsAskedAboutOnlyWhereHardlyAnythingCouldBeCut) {
   const std::string roof = hotblade::testing::source_dir() + "/samples/roof.obj";
   const Settings in_m = resolve({{hotblade::testing::source_dir() + "/samples/roof.toml"}, {}, {}});
-  const auto as_read = forecast(read_design(roof, in_m.design), in_m).odd_size;
+  const auto as_read = met(read_design(roof, in_m.design), in_m).odd_size;
   EXPECT_TRUE(!as_read || !as_read->hopeless);
   const Settings in_mm = with_assignments(in_m, {"design.units=mm"});
-  const auto odd = forecast(read_design(roof, in_mm.design), in_mm).odd_size;
+  const auto odd = met(read_design(roof, in_mm.design), in_mm).odd_size;
   ASSERT_TRUE(odd.has_value());
   EXPECT_TRUE(odd->hopeless);
   EXPECT_THAT(units_of(*odd), ElementsAre("cm", "m", "in", "ft"));
