@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/plan/plan.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -25,8 +26,9 @@ surface::DesignSurface tube(double turn, double askew = 0) {
   });
 }
 
-// All the way round.
-surface::DesignSurface column(int around, int along) {
+// All the way round, `flare_mm` wider at its end.
+surface::DesignSurface column(int around, int along, double radius_mm = kRadius, double length_mm = kLength,
+                              double flare_mm = 0) {
   const testing::TemporaryDirectory directory;
   const std::filesystem::path file = directory / "column.obj";
   {
@@ -34,9 +36,10 @@ surface::DesignSurface column(int around, int along) {
     out.precision(17);
     for (int i = 0; i < around; ++i) {
       const double angle = 2 * std::numbers::pi * i / around;
-      for (int j = 0; j <= along; ++j)
-        out << "v " << kRadius * std::sin(angle) << " " << kLength * j / along << " "
-            << kRadius * std::cos(angle) << "\n";
+      for (int j = 0; j <= along; ++j) {
+        const double v = static_cast<double>(j) / along, r = radius_mm + flare_mm * v * v;
+        out << "v " << r * std::sin(angle) << " " << length_mm * v << " " << r * std::cos(angle) << "\n";
+      }
     }
     for (int i = 0; i < around; ++i) {
       for (int j = 0; j < along; ++j) {
@@ -111,6 +114,14 @@ TEST(EvenLengths, OfAClosedTubeGoAllTheWayRound) {
   // A quarter of the corners each, but for those that a seam meets.
   for (const Arc& arc : arcs_of(design.mesh, parts))
     EXPECT_NEAR(static_cast<double>(arc.points), kAround / 4.0 * (kAlong + 1), 2 * (kAlong + 1));
+}
+
+TEST(EvenLengths, CutColumnsIntoFour) {
+  for (const double flare : {0.0, 60.0}) {
+    const PlanResult result = plan(column(80, 50, 150, 800, flare), back_kept(), {});
+    EXPECT_EQ(result.program.verification.status, VerificationStatus::kPassed) << flare;
+    EXPECT_LE(result.strips.size(), 4U) << flare;
+  }
 }
 
 TEST(EvenLengths, OfAFlatPanelAreItsWidths) {
