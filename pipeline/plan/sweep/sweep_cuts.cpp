@@ -92,10 +92,12 @@ Line reversed(Line line) {
 // askew, led on by others.
 std::optional<Line> middle_line(const surface::TriangleMesh& mesh, const RibAxes& axes,
                                 const Range& offsets_mm) {
-  constexpr int kSections = 8;  // as many as planes are ranked by
-  std::vector<double> offsets;
-  for (int i = 0; i < kSections; ++i)
-    offsets.push_back(offsets_mm.first + (offsets_mm.second - offsets_mm.first) * (i + 0.5) / kSections);
+  constexpr std::size_t kSections = 8;  // as many as planes are ranked by
+  std::vector<double> offsets(kSections);
+  for (std::size_t i = 0; i < kSections; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / kSections;
+    offsets[i] = offsets_mm.first + share * (offsets_mm.second - offsets_mm.first);
+  }
   std::vector<Line> lines;
   for (const surface::Section& section : surface::slice(mesh, axes.planes, offsets)) {
     for (const surface::SectionPiece& piece : section.pieces) lines.push_back(line_of(piece, axes));

@@ -39,7 +39,7 @@ surface::DesignSurface bowl_on_its_side() {
 
 // The forecast; a first look says the same as far as it goes.
 Forecast met(const surface::DesignSurface& design, const Settings& settings) {
-  const Forecast whole = forecast(design, settings);
+  Forecast whole = forecast(design, settings);
   const FirstLook look = first_look(design, settings);
   EXPECT_EQ(look.odd_size.has_value(), whole.odd_size.has_value());
   if (look.odd_size && whole.odd_size) {
