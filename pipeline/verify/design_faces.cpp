@@ -95,17 +95,17 @@ void DesignFaces::assign(const surface::TriangleMesh& design, const std::vector<
 }
 
 void DesignFaces::part(std::size_t face, const Program& program, gpu::Backend backend) {
+  std::vector<std::size_t> strips;
+  for (std::size_t s = 0; s < program.strips.size(); ++s)
+    if (face_of_strip_[s] == face) strips.push_back(s);
+  if (strips.size() < 2) return;
   const surface::TriangleMesh mesh = faces_[face].mesh;
   const std::vector<int> piece_of = surface::connected_parts(mesh);
   const auto pieces = static_cast<std::size_t>(1 + *std::max_element(piece_of.begin(), piece_of.end()));
+  if (pieces < 2) return;
   RibSheets sheets;
-  std::vector<std::size_t> strips;
-  for (std::size_t s = 0; s < program.strips.size() && pieces > 1; ++s) {
-    if (face_of_strip_[s] != face) continue;
-    strips.push_back(s);
-    sheets.add(program.strips[s].ribs, static_cast<int>(s));
-  }
-  if (strips.size() < 2 || sheets.triangles.empty()) return;
+  for (const std::size_t s : strips) sheets.add(program.strips[s].ribs, static_cast<int>(s));
+  if (sheets.triangles.empty()) return;
   // Middles of the facets, of a dense piece as many as tell.
   constexpr std::size_t kMost = 4096;
   std::vector<std::size_t> facets(pieces, 0), seen(pieces, 0);
