@@ -22,29 +22,41 @@ inline constexpr double kDeviceStart_s = 0.5;
 // Returns "1.2 s", for messages.
 [[nodiscard]] std::string rounded_seconds(double seconds);
 
-// Returns the seconds that run(n), which answers the first n items of a part, takes for that, after a run
-// that warms up.
+// Returns the seconds that a call of run() takes.
 template <typename Run>
-[[nodiscard]] double timed_s(std::size_t n, const Run& run) {
-  run(n);
+[[nodiscard]] double timed_s(const Run& run) {
   const auto start = std::chrono::steady_clock::now();
-  run(n);
+  run();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Returns the seconds that the host takes for all items, by what it takes for a part of them.
+// Has the host answer a part of a query's items by run(first, count), and returns the seconds that all of
+// them would take it: by what the part takes but for its first eighth, which warms up. Items that are
+// answered side by side in lanes stay in these.
 template <typename Run>
 [[nodiscard]] double host_seconds(std::size_t items, std::size_t part, const Run& run) {
   if (part == 0) return 0;
-  return timed_s(part, run) * static_cast<double>(items) / static_cast<double>(part);
+  constexpr std::size_t kLanes = 64;  // a multiple of any kernel's
+  const std::size_t first = part / 8 / kLanes * kLanes;
+  if (first > 0) run(std::size_t{0}, first);
+  const double seconds = timed_s([&] { run(first, part - first); });
+  return seconds * static_cast<double>(items) / static_cast<double>(part - first);
 }
 
-// The same of a device, by the part and an eighth of it: a launch costs the same for few and many.
+// Returns the seconds that a device takes for all items by run(n), which answers the first n of a part of
+// them: by all of the part and an eighth of it, each after a run that warms up, as a launch costs the same
+// for few and many.
 template <typename Run>
 [[nodiscard]] double device_seconds(std::size_t items, std::size_t part, const Run& run) {
+  if (part == 0) return 0;
+  const auto seconds = [&](std::size_t n) {
+    run(n);
+    return timed_s([&] { run(n); });
+  };
   const std::size_t few = (part + 7) / 8;
-  if (part == few) return host_seconds(items, part, run);
-  const double most = timed_s(part, run), least = std::min(most, timed_s(few, run));
+  const double most = seconds(part);
+  if (part == few) return most * static_cast<double>(items) / static_cast<double>(part);
+  const double least = std::min(most, seconds(few));
   const auto more = static_cast<double>(items) - static_cast<double>(part);
   return most + (most - least) / static_cast<double>(part - few) * std::max(0.0, more);
 }

@@ -157,10 +157,13 @@ std::size_t CurveDistance::query(std::span<const double> x, std::span<const doub
     throw std::logic_error("CurveDistance::query: spans of different sizes");
   }
   const Query q{x, y, distance, t};
+  std::size_t known = 0, careful = 0;  // what the host answered as it was timed
   const auto device = impl_->choice.choose(
       [&] {
-        return host_seconds(q.size(), std::min(kTimed, q.size()),
-                            [&](std::size_t n) { (void)impl_->on_host(q.part(0, n)); });
+        known = std::min(kTimed, q.size());
+        return host_seconds(q.size(), known, [&](std::size_t first, std::size_t count) {
+          careful += impl_->on_host(q.part(first, count));
+        });
       },
       [&] { return std::make_shared<const CurveSearchOnDevice>(impl_->curve); },
       [&](const CurveSearchOnDevice& search) {
@@ -174,7 +177,7 @@ std::size_t CurveDistance::query(std::span<const double> x, std::span<const doub
       impl_->choice.drop(error);
     }
   }
-  return impl_->on_host(q);
+  return careful + impl_->on_host(q.part(known, q.size() - known));
 }
 
 BackendUse CurveDistance::used() const {

@@ -114,10 +114,13 @@ void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
     throw std::logic_error("LambdaResiduals::query: spans of different sizes");
   }
   const ResidualQuery q{curves, e, status, bound};
+  std::size_t known = 0;  // what the host answered as it was timed
   const auto device = impl_->choice.choose(
       [&] {
-        return host_seconds(q.size(), std::min(kResidualsTimed, q.size()),
-                            [&](std::size_t n) { residuals_on_host(q.part(0, n)); });
+        known = std::min(kResidualsTimed, q.size());
+        return host_seconds(q.size(), known, [&](std::size_t first, std::size_t count) {
+          residuals_on_host(q.part(first, count));
+        });
       },
       [] { return std::make_shared<const ResidualsOnDevice>(); },
       [&](const ResidualsOnDevice& search) {
@@ -132,7 +135,7 @@ void LambdaResiduals::query(std::span<const Curve> curves, std::span<double> e,
       impl_->choice.drop(error);
     }
   }
-  residuals_on_host(q);
+  residuals_on_host(q.part(known, q.size() - known));
 }
 
 BackendUse LambdaResiduals::used() const {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 
@@ -71,9 +72,10 @@ struct MeshDistance::Impl {
   Nearest settle(const Vector3d& local_point, std::span<const Candidate> candidates) const;
 
   using Points = std::span<const Vector3d>;
-  void answer_on_host(Points points, const Order& order, std::span<Nearest> answers) const;
+  void answer_on_host(Points points, std::span<const std::uint32_t> order, std::span<Nearest> answers) const;
   void answer_on_device(const MeshSearchOnDevice& device, Points points, std::span<Nearest> answers) const;
-  std::shared_ptr<const MeshSearchOnDevice> choose(Points points, std::optional<Order>& order) const;
+  std::shared_ptr<const MeshSearchOnDevice> choose(Points points, std::span<Nearest> answers,
+                                                   std::optional<Order>& left) const;
 };
 
 // The nearest of the candidates in double precision; of equal ones the lowest.
@@ -138,19 +140,20 @@ Nearest MeshDistance::Impl::answer(const Vector3d& q, Memory& memory) const {
   }
 }
 
-void MeshDistance::Impl::answer_on_host(Points points, const Order& order, std::span<Nearest> answers) const {
-  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
+// Points of this order.
+void MeshDistance::Impl::answer_on_host(Points points, std::span<const std::uint32_t> order,
+                                        std::span<Nearest> answers) const {
+  const std::size_t blocks = (order.size() + kBlock - 1) / kBlock;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
     Memory memory;
-    const auto index = [&](std::size_t i) { return order.empty() ? i : order[i]; };
     std::array<Vector3d, kGroup> group;
-    const std::size_t end = std::min(points.size(), range.end() * kBlock);
+    const std::size_t end = std::min(order.size(), range.end() * kBlock);
     for (std::size_t first = range.begin() * kBlock; first < end; first += kGroup) {
       stop_point();
-      const std::size_t count = std::min(kGroup, end - first);
-      for (std::size_t i = 0; i < count; ++i) group[i] = frame.local(points[index(first + i)]);
-      enter(std::span(group).first(count), memory);
-      for (std::size_t i = 0; i < count; ++i) answers[index(first + i)] = answer(group[i], memory);
+      const auto some = order.subspan(first, std::min(kGroup, end - first));
+      for (std::size_t i = 0; i < some.size(); ++i) group[i] = frame.local(points[some[i]]);
+      enter(std::span(group).first(some.size()), memory);
+      for (std::size_t i = 0; i < some.size(); ++i) answers[some[i]] = answer(group[i], memory);
     }
   });
   stop_point();
@@ -172,39 +175,79 @@ void MeshDistance::Impl::answer_on_device(const MeshSearchOnDevice& device, Poin
 
 namespace {
 
-// Runs of neighbours spread over all points, `count` of them.
-std::vector<Vector3d> sample(std::span<const Vector3d> points, const Order& order, std::size_t count) {
+// Calls take(first) for the first of each run of kBlock points, spread over all: `count` of these at most.
+template <typename Take>
+void for_runs(std::size_t points, std::size_t count, const Take& take) {
+  const std::size_t runs = std::min((points + kBlock - 1) / kBlock, count / kBlock);
+  for (std::size_t run = 0; run < runs; ++run) take(points / runs * run);
+}
+
+// Runs of points, one after the other.
+std::vector<Vector3d> sample(std::span<const Vector3d> points, std::size_t count) {
   std::vector<Vector3d> sample;
-  const std::size_t runs = std::min((points.size() + kBlock - 1) / kBlock, count / kBlock);
-  for (std::size_t run = 0; run < runs; ++run) {
-    const std::size_t first = points.size() / runs * run;
-    for (std::size_t i = first; i < std::min(first + kBlock, points.size()); ++i) {
-      sample.push_back(points[order.empty() ? i : order[i]]);
-    }
-  }
+  for_runs(points.size(), count, [&](std::size_t first) {
+    const auto run = points.subspan(first, std::min(kBlock, points.size() - first));
+    sample.insert(sample.end(), run.begin(), run.end());
+  });
   return sample;
+}
+
+// An order in which runs of it come first, and how many points these have.
+struct RunsFirst {
+  Order order;
+  std::size_t in_runs = 0;
+};
+
+RunsFirst runs_first(Order order, std::size_t count) {
+  if (order.size() <= count) return {std::move(order), order.size()};
+  RunsFirst sorted;
+  sorted.order.reserve(order.size());
+  std::vector<char> in_run(order.size(), 0);
+  for_runs(order.size(), count, [&](std::size_t first) {
+    for (std::size_t i = first; i < std::min(first + kBlock, order.size()); ++i) {
+      in_run[i] = 1;
+      sorted.order.push_back(order[i]);
+    }
+  });
+  sorted.in_runs = sorted.order.size();
+  for (std::size_t i = 0; i < order.size(); ++i)
+    if (in_run[i] == 0) sorted.order.push_back(order[i]);
+  return sorted;
+}
+
+// As coherent_order(), with all points of it where that says nothing.
+Order order_of(std::span<const Vector3d> points) {
+  Order order = coherent_order(points);
+  if (!order.empty()) return order;
+  order.resize(points.size());
+  std::iota(order.begin(), order.end(), 0U);
+  return order;
 }
 
 }  // namespace
 
-// The device that is to answer, or null for the host, which needs an order.
+// The device that is to answer, or null for the host. What the host answered as it was timed is not left to
+// it.
 std::shared_ptr<const MeshSearchOnDevice> MeshDistance::Impl::choose(Points points,
-                                                                     std::optional<Order>& order) const {
+                                                                     std::span<Nearest> answers,
+                                                                     std::optional<Order>& left) const {
   if (points.empty()) return nullptr;
-  std::vector<Vector3d> part;
-  std::vector<Nearest> ignored;
   return choice.choose(
       [&] {
-        order = coherent_order(points);
-        part = sample(points, *order, kTimed);
-        ignored.resize(part.size());
-        return host_seconds(points.size(), part.size(),
-                            [&](std::size_t n) { answer_on_host(std::span(part).first(n), {}, ignored); });
+        const RunsFirst all = runs_first(order_of(points), kTimed);
+        const std::span<const std::uint32_t> order(all.order);
+        const double seconds =
+            host_seconds(points.size(), all.in_runs, [&](std::size_t first, std::size_t count) {
+              answer_on_host(points, order.subspan(first, count), answers);
+            });
+        const auto rest = order.subspan(all.in_runs);
+        left.emplace(rest.begin(), rest.end());
+        return seconds;
       },
       [&] { return std::make_shared<const MeshSearchOnDevice>(frame, tree); },
       [&](const MeshSearchOnDevice& device) {
-        part = sample(points, {}, kTimedOnDevice);
-        ignored.resize(part.size());
+        const std::vector<Vector3d> part = sample(points, kTimedOnDevice);
+        std::vector<Nearest> ignored(part.size());
         return device_seconds(points.size(), part.size(), [&](std::size_t n) {
           answer_on_device(device, std::span(part).first(n), ignored);
         });
@@ -236,8 +279,8 @@ void MeshDistance::query(std::span<const Vector3d> points, std::span<Nearest> an
     if (!points[i].allFinite()) finite = false;
   });
   if (!finite) throw std::logic_error("MeshDistance::query: a point is not finite");
-  std::optional<Order> order;
-  if (const auto device = impl_->choose(points, order)) {
+  std::optional<Order> left;
+  if (const auto device = impl_->choose(points, answers, left)) {
     try {
       impl_->answer_on_device(*device, points, answers);
       return;
@@ -245,8 +288,7 @@ void MeshDistance::query(std::span<const Vector3d> points, std::span<Nearest> an
       impl_->choice.drop(error);
     }
   }
-  if (!order) order = coherent_order(points);
-  impl_->answer_on_host(points, *order, answers);
+  impl_->answer_on_host(points, left ? *left : order_of(points), answers);
 }
 
 std::vector<Side> MeshDistance::sides(std::span<const Vector3d> points,

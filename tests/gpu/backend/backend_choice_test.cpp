@@ -61,7 +61,18 @@ TEST(BackendChoice, ExpectsADeviceToStartSlowly) {
   });
   EXPECT_NEAR(device, 0.55, 0.25);
   EXPECT_EQ(device_seconds(0, 0, [](std::size_t) {}), 0);
-  EXPECT_EQ(host_seconds(5, 0, [](std::size_t) {}), 0);
+}
+
+TEST(BackendChoice, TimesTheHostByWhatItAnswersOnce) {
+  std::vector<int> answered(1000, 0);
+  const double host = host_seconds(8000, answered.size(), [&](std::size_t first, std::size_t count) {
+    // Twice as slow at first.
+    std::this_thread::sleep_for(std::chrono::duration<double>((first == 0 ? 2e-4 : 1e-4) * double(count)));
+    for (std::size_t i = first; i < first + count; ++i) ++answered[i];
+  });
+  EXPECT_EQ(answered, std::vector<int>(1000, 1));
+  EXPECT_NEAR(host, 0.8, 0.2);
+  EXPECT_EQ(host_seconds(5, 0, [](std::size_t, std::size_t) {}), 0);
 }
 
 }  // namespace
