@@ -1,5 +1,6 @@
 #include "pipeline/plan/forecast.hpp"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
@@ -67,38 +68,56 @@ struct Curved {
   double area = 0;
 };
 
-// Vertices about each, by the mesh's edges.
-std::vector<std::vector<int>> neighbours(const surface::TriangleMesh& mesh) {
-  std::vector<std::vector<int>> all(mesh.vertices().size());
-  for (const auto& t : mesh.triangles()) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      all[static_cast<std::size_t>(t[i])].push_back(t[(i + 1) % 3]);
-      all[static_cast<std::size_t>(t[i])].push_back(t[(i + 2) % 3]);
+// Vertices about each, by the mesh's edges: of one after the other, each once for every triangle there.
+class Neighbours {
+ public:
+  explicit Neighbours(const surface::TriangleMesh& mesh) : first_(mesh.vertices().size() + 1, 0) {
+    for (const auto& t : mesh.triangles())
+      for (const int v : t) first_[static_cast<std::size_t>(v) + 1] += 2;
+    for (std::size_t v = 1; v < first_.size(); ++v) first_[v] += first_[v - 1];
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    all_.resize(first_.back());
+    for (const auto& t : mesh.triangles()) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        std::size_t& at = next[static_cast<std::size_t>(t[i])];
+        all_[at++] = t[(i + 1) % 3];
+        all_[at++] = t[(i + 2) % 3];
+      }
     }
   }
-  for (auto& some : all) {
+
+  [[nodiscard]] std::span<const int> of(int v) const {
+    const auto i = static_cast<std::size_t>(v);
+    return std::span(all_).subspan(first_[i], first_[i + 1] - first_[i]);
+  }
+
+  // Two rings about a vertex, without it, ascending.
+  void rings(int v, std::vector<int>& both) const {
+    const std::span<const int> ring = of(v);
+    both.assign(ring.begin(), ring.end());
+    unique(both);
+    for (std::size_t i = 0, near = both.size(); i < near; ++i) {
+      const std::span<const int> further = of(both[i]);
+      both.insert(both.end(), further.begin(), further.end());
+    }
+    unique(both);
+    both.erase(std::remove(both.begin(), both.end(), v), both.end());
+  }
+
+ private:
+  static void unique(std::vector<int>& some) {
     std::sort(some.begin(), some.end());
     some.erase(std::unique(some.begin(), some.end()), some.end());
   }
-  return all;
-}
 
-std::vector<int> two_rings(const std::vector<std::vector<int>>& neighbours, int v) {
-  std::vector<int> ring = neighbours[static_cast<std::size_t>(v)], both = ring;
-  for (const int w : ring) {
-    const auto& further = neighbours[static_cast<std::size_t>(w)];
-    both.insert(both.end(), further.begin(), further.end());
-  }
-  std::sort(both.begin(), both.end());
-  both.erase(std::unique(both.begin(), both.end()), both.end());
-  both.erase(std::remove(both.begin(), both.end(), v), both.end());
-  return both;
-}
+  std::vector<std::size_t> first_;  // of each vertex in `all_`
+  std::vector<int> all_;
+};
 
 // The second derivatives of the quadric through a point that fits best to others about it, heights over its
 // tangent plane; nothing where they do not determine one.
 std::optional<Matrix2d> second_form(const Curved& c, std::span<const Vector3d> points,
-                                    const std::vector<int>& about) {
+                                    std::span<const int> about) {
   constexpr std::size_t kUnknowns = 5;
   if (about.size() < kUnknowns + 1) return std::nullopt;
   double far = 0;
@@ -129,16 +148,18 @@ std::optional<Matrix2d> second_form(const Curved& c, std::span<const Vector3d> p
   return Matrix2d(inverse * second * inverse.transpose() / (length * far));
 }
 
-std::vector<Curved> curved_points(const surface::TriangleMesh& mesh) {
+// At one of so many vertices.
+std::vector<Curved> curved_points(const surface::TriangleMesh& mesh, std::size_t every = 1) {
   const std::size_t n = mesh.vertices().size();
-  const auto about = neighbours(mesh);
+  const Neighbours about(mesh);
   std::vector<Vector3d> normals(n, Vector3d::Zero());
   std::vector<double> areas(n, 0.0);
   for (const auto& t : mesh.triangles()) {
     const Vector3d d = doubled_area(mesh, t);
+    const double share = d.norm() / 6;
     for (const int v : t) {
       normals[static_cast<std::size_t>(v)] += d;
-      areas[static_cast<std::size_t>(v)] += d.norm() / 6;
+      areas[static_cast<std::size_t>(v)] += share;
     }
   }
   std::vector<char> on_border(n, 0);
@@ -146,16 +167,21 @@ std::vector<Curved> curved_points(const surface::TriangleMesh& mesh) {
     on_border[static_cast<std::size_t>(surface::vertex_at(mesh, corner))] = 1;
     on_border[static_cast<std::size_t>(surface::vertex_at(mesh, surface::next_corner(corner)))] = 1;
   }
-  std::vector<std::optional<Curved>> found(n);
-  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
-    // At the border one side is missing; the points beside it speak for it.
-    if (on_border[v] || !(areas[v] > 0) || !(normals[v].norm() > 0)) return;
-    Curved c{mesh.vertices()[v], normals[v].normalized(), {}, {}, {}, areas[v]};
-    c.e1 = c.normal.unitOrthogonal();
-    c.e2 = c.normal.cross(c.e1);
-    if (const auto form = second_form(c, mesh.vertices(), two_rings(about, static_cast<int>(v)))) {
-      c.curvature = *form;
-      found[v] = c;
+  std::vector<std::optional<Curved>> found((n + every - 1) / every);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size()), [&](const auto& range) {
+    std::vector<int> both;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const std::size_t v = i * every;
+      // At the border one side is missing; the points beside it speak for it.
+      if (on_border[v] || !(areas[v] > 0) || !(normals[v].norm() > 0)) continue;
+      Curved c{mesh.vertices()[v], normals[v].normalized(), {}, {}, {}, areas[v]};
+      c.e1 = c.normal.unitOrthogonal();
+      c.e2 = c.normal.cross(c.e1);
+      about.rings(static_cast<int>(v), both);
+      if (const auto form = second_form(c, mesh.vertices(), both)) {
+        c.curvature = *form;
+        found[i] = c;
+      }
     }
   });
   std::vector<Curved> curved;
@@ -405,22 +431,54 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   return f;
 }
 
+namespace {
+
+std::vector<surface::PlaneFamily> along_axes(const surface::TriangleMesh& mesh) {
+  std::vector<surface::PlaneFamily> along;
+  for (const Vector3d& n : body_axes(mesh).axes) along.push_back(surface::parallel_about(mesh, n));
+  return along;
+}
+
+// Whether some points of the design alone say that its size is usual. Those of a finer mesh bend more sharply
+// than of one that is thinned, if anything.
+bool some_say_usual(const surface::TriangleMesh& mesh, const Vector3d& seen, double area,
+                    const surface::DesignSurface& design, const Settings& settings, Forecast f) {
+  // Of an area's share so many tell a fiftieth of the whole; four times that is left.
+  constexpr std::size_t kSome = 600;
+  constexpr double kReserve = 0.08;
+  const std::vector<Curved> points =
+      curved_points(mesh, std::max<std::size_t>(1, mesh.vertices().size() / kSome));
+  choose_planes(mesh, points, along_axes(mesh), f);
+  Shape shape = shape_of(design, area, seen, f);
+  shape.lost_share += kReserve;
+  return is_of_usual_size(shape, settings);
+}
+
+}  // namespace
+
 FirstLook first_look(const surface::DesignSurface& design, const Settings& settings) {
+  // Of more vertices a mesh that is thinned first is looked at sooner.
+  constexpr std::size_t kThinned = 2 * static_cast<std::size_t>(kCells);
   Forecast f = begun(settings);
   CutFaces cut(design, settings, f);
   const double area = cut.area_mm2;
-  cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
+  const Vector3d seen = seen_along_axes(design.mesh);
+  const bool free = !settings.slice.direction && !settings.slice.fan_axis;
+  // Of no size that asks for more, and in planes along its axes most of the design is followed: the best
+  // planes say the same.
+  const auto usual = [&] {
+    return FirstLook{std::nullopt, suggestions(shape_of(design, area, seen, f), std::nullopt, settings)};
+  };
+  const bool thin = cut.mesh.vertices().size() > kThinned;
+  if (thin) cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
+  tell_lean(cut.mesh, f);
+  if (free && some_say_usual(cut.mesh, seen, area, design, settings, f)) return usual();
+  if (!thin) cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
   tell_lean(cut.mesh, f);
   const std::vector<Curved> points = curved_points(cut.mesh);
-  const Vector3d seen = seen_along_axes(design.mesh);
-  if (!settings.slice.direction && !settings.slice.fan_axis) {
-    // Of no size that asks for more, and in planes along it most of the design is followed: the best planes
-    // say the same.
-    std::vector<surface::PlaneFamily> along;
-    for (const Vector3d& n : body_axes(cut.mesh).axes) along.push_back(surface::parallel_about(cut.mesh, n));
-    choose_planes(cut.mesh, points, along, f);
-    const Shape shape = shape_of(design, area, seen, f);
-    if (is_of_usual_size(shape, settings)) return {std::nullopt, suggestions(shape, std::nullopt, settings)};
+  if (free) {
+    choose_planes(cut.mesh, points, along_axes(cut.mesh), f);
+    if (is_of_usual_size(shape_of(design, area, seen, f), settings)) return usual();
   }
   choose_planes(cut.mesh, points, sweep_planes(cut.mesh, settings.slice), f);
   const Shape shape = shape_of(design, area, seen, f);

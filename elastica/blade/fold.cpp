@@ -1,9 +1,8 @@
-#include "elastica/blade/fold_table.hpp"
+#include "elastica/blade/fold.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include "elastica/blade/end_map.hpp"
@@ -13,43 +12,8 @@ namespace hotblade::elastica {
 
 namespace {
 
-// Columns are close where the fold's force climbs from a column's first to its second, at phases of 0.06 to
-// 0.14 of shallow shapes and somewhat later of deep ones.
-std::vector<double> tabled_phases() {
-  struct Part {
-    double to, step;
-  };
-  std::vector<double> phases;
-  double phase = 0;
-  for (const Part& part : {Part{0.045, 0.015}, Part{0.16, 0.0115}, Part{0.7, 0.06}, Part{3.13, 0.2025}}) {
-    while (phase < part.to) {
-      phases.push_back(phase);
-      phase += part.step;
-    }
-  }
-  return phases;
-}
-
-constexpr double kLargestShallow = 2;
-
-// Searches start from tabled folds.
-constexpr double kTabled = 1e-5;
-
 bool stable(const PressedBlade& blade) {
   return end_map(blade.elastica(), Exactness::kSearch).index == 0;
-}
-
-// The fold at a force less than the blade's by a step at most.
-TabledFold fold_before(PressedBlade blade, double step) {
-  const bool after = stable(blade);
-  constexpr int kHalvings = 9;  // to 0.02
-  for (int i = 0; i < kHalvings; ++i) {
-    step /= 2;
-    PressedBlade middle = blade;
-    middle.force -= step;
-    if (stable(middle) == after) blade = middle;
-  }
-  return {blade, end_map(blade.elastica(), Exactness::kSearch).point};
 }
 
 }  // namespace
@@ -140,67 +104,6 @@ std::optional<TabledFold> edge_at(FoldEdge edge, double size, double phase, doub
     fold = fold_at(size, phase, fold->blade.force);
   }
   return {};
-}
-
-const FoldTable& FoldTable::shallow() {
-  static const FoldTable table = [] {
-    constexpr double kRatio = 1.5;
-    constexpr int kSizes = 21;  // down to 6e-4: smaller shapes are straight to a blade's thickness
-    // Of a straight column between clamps: its first two modes, the second at the root of tan(sqrt(force)/2)
-    // = sqrt(force)/2, where an arch has kappa = 2 alpha.
-    constexpr double kFirst = 4 * std::numbers::pi * std::numbers::pi, kSecond = 80.7629;
-    const std::vector<double> phases = tabled_phases();
-    FoldTable all;
-    all.phases_ = static_cast<int>(phases.size());
-    std::vector<double> guesses(phases.size(), kFirst), slopes(phases.size(), 0.0);
-    std::array<PressedBlade, 2> edge{PressedBlade{0, 0, kFirst},
-                                     PressedBlade{0, std::atan(2 / kBendRate), kSecond}};
-    double size = kLargestShallow / std::pow(kRatio, kSizes - 1);
-    for (int i = 0; i < kSizes; ++i, size *= kRatio) {
-      for (std::size_t j = 0; j < phases.size(); ++j) {
-        const double guess = i == 0 && j > 0 ? guesses[j - 1] : guesses[j];
-        const auto fold = fold_at(size, phases[j], guess, kTabled, &slopes[j]);
-        all.cells_.emplace_back();
-        if (!fold) continue;
-        all.cells_.back().push_back(*fold);
-        guesses[j] = fold->blade.force;
-      }
-      for (const FoldEdge kind : {FoldEdge::kTangents, FoldEdge::kCurvatures}) {
-        PressedBlade& guess = edge[static_cast<std::size_t>(kind)];
-        const auto fold = edge_at(kind, size, guess.phase, guess.force);
-        if (!fold) continue;
-        all.edges_[static_cast<std::size_t>(kind)].push_back(*fold);
-        guess = fold->blade;
-      }
-    }
-    return all;
-  }();
-  return table;
-}
-
-const FoldTable& FoldTable::deep() {
-  static const FoldTable table = [] {
-    constexpr double kFirst = 2.06, kStep = 0.14, kLeastForce = 41, kMostForce = 161, kForceStep = 8;
-    constexpr int kSizes = 5, kForces = static_cast<int>((kMostForce - kLeastForce) / kForceStep);
-    const std::vector<double> phases = tabled_phases();
-    FoldTable all;
-    all.phases_ = static_cast<int>(phases.size());
-    for (int i = 0; i < kSizes; ++i) {
-      for (const double phase : phases) {
-        std::vector<TabledFold>& cell = all.cells_.emplace_back();
-        PressedBlade blade{kFirst + kStep * i, phase, 0};
-        bool before = false;
-        for (int k = 0; k <= kForces; ++k) {
-          blade.force = kLeastForce + kForceStep * k;
-          const bool here = stable(blade);
-          if (k > 0 && here != before) cell.push_back(fold_before(blade, kForceStep));
-          before = here;
-        }
-      }
-    }
-    return all;
-  }();
-  return table;
 }
 
 }  // namespace hotblade::elastica
