@@ -46,10 +46,11 @@ double normals_turn_rad(const WasteSurface& surface, const std::vector<SweepSeam
                         const RibAxes& axes) {
   std::vector<double> turns;
   turns.reserve(surface.points.size());
+  Frame plane = axes.plane(0);
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const Vector3d& n = surface.normals[i];
     if (n.isZero() || !lies_behind(seams, surface.points[i])) continue;
-    const Frame plane = axes.plane(axes.planes.offset(surface.points[i]));
+    if (axes.planes.turns()) plane = axes.plane(axes.planes.offset(surface.points[i]));
     turns.push_back(std::atan2(std::abs(n.dot(plane.x)), n.dot(plane.y)));
   }
   if (turns.empty()) return 0;
@@ -127,6 +128,7 @@ SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surfa
                            const PartFitter& fitter)
     : mesh_(mesh),
       surface_(with_few(std::move(surface), mesh, settings)),
+      lean_(lean_of(*surface_)),
       all_planes_(std::move(planes)),
       settings_(settings),
       fitter_(fitter) {
@@ -152,7 +154,7 @@ double SweepLayouts::turn_in(const RibAxes& axes) const {
 }
 
 RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
-  return sweep_axes(*surface_, planes);
+  return planes.turns() ? sweep_axes(*surface_, planes) : parallel_axes(lean_, planes);
 }
 
 Box SweepLayouts::extent_of(const RibAxes& axes) const {

@@ -157,6 +157,7 @@ class SweepLayouts {
 
   const surface::TriangleMesh& mesh_;
   std::shared_ptr<const WasteSurface> surface_;
+  SurfaceLean lean_;  // of it
   std::vector<surface::PlaneFamily> all_planes_, planes_;
   std::vector<Whole> whole_;  // in each of planes_
   const Settings& settings_;

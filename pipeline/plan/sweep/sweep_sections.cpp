@@ -373,15 +373,11 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
   return part;
 }
 
-RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& planes) {
-  RibAxes axes;
-  axes.planes = planes;
-  axes.sweep = planes.normal(0);
-  const Vector3d u = axes.sweep.unitOrthogonal(), v = axes.sweep.cross(u);
-  const Vector3d first = planes.turns() ? planes.axis().cross(axes.sweep).normalized() : u,
-                 second = planes.turns() ? axes.sweep.cross(first) : v;
-  Eigen::Vector2d mean(0, 0);
-  double whole = 0;
+namespace {
+
+// The normals at a triangle's corners, summed and weighed by its area.
+template <typename Take>
+void for_leaning(const WasteSurface& surface, const Take& take) {
   for (const auto& t : surface.triangles) {
     gpu::stop_point();
     const auto at = [](const std::vector<Vector3d>& all, int i) -> const Vector3d& {
@@ -389,16 +385,55 @@ RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& plan
     };
     const Vector3d& p = at(surface.points, t[0]);
     const double area = (at(surface.points, t[1]) - p).cross(at(surface.points, t[2]) - p).norm();
-    const Vector3d n =
-        area * (at(surface.normals, t[0]) + at(surface.normals, t[1]) + at(surface.normals, t[2]));
-    mean += Eigen::Vector2d(n.dot(planes.turned_to(first, p)), n.dot(planes.turned_to(second, p)));
-    whole += n.norm();
+    take(p, area * (at(surface.normals, t[0]) + at(surface.normals, t[1]) + at(surface.normals, t[2])));
   }
+}
+
+// `mean_in(first, second)` is what the surface leans to by two directions square to the sweep, `whole` the
+// size of what it is the sum of.
+template <typename Mean>
+RibAxes axes_by(const surface::PlaneFamily& planes, const Mean& mean_in) {
+  RibAxes axes;
+  axes.planes = planes;
+  axes.sweep = planes.normal(0);
+  const Vector3d u = axes.sweep.unitOrthogonal(), v = axes.sweep.cross(u);
+  const Vector3d first = planes.turns() ? planes.axis().cross(axes.sweep).normalized() : u,
+                 second = planes.turns() ? axes.sweep.cross(first) : v;
+  const auto [mean, whole] = mean_in(first, second);
   constexpr double kNoSide = 1e-9;
   axes.y = first;
   if (mean.norm() > kNoSide * whole) axes.y = (mean.x() * first + mean.y() * second).normalized();
   axes.x = axes.y.cross(axes.sweep);
   return axes;
+}
+
+}  // namespace
+
+SurfaceLean lean_of(const WasteSurface& surface) {
+  SurfaceLean lean;
+  for_leaning(surface, [&](const Vector3d& /*at*/, const Vector3d& n) {
+    lean.sum += n;
+    lean.whole += n.norm();
+  });
+  return lean;
+}
+
+RibAxes parallel_axes(const SurfaceLean& lean, const surface::PlaneFamily& planes) {
+  return axes_by(planes, [&](const Vector3d& first, const Vector3d& second) {
+    return std::pair(Eigen::Vector2d(lean.sum.dot(first), lean.sum.dot(second)), lean.whole);
+  });
+}
+
+RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& planes) {
+  if (!planes.turns()) return parallel_axes(lean_of(surface), planes);
+  return axes_by(planes, [&](const Vector3d& first, const Vector3d& second) {
+    std::pair mean(Eigen::Vector2d(0, 0), 0.0);
+    for_leaning(surface, [&](const Vector3d& at, const Vector3d& n) {
+      mean.first += Eigen::Vector2d(n.dot(planes.turned_to(first, at)), n.dot(planes.turned_to(second, at)));
+      mean.second += n.norm();
+    });
+    return mean;
+  });
 }
 
 SweepData sweep_sections(const WasteSurface& surface, const RibAxes& axes,

@@ -55,6 +55,16 @@ struct SweepSeam {
 // square to it: such a surface is no graph over one blade.
 [[nodiscard]] RibAxes sweep_axes(const WasteSurface& surface, const surface::PlaneFamily& planes);
 
+// What a surface leans to: the sum of its faces' areas times the normals at their corners, and of the sizes
+// of these. Axes in any parallel planes follow from it.
+struct SurfaceLean {
+  Eigen::Vector3d sum{0, 0, 0};
+  double whole = 0;
+};
+[[nodiscard]] SurfaceLean lean_of(const WasteSurface& surface);
+// Returns the axes as sweep_axes() does, of planes that do not turn.
+[[nodiscard]] RibAxes parallel_axes(const SurfaceLean& lean, const surface::PlaneFamily& planes);
+
 struct SweepSample {
   Eigen::Vector2d q{0, 0};  // in the plane, mm
   double cosine = 1;     // of the slope against the plane: a distance in the plane times this is one in space
