@@ -38,7 +38,7 @@ std::uintptr_t address(const void* p) {
 
 // Whole pages only: what is next to them stays as it is. What the allocator hands back and takes again later
 // has small ones.
-void ask(std::uintptr_t from, std::uintptr_t to) {
+void advise(std::uintptr_t from, std::uintptr_t to) {
   from = (from + kPage - 1) / kPage * kPage;
   to = to / kPage * kPage;
   // Where it fails pages are small.
@@ -48,7 +48,7 @@ void ask(std::uintptr_t from, std::uintptr_t to) {
 void ask_of_heap() {
   const std::uintptr_t end = address(sbrk(0)), before = asked_up_to.exchange(end, std::memory_order_relaxed);
   // The page that the end was in is whole now.
-  ask(std::max(heap, before / kPage * kPage), end);
+  advise(std::max(heap, before / kPage * kPage), end);
 }
 
 // Of a piece just allocated.
@@ -58,13 +58,13 @@ void ask_for(const void* piece, std::size_t size) {
   if (at - heap < kHeapSpan) {
     if (at + size > asked_up_to.load(std::memory_order_relaxed)) ask_of_heap();
   } else if (size >= kMapped) {
-    ask(at, at + size);
+    advise(at, at + size);
   } else {
     const std::uintptr_t stretch = at / kStretch;
     auto& asked = asked_stretches[stretch % asked_stretches.size()];
     if (asked.load(std::memory_order_relaxed) == stretch) return;
     asked.store(stretch, std::memory_order_relaxed);
-    ask(stretch * kStretch, (stretch + 1) * kStretch);
+    advise(stretch * kStretch, (stretch + 1) * kStretch);
   }
 }
 

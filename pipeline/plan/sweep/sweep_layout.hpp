@@ -49,19 +49,6 @@ struct Layout {
   void add(FittedPart part);
 };
 
-// Planes and ways to split them, in the order of what their sections miss.
-struct Ranking {
-  struct Entry {
-    PlanesTried tried;
-    std::size_t whole = 0;  // number of its planes
-    std::size_t named = 0;  // place among the layouts
-    Layout layout{};        // without parts: not fitted
-  };
-  std::vector<Entry> entries;
-  // The layouts that are fitted, the best first.
-  [[nodiscard]] std::vector<Layout> fitted() const;
-};
-
 // Returns by how many rad about x and y of the whole's axes the planes should turn, as far as the terms of
 // the parts' fits say; zero where no fit says.
 [[nodiscard]] Eigen::Vector2d turn_of(const Layout& layout, double most_rad);
@@ -85,12 +72,10 @@ class SweepLayouts {
   // The fewest parts that blocks and blades allow, in any of these planes.
   [[nodiscard]] std::size_t fewest_parts() const;
 
-  // The planes and the ways to split them into so many even parts, by what the Beziers of their sections let
-  // one hope for (section_beziers.hpp). Nothing is fitted yet.
-  [[nodiscard]] Ranking ranking(std::size_t parts) const;
-  // Fits the first of them cheaply, so many of each way to split: splits along the sweep make no section
-  // easier to follow. Those that are fitted stay.
-  void fit(Ranking& ranking, std::size_t most) const;
+  // The planes and the ways to split them into so many even parts:
+  // what the Beziers of their sections let one hope for (section_beziers.hpp) by cheap fits, the best first.
+  // `tried` is told of all.
+  [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
 
   // A design of many parts, in the planes whose rows take the fewest: rows of one depth, each cut into parts
   // of one arc length, with axes of their own.

@@ -54,10 +54,6 @@ class Search {
   static constexpr std::size_t kPartedPlanes = 6, kMostParted = 12;
   static constexpr int kPartedTries = 3, kPartedRounds = 5;
   static constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
-  // Planes that are fitted, of each way to split them. 320 panels and parts of buildings take 563 strips with
-  // ten, 557 with fourteen in less time, and 555 with twenty in more. The best of all is among the first four
-  // on most panels.
-  static constexpr std::size_t kFittedFirst = 4, kFitted = 14;
 
   // A design of many parts, in rows of blocks.
   void run_rows() const {
@@ -93,16 +89,7 @@ class Search {
         if (tried.taken) return;
         if (!tried.layout.parts.empty() && better(tried, nearest)) nearest = std::move(tried);
       }
-      Ranking ranking = layouts_.ranking(parts);
-      const std::size_t told = tried_planes_.size();
-      const auto fit = [&](std::size_t most) {
-        layouts_.fit(ranking, most);
-        tried_planes_.erase(tried_planes_.begin() + static_cast<std::ptrdiff_t>(told), tried_planes_.end());
-        for (const Ranking::Entry& entry : ranking.entries) tried_planes_.push_back(entry.tried);
-        return ranking.fitted();
-      };
-      if (taken_at_once(fit(kFittedFirst))) return;
-      const std::vector<Layout> ranked = fit(kFitted);
+      const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
       const std::vector<Layout> near = refined(ranked);
       if (near.empty() && nearest.layout.parts.empty())
         nearest = hanging_too_far(ranked, kNear * tolerance, tolerance);
@@ -133,14 +120,6 @@ class Search {
       if (nearest.taken) return;
     }
     if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
-  }
-
-  // Whether the best of a few planes, by a fit that leaves half of the tolerance, is taken as it is: then no
-  // others are fitted.
-  [[nodiscard]] bool taken_at_once(const std::vector<Layout>& few) const {
-    constexpr double kSurely = 0.5;
-    if (few.empty() || !(few.front().cost_mm <= kSurely * settings_.design.tolerance_mm)) return false;
-    return attempt(first_try(few.front(), SweepWay::kEven)).taken;
   }
 
   // Tells whether a layout is the first in its planes, which are added then.
@@ -580,6 +559,30 @@ class Search {
 };
 
 }  // namespace
+
+const char* name(SweepWay way) {
+  switch (way) {
+    case SweepWay::kEven:
+      return "even";
+    case SweepWay::kRows:
+      return "rows";
+    case SweepWay::kSplit:
+      return "split";
+    case SweepWay::kCalmer:
+      return "calmer";
+    case SweepWay::kTurned:
+      return "turned";
+    case SweepWay::kMet:
+      return "met";
+    case SweepWay::kUnsteady:
+      return "unsteady";
+    case SweepWay::kFaces:
+      return "faces";
+    case SweepWay::kParted:
+      return "parted";
+  }
+  return "";
+}
 
 std::vector<PlanesTried> search_sweeps(const surface::DesignSurface& design, const Settings& settings,
                                        const SweepJudges& judges, const WatchSweeps& watch,

@@ -107,28 +107,4 @@ void set_place(const SweepPart& part, const PartFit& fit, Refusal& refusal) {
   refusal.at = p;
 }
 
-const char* name(SweepWay way) {
-  switch (way) {
-    case SweepWay::kEven:
-      return "even";
-    case SweepWay::kRows:
-      return "rows";
-    case SweepWay::kSplit:
-      return "split";
-    case SweepWay::kCalmer:
-      return "calmer";
-    case SweepWay::kTurned:
-      return "turned";
-    case SweepWay::kMet:
-      return "met";
-    case SweepWay::kUnsteady:
-      return "unsteady";
-    case SweepWay::kFaces:
-      return "faces";
-    case SweepWay::kParted:
-      return "parted";
-  }
-  return "";
-}
-
 }  // namespace hotblade::pipeline
