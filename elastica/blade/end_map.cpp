@@ -73,6 +73,7 @@ std::vector<JacobiFields> jacobi_fields(const Elastica& elastica, int at_least, 
   std::vector<FieldState> states(static_cast<std::size_t>(n));
   end_map_kernels(simd).to_rounding(run_of(elastica, n), states.data(), n);
   std::vector<JacobiFields> all;
+  all.reserve(states.size());
   const double h = elastica.length / n;
   for (const FieldState& state : states)
     all.push_back(fields_of(state, h * (static_cast<double>(all.size()) + 1)));

@@ -36,19 +36,22 @@ std::uintptr_t address(const void* p) {
   return reinterpret_cast<std::uintptr_t>(p);
 }
 
-// Whole pages only: what is next to them stays as it is. What the allocator hands back and takes again later
-// has small ones.
-void advise(std::uintptr_t from, std::uintptr_t to) {
+// Of addresses about a place. Whole pages only: what is next to them stays as it is. What the allocator hands
+// back and takes again later has small ones.
+void advise(const void* place, std::uintptr_t from, std::uintptr_t to) {
   from = (from + kPage - 1) / kPage * kPage;
   to = to / kPage * kPage;
-  // Where it fails pages are small.
-  if (from < to) (void)madvise(reinterpret_cast<void*>(from), to - from, MADV_HUGEPAGE);
+  if (from >= to) return;
+  char* begin =
+      static_cast<char*>(const_cast<void*>(place)) + static_cast<std::ptrdiff_t>(from - address(place));
+  (void)madvise(begin, to - from, MADV_HUGEPAGE);  // where it fails pages are small
 }
 
 void ask_of_heap() {
-  const std::uintptr_t end = address(sbrk(0)), before = asked_up_to.exchange(end, std::memory_order_relaxed);
+  const void* place = sbrk(0);
+  const std::uintptr_t end = address(place), before = asked_up_to.exchange(end, std::memory_order_relaxed);
   // The page that the end was in is whole now.
-  advise(std::max(heap, before / kPage * kPage), end);
+  advise(place, std::max(heap, before / kPage * kPage), end);
 }
 
 // Of a piece just allocated.
@@ -58,13 +61,13 @@ void ask_for(const void* piece, std::size_t size) {
   if (at - heap < kHeapSpan) {
     if (at + size > asked_up_to.load(std::memory_order_relaxed)) ask_of_heap();
   } else if (size >= kMapped) {
-    advise(at, at + size);
+    advise(piece, at, at + size);
   } else {
     const std::uintptr_t stretch = at / kStretch;
     auto& asked = asked_stretches[stretch % asked_stretches.size()];
     if (asked.load(std::memory_order_relaxed) == stretch) return;
     asked.store(stretch, std::memory_order_relaxed);
-    advise(stretch * kStretch, (stretch + 1) * kStretch);
+    advise(piece, stretch * kStretch, (stretch + 1) * kStretch);
   }
 }
 
