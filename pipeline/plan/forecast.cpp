@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -148,6 +149,15 @@ std::optional<Matrix2d> second_form(const Curved& c, std::span<const Vector3d> p
   return Matrix2d(inverse * second * inverse.transpose() / (length * far));
 }
 
+// One of so many vertices, about, in no order that rows of a grid have.
+std::vector<std::size_t> some_of(std::size_t vertices, std::size_t every) {
+  constexpr std::uint64_t kSpread = 0x9E3779B97F4A7C15;
+  std::vector<std::size_t> some;
+  for (std::size_t v = 0; v < vertices; ++v)
+    if (((v * kSpread) >> 32) % every == 0) some.push_back(v);
+  return some;
+}
+
 // At one of so many vertices.
 std::vector<Curved> curved_points(const surface::TriangleMesh& mesh, std::size_t every = 1) {
   const std::size_t n = mesh.vertices().size();
@@ -167,11 +177,12 @@ std::vector<Curved> curved_points(const surface::TriangleMesh& mesh, std::size_t
     on_border[static_cast<std::size_t>(surface::vertex_at(mesh, corner))] = 1;
     on_border[static_cast<std::size_t>(surface::vertex_at(mesh, surface::next_corner(corner)))] = 1;
   }
-  std::vector<std::optional<Curved>> found((n + every - 1) / every);
+  const std::vector<std::size_t> asked = some_of(n, every);
+  std::vector<std::optional<Curved>> found(asked.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, found.size()), [&](const auto& range) {
     std::vector<int> both;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      const std::size_t v = i * every;
+      const std::size_t v = asked[i];
       // At the border one side is missing; the points beside it speak for it.
       if (on_border[v] || !(areas[v] > 0) || !(normals[v].norm() > 0)) continue;
       Curved c{mesh.vertices()[v], normals[v].normalized(), {}, {}, {}, areas[v]};
@@ -448,6 +459,7 @@ bool some_say_usual(const surface::TriangleMesh& mesh, const Vector3d& seen, dou
   constexpr double kReserve = 0.08;
   const std::vector<Curved> points =
       curved_points(mesh, std::max<std::size_t>(1, mesh.vertices().size() / kSome));
+  if (points.empty()) return false;
   choose_planes(mesh, points, along_axes(mesh), f);
   Shape shape = shape_of(design, area, seen, f);
   shape.lost_share += kReserve;
