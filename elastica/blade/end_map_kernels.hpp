@@ -47,16 +47,16 @@ struct Series {
   double c[kOrder + 1], s[kOrder + 1];
 };
 
-// State at a piece's end: the point, fields (d theta) in lanes 1 to 3, their rates, and d x, d y.
+// State at a piece's end: the point and tangent, fields (d theta) in lanes 1 to 3, their rates, and d x, d y.
 struct State {
-  double x, y, theta, kappa;
+  double x, y, theta, kappa, c, s;
   Lanes u{}, du{}, dx{}, dy{};
 };
 
 template <int kOrder>
 HOTBLADE_INLINE void expand(Series<kOrder>& p, const State& a, double l1, double l2) {
-  p.c[0] = __builtin_cos(a.theta);
-  p.s[0] = __builtin_sin(a.theta);
+  p.c[0] = a.c;
+  p.s[0] = a.s;
   p.w[0] = a.u;
   p.w[0][0] = a.kappa;
   p.w[1] = a.du;
@@ -86,7 +86,7 @@ HOTBLADE_INLINE void expand(Series<kOrder>& p, const State& a, double l1, double
 
 template <int kOrder>
 HOTBLADE_INLINE State advance(const Series<kOrder>& p, const State& a, double h) {
-  Lanes w{}, dw{}, ic{}, is{}, base{};
+  Lanes w{}, dw{}, ic{}, is{}, base{}, tangent{};
 #pragma GCC unroll 32
   for (int k = kOrder; k >= 0; --k) {
     const double inverse = kInverse.of[k + 1];
@@ -95,6 +95,7 @@ HOTBLADE_INLINE State advance(const Series<kOrder>& p, const State& a, double h)
     ic = fused(ic, h, p.wc[k] * inverse);
     is = fused(is, h, p.ws[k] * inverse);
     base = fused(base, h, Lanes{p.c[k], p.s[k], p.w[k][0], 0} * inverse);
+    if constexpr (kOrder < kTaylorOrder) tangent = fused(tangent, h, Lanes{p.c[k], p.s[k], 0, 0});
   }
   base *= h;
   State b;
@@ -102,6 +103,9 @@ HOTBLADE_INLINE State advance(const Series<kOrder>& p, const State& a, double h)
   b.y = a.y + base[1];
   b.theta = a.theta + base[2];
   b.kappa = w[0];
+  // The series of theta has one order more: in a search that does not count.
+  b.c = kOrder < kTaylorOrder ? tangent[0] : __builtin_cos(b.theta);
+  b.s = kOrder < kTaylorOrder ? tangent[1] : __builtin_sin(b.theta);
   b.u = w;
   b.du = dw;
   b.dx = a.dx - is * h;
@@ -126,7 +130,7 @@ HOTBLADE_INLINE void put(const State& a, int zeros, double largest_turn, FieldSt
 
 template <int kOrder>
 void run_fields(const FieldRun& run, FieldState* out, int count) {
-  State a{run.x, run.y, run.theta, run.kappa};
+  State a{run.x, run.y, run.theta, run.kappa, __builtin_cos(run.theta), __builtin_sin(run.theta)};
   a.du[1] = 1;
   Series<kOrder> series;
   int zeros = 0;

@@ -446,7 +446,8 @@ namespace {
 
 std::vector<surface::PlaneFamily> along_axes(const surface::TriangleMesh& mesh) {
   std::vector<surface::PlaneFamily> along;
-  for (const Vector3d& n : body_axes(mesh).axes) along.push_back(surface::parallel_about(mesh, n));
+  const BodyAxes body = body_axes(mesh);
+  for (const Vector3d& n : body.axes) along.push_back(surface::PlaneFamily::parallel(n, body.centre));
   return along;
 }
 

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "surface/read/place_text.hpp"
@@ -77,6 +79,31 @@ Cover cover(std::vector<Arc> arcs) {
   offer(arcs.front().start + kTurn);
   return best;
 }
+
+// What points about the axis cover that lie to one side of it: all between the outermost two.
+class OneSided {
+ public:
+  explicit OneSided(const Vector2d& middle) : middle_(middle) {}
+
+  void add(const Vector2d& q) {
+    const double towards = middle_.dot(q), tangent = cross(middle_, q) / towards;
+    holds_ = holds_ && towards > 0 && std::isfinite(tangent);
+    low_ = std::min(low_, tangent);
+    high_ = std::max(high_, tangent);
+  }
+
+  // None where a point lies on the other side.
+  [[nodiscard]] std::optional<Cover> cover() const {
+    if (!holds_ || !(low_ <= high_)) return std::nullopt;
+    const double from = std::atan(low_), to = std::atan(high_), at = std::atan2(middle_.y(), middle_.x());
+    return Cover{std::remainder(at + 0.5 * (from + to), kTurn), kTurn - (to - from)};
+  }
+
+ private:
+  Vector2d middle_;
+  bool holds_ = true;
+  double low_ = std::numeric_limits<double>::infinity(), high_ = -low_;  // tangents of angles from the middle
+};
 
 }  // namespace
 
@@ -168,18 +195,27 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
   if (mesh.triangles().empty()) throw std::logic_error("fan_about: the design has no faces");
   const PlaneFamily any = PlaneFamily::fan(axis, axis.direction.unitOrthogonal(), 1);
   const Vector3d x = axis.direction.unitOrthogonal(), y = any.normal(0);
-  std::vector<Arc> arcs;
-  double outermost = 0;
-  Vector3d towards = Vector3d::Zero();
-  for (const auto& t : mesh.triangles()) {
+  const auto along_axis = [&](const Vector3d& p) {
+    return Vector2d(x.dot(p - axis.point), y.dot(p - axis.point));
+  };
+  const auto corners_of = [&](const std::array<int, 3>& t) {
     std::array<Vector2d, 3> q;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vector3d d = mesh.vertices()[static_cast<std::size_t>(t[i])] - axis.point;
-      q[i] = {x.dot(d), y.dot(d)};
+    for (std::size_t i = 0; i < 3; ++i) q[i] = along_axis(mesh.vertices()[static_cast<std::size_t>(t[i])]);
+    return q;
+  };
+  Vector3d middle_of_all = Vector3d::Zero();
+  for (const Vector3d& p : mesh.vertices()) middle_of_all += p;
+  OneSided one_sided(along_axis(middle_of_all / static_cast<double>(mesh.vertices().size())));
+  double outermost = 0;
+  Vector2d farthest = Vector2d::Zero();
+  for (const auto& t : mesh.triangles()) {
+    const std::array<Vector2d, 3> q = corners_of(t);
+    for (const Vector2d& corner : q) {
+      one_sided.add(corner);
       // As far vertices, as on a circle: only a clearly farther one counts, so that rounding does not decide.
       constexpr double kClearly = 1 + 1e-9;
-      if (q[i].norm() > kClearly * towards.norm()) towards = q[i].x() * x + q[i].y() * y;
-      outermost = std::max(outermost, q[i].norm());
+      if (corner.norm() > kClearly * farthest.norm()) farthest = corner;
+      outermost = std::max(outermost, corner.norm());
     }
     const double distance = distance_from_origin(q);
     if (!(distance >= kLeastRadiusMm)) {
@@ -189,11 +225,17 @@ PlaneFamily fan_about(const TriangleMesh& mesh, const FanAxis& axis) {
       throw FanError("face at " + place_text(mesh.vertices()[static_cast<std::size_t>(t[0])]) +
                      amount.data() + ": no planes that turn about slice.fan_axis cut there");
     }
-    arcs.push_back(arc_of(q));
   }
-  const Cover covered = cover(std::move(arcs));
+  const auto by_arcs = [&] {
+    std::vector<Arc> arcs;
+    for (const auto& t : mesh.triangles()) arcs.push_back(arc_of(corners_of(t)));
+    return cover(std::move(arcs));
+  };
+  const std::optional<Cover> between = one_sided.cover();
+  const Cover covered = between ? *between : by_arcs();
   const bool closed = covered.gap < kLeastGapRad;
   const Vector3d middle = std::cos(covered.middle) * x + std::sin(covered.middle) * y;
+  const Vector3d towards = farthest.x() * x + farthest.y() * y;
   PlaneFamily fan = PlaneFamily::fan(axis, closed ? towards : middle, outermost);
   fan.closed_ = closed;
   return fan;

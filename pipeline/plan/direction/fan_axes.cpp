@@ -92,9 +92,17 @@ std::vector<Vector3d> rotations(const Matrix3d& cost, const BodyAxes& body) {
   return all;
 }
 
-FanAxis seen_from(const BodyAxes& body, const surface::TriangleMesh& mesh, const FanAxis& axis) {
+// Through the place nearest to the body's centre.
+FanAxis seen_from(const BodyAxes& body, const FanAxis& axis) {
   const Vector3d d = axis.direction.normalized();
-  return {axis.point + d.dot(body.centre - axis.point) * d, with_sense(mesh, body, d)};
+  return {axis.point + d.dot(body.centre - axis.point) * d, d};
+}
+
+void give_senses(const surface::TriangleMesh& mesh, const BodyAxes& body, std::vector<FanAxis>& axes) {
+  std::vector<Vector3d> directions;
+  for (const FanAxis& axis : axes) directions.push_back(axis.direction);
+  directions = with_senses(mesh, body, directions);
+  for (std::size_t i = 0; i < axes.size(); ++i) axes[i].direction = directions[i];
 }
 
 // The line two planes meet in; nothing for planes so nearly parallel that turning from one to the other is
@@ -124,8 +132,9 @@ std::vector<FanAxis> revolution_axes(const surface::TriangleMesh& mesh, const Bo
     motion << c, point.cross(c);
     constexpr double kMost = 0.25;  // a mean slope of 14 degrees
     if (!(motion.dot(form.along * motion) <= kMost * kMost * motion.dot(form.whole * motion))) continue;
-    axes.push_back(seen_from(body, mesh, {body.centre + form.size_mm * point, c}));
+    axes.push_back(seen_from(body, {body.centre + form.size_mm * point, c}));
   }
+  give_senses(mesh, body, axes);
   return axes;
 }
 
@@ -136,7 +145,7 @@ std::vector<FanAxis> fan_axes(const surface::TriangleMesh& mesh, const BodyAxes&
   std::vector<FanAxis> axes;
   const auto add = [&](const FanAxis& found) {
     constexpr double kSameRad = 0.035, kSamePlace = 0.02;
-    const FanAxis axis = seen_from(body, mesh, found);
+    const FanAxis axis = seen_from(body, found);
     // A single facet's normals say of no axis where it is.
     if (!axis.point.allFinite() || !axis.direction.allFinite()) return;
     const bool known = std::any_of(axes.begin(), axes.end(), [&](const FanAxis& other) {
@@ -166,6 +175,7 @@ std::vector<FanAxis> fan_axes(const surface::TriangleMesh& mesh, const BodyAxes&
   // Planes of straight sides take their normals from facets, half a cell beside them.
   add_meetings(all);
   for (const FanAxis& axis : revolution_axes(mesh, body)) add(axis);
+  give_senses(mesh, body, axes);
   return axes;
 }
 

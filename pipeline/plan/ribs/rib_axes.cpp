@@ -10,6 +10,11 @@ Frame RibAxes::plane(double offset_mm) const {
   return {planes.centre(), planes.turned(x, offset_mm), planes.turned(y, offset_mm)};
 }
 
+Frame RibAxes::plane_at(const Eigen::Vector3d& p) const {
+  if (!planes.turns()) return plane(planes.offset(p));
+  return {planes.centre(), planes.turned_to(x, p), planes.turned_to(y, p)};
+}
+
 double RibAxes::offset(const Frame& frame) const {
   if (!planes.turns()) return (frame.origin - planes.centre()).dot(sweep);
   const Eigen::Vector3d normal =

@@ -15,6 +15,8 @@ struct RibAxes {
   // Returns the plane at an offset: axes x, y there; origin on the line along the sweep through the planes'
   // centre, or on the fan's axis.
   [[nodiscard]] Frame plane(double offset_mm) const;
+  // Returns the plane through a point, which takes no angle.
+  [[nodiscard]] Frame plane_at(const Eigen::Vector3d& p) const;
   // Returns the offset of a frame with these axes, wherever its origin lies in its plane.
   [[nodiscard]] double offset(const Frame& frame) const;
   // Returns how far the point (u, v) moves for each mm of offset: 1 for parallel planes, less inside a fan.

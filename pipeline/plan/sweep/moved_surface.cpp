@@ -16,11 +16,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-Vector3d in_planes(const RibAxes& axes, const Vector3d& p) {
-  const double offset = axes.planes.offset(p);
-  const Frame plane = axes.plane(offset);
+Vector3d in_plane(const Frame& plane, double offset, const Vector3d& p) {
   const Vector3d d = p - plane.origin;
   return {d.dot(plane.x), d.dot(plane.y), offset};
+}
+
+Vector3d in_planes(const RibAxes& axes, const Vector3d& p) {
+  return in_plane(axes.plane_at(p), axes.planes.offset(p), p);
 }
 
 // What is measured of a place of the design itself.
@@ -32,9 +34,9 @@ struct OwnVertex {
 MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
                   const SweepSectionOptions& options, OwnVertex& own) {
   MovedVertex v;
-  own.at = in_planes(axes, point);
-  const Frame plane = axes.plane(own.at.z());
-  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal(own.at.z())));
+  const Frame plane = axes.plane_at(point);
+  own.at = in_plane(plane, axes.planes.offset(point), point);
+  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal_at(point)));
   double kerf_mm = options.kerf_mm;
   const auto band = [&](double across) { return 0.5 * (kerf_mm + options.width_mm * std::abs(across)); };
   v.along = n.z();
@@ -88,7 +90,9 @@ class MovedSurface::Measure {
     extents_.last_mm = -kInf;
     extents_.low.setConstant(kInf);
     extents_.high.setConstant(-kInf);
-    std::vector<bool> seen(of_.vertices_.size(), false);
+    std::vector<char> met(of_.vertices_.size(), 0);  // by a triangle that lies behind all seams as it is
+    for (auto* values : {&steeps_, &turns_}) values->reserve(met.size());
+    points_.reserve(met.size());
     const auto& triangles = of_.surface_.triangles;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       gpu::stop_point();
@@ -96,16 +100,14 @@ class MovedSurface::Measure {
       const bool whole =
           !of_.axes().planes.closed() &&
           std::all_of(triangles[t].begin(), triangles[t].end(), [&](int c) { return of_.behind_.all(c); });
-      if (!whole) {
+      if (whole) {
+        for (const int c : triangles[t]) met[static_cast<std::size_t>(c)] = 1;
+      } else {
         for (const Place& place : clipped(t)) extend(place);
-        continue;
-      }
-      for (const int c : triangles[t]) {
-        const auto i = static_cast<std::size_t>(c);
-        if (!seen[i]) extend(place(c, of_.vertices_[i]));
-        seen[i] = true;
       }
     }
+    for (std::size_t i = 0; i < met.size(); ++i)
+      if (met[i]) extend(of_.vertices_[i], own_[i], of_.surface_.points[i]);
     if (!(extents_.last_mm > extents_.first_mm)) return extents_;
     // A few bad facets of a file turn normals anyhow: what they come to is seen when the cut is verified.
     const auto most = [](std::vector<double>& values) {
@@ -146,14 +148,15 @@ class MovedSurface::Measure {
     return polygon;
   }
 
-  void extend(const Place& place) {
-    extents_.first_mm = std::min(extents_.first_mm, place.moved.at.z());
-    extents_.last_mm = std::max(extents_.last_mm, place.moved.at.z());
-    extents_.low = extents_.low.cwiseMin(place.own_vertex.at.head<2>());
-    extents_.high = extents_.high.cwiseMax(place.own_vertex.at.head<2>());
-    steeps_.push_back(std::abs(place.moved.along));
-    turns_.push_back(place.own_vertex.turn);
-    points_.push_back(place.own);
+  void extend(const Place& place) { extend(place.moved, place.own_vertex, place.own); }
+  void extend(const MovedVertex& moved, const OwnVertex& own, const Vector3d& point) {
+    extents_.first_mm = std::min(extents_.first_mm, moved.at.z());
+    extents_.last_mm = std::max(extents_.last_mm, moved.at.z());
+    extents_.low = extents_.low.cwiseMin(own.at.head<2>());
+    extents_.high = extents_.high.cwiseMax(own.at.head<2>());
+    steeps_.push_back(std::abs(moved.along));
+    turns_.push_back(own.turn);
+    points_.push_back(point);
   }
 
   void measure_size() {

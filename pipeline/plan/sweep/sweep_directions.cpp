@@ -63,9 +63,9 @@ std::optional<surface::PlaneFamily> fan_that_turns(const surface::TriangleMesh& 
       const double angle = planes.angle(planes.offset(p));
       low = std::min(low, angle);
       high = std::max(high, angle);
+      if (high - low >= kLeastTurnRad) return planes;
     }
-    if (high - low < kLeastTurnRad) return std::nullopt;
-    return planes;
+    return std::nullopt;
   } catch (const surface::FanError&) {
     return std::nullopt;  // it runs through the design
   }
@@ -95,10 +95,8 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
     if (!known) apart.push_back(n);
   }
   std::vector<surface::PlaneFamily> planes;
-  // All of them go through one point.
-  const Vector3d centre = surface::area_centre(mesh);
   for (const Vector3d& n : with_senses(mesh, body, apart))
-    planes.push_back(surface::PlaneFamily::parallel(n.normalized(), centre));
+    planes.push_back(surface::PlaneFamily::parallel(n.normalized(), body.centre));
   for (const surface::FanAxis& axis : fan_axes(mesh, body, long_sides(mesh))) {
     if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
   }

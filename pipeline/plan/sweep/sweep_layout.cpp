@@ -43,6 +43,17 @@ bool lies_behind(const std::vector<SweepSeam>& seams, const Vector3d& p) {
                      [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
 }
 
+// A number that grows with the angle between two directions, of which these are the sine and the cosine times
+// any length: 0 to 2, as the angle goes to half a turn.
+double angle_order(double sine, double cosine) {
+  const double share = sine / (sine + std::abs(cosine));
+  return cosine >= 0 ? share : 2 - share;
+}
+
+double angle_of_order(double order) {
+  return order <= 1 ? std::atan2(order, 1 - order) : std::atan2(2 - order, 1 - order);
+}
+
 // Between y and the normals, in the planes: of 98 of a hundred vertices behind the seams.
 double normals_turn_rad(const WasteSurface& surface, const std::vector<SweepSeam>& seams,
                         const RibAxes& axes) {
@@ -52,14 +63,16 @@ double normals_turn_rad(const WasteSurface& surface, const std::vector<SweepSeam
   for (std::size_t i = 0; i < surface.points.size(); ++i) {
     const Vector3d& n = surface.normals[i];
     if (n.isZero() || !lies_behind(seams, surface.points[i])) continue;
-    if (axes.planes.turns()) plane = axes.plane(axes.planes.offset(surface.points[i]));
-    turns.push_back(std::atan2(std::abs(n.dot(plane.x)), n.dot(plane.y)));
+    if (axes.planes.turns()) plane = axes.plane_at(surface.points[i]);
+    const double sine = std::abs(n.dot(plane.x)), cosine = n.dot(plane.y);
+    // A normal along the planes' own lies in no direction of theirs.
+    turns.push_back(sine > 0 || cosine != 0 ? angle_order(sine, cosine) : 0);
   }
   if (turns.empty()) return 0;
   const auto at =
       turns.begin() + static_cast<std::ptrdiff_t>((1 - kLittle) * static_cast<double>(turns.size() - 1));
   std::nth_element(turns.begin(), at, turns.end());
-  return *at;
+  return angle_of_order(*at);
 }
 
 // By how much a part is too large for any block or blade; at most 1: it is not.
@@ -144,10 +157,9 @@ SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surfa
 }
 
 SweepLayouts::Whole SweepLayouts::whole_in(const surface::PlaneFamily& planes) const {
-  Whole whole{axes(planes), {}, {}, 0};
+  Whole whole{axes(planes), {}, {}};
   whole.box = extent_of(whole.axes);
   whole.least = least_grid(whole.box);
-  whole.turn_rad = turn_in(whole.axes);
   return whole;
 }
 
@@ -162,9 +174,8 @@ RibAxes SweepLayouts::axes(const surface::PlaneFamily& planes) const {
 Box SweepLayouts::extent_of(const RibAxes& axes) const {
   Box box;
   for (const Vector3d& p : surface_->points) {
-    const double offset = axes.planes.offset(p);
-    const Frame plane = axes.plane(offset);
-    box.extend(Vector2d(offset, (p - plane.origin).dot(plane.x)));
+    const Frame plane = axes.plane_at(p);
+    box.extend(Vector2d(axes.planes.offset(p), (p - plane.origin).dot(plane.x)));
   }
   return box;
 }
@@ -203,13 +214,13 @@ std::vector<SweepPart> SweepLayouts::parts_of(const Whole& whole, const SweepGri
   const Box& box = whole.box;
   const std::vector<double> along = cuts(box.min().x(), box.max().x(), even_shares(grid.along_sweep));
   std::vector<std::vector<SweepPart>> rows(grid.along_sweep);
+  const bool turns = grid.along_ribs > 1 && turn_in(axes) > kSharedTurn_rad;
   surface::for_blocks(rows.size(), 1, [&](std::size_t s, std::size_t) {
     std::vector<SweepSeam> ends;
     if (s > 0) ends.push_back(seam_across_sweep(axes, along[s - 1], -1));
     if (s < along.size()) ends.push_back(seam_across_sweep(axes, along[s], 1));
     const SweepPart row = part_behind(axes, std::move(ends), surface_);
     const Range offsets(s > 0 ? along[s - 1] : box.min().x(), s < along.size() ? along[s] : box.max().x());
-    const bool turns = grid.along_ribs > 1 && whole.turn_rad > kSharedTurn_rad;
     const std::vector<std::vector<SweepSeam>> across =
         turns && !axes.planes.turns()
             ? even_lengths(mesh_, axes, offsets, grid.along_ribs)

@@ -101,10 +101,10 @@ class SweepLayouts {
   struct Whole {
     RibAxes axes;
     Eigen::AlignedBox<double, 2> box;
-    SweepGrid least;      // of what blocks and blades hold
-    double turn_rad = 0;  // between y and the normals, in the planes: of 98 of a hundred vertices
+    SweepGrid least;  // of what blocks and blades hold
   };
   [[nodiscard]] Whole whole_in(const surface::PlaneFamily& planes) const;
+  // Between y and the normals, in the planes: of 98 of a hundred vertices.
   [[nodiscard]] double turn_in(const RibAxes& axes) const;
   [[nodiscard]] std::vector<SweepPart> parts_of(const Whole& whole, const SweepGrid& grid) const;
   [[nodiscard]] Layout fitted(const Whole& whole, std::size_t named, const SweepGrid& grid,

@@ -24,8 +24,7 @@ class Search {
   Search(const surface::DesignSurface& design, double waste_side, const Settings& settings,
          const SweepJudges& judges, const WatchSweeps& watch, const BandsOfSweep& bands,
          std::size_t most_parts)
-      : mesh_(design.mesh),
-        settings_(settings),
+      : settings_(settings),
         judges_(judges),
         bands_(bands),
         most_parts_(most_parts),
@@ -536,8 +535,8 @@ class Search {
       if (!(turn.norm() >= kLeast_rad)) break;
       const RibAxes middle = layouts_.axes(best.planes);
       const Vector3d n = (middle.sweep - turn.x() * middle.y + turn.y() * middle.x).normalized();
-      Layout other =
-          layouts_.fitted(surface::parallel_about(mesh_, n), best.named, best.grid, close_effort(), &best);
+      Layout other = layouts_.fitted(surface::PlaneFamily::parallel(n.normalized(), best.planes.centre()),
+                                     best.named, best.grid, close_effort(), &best);
       const bool nearer = other.cost_mm < best.cost_mm, helps = other.cost_mm < kHelps * best.cost_mm;
       if (nearer) best = std::move(other);
       if (helps) continue;
@@ -548,7 +547,6 @@ class Search {
     return best;
   }
 
-  const surface::TriangleMesh& mesh_;
   const Settings& settings_;
   const SweepJudges& judges_;
   const BandsOfSweep& bands_;

@@ -55,6 +55,38 @@ TEST(SolveClamped, ReachesTheClampsFromANeighbourInAFewSteps) {
   }
 }
 
+// What a step leaves is of second order: a small multiple of the squares of the step and of the largest
+// field, of relaxed blades and of such as are pulled taut.
+TEST(SolveClamped, AStepLeavesTheSquareOfWhatItBends) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  double worst = 0;
+  int stable = 0, usual = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const double force = std::pow(10, 1.2 + u(random)), about = 4 * u(random);
+    const Elastica e{0, 0, 0, 5 * u(random), force * std::cos(about), force * std::sin(about), 1};
+    const JacobiFields end = end_map(e);
+    const double tension = -(e.lambda1 * end.point.x + e.lambda2 * end.point.y);
+    if (end.index != 0 || tension > kLargestTension) continue;
+    ++stable;
+    constexpr double kSize = 1e-5;
+    const Eigen::Vector3d step = kSize * Eigen::Vector3d(u(random), u(random), u(random));
+    const JacobiFields there =
+        end_map({0, 0, 0, e.kappa + step[0], e.lambda1 + step[1], e.lambda2 + step[2], 1});
+    const auto place = [](const JacobiFields& f) {
+      return Eigen::Vector3d(f.point.x, f.point.y, f.point.theta);
+    };
+    const double left = (place(there) - place(end) - end.fields * step).cwiseAbs().maxCoeff();
+    const double bend = std::abs(step[0]) + 0.5 * (std::abs(step[1]) + std::abs(step[2]));
+    const double of_square = left / std::pow(std::max(1.0, end.fields.cwiseAbs().maxCoeff()) * bend, 2);
+    worst = std::max(worst, of_square);
+    usual += of_square < 1.6 ? 1 : 0;
+  }
+  EXPECT_GT(stable, 15000);
+  EXPECT_LT(worst, 17);  // about half of what continuation.cpp takes it for
+  EXPECT_GT(usual, 0.999 * stable);
+}
+
 TEST(SolveClamped, FindsNothingBetweenClampsFurtherApartThanTheBladeIsLong) {
   EXPECT_FALSE(solve_clamped(arc(0.3), leaning(801, 0.3)));
 }
