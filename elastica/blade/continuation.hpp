@@ -26,7 +26,9 @@ struct ClampedShape {
   Elastica elastica;
   int index = 0;  // negative eigenvalues of the second variation; 0 is stable
   int newton_steps = 0;
-  JacobiFields end;  // of the same blade 1 long, at the origin along x
+  // Of the same blade 1 long, at the origin along x. Fields and index are those before a last step whose
+  // outcome was not looked at (less than a millionth of the blade's bend).
+  JacobiFields end;
   // Of the last step of the way to it, of that blade: what the end (x, y, theta) went by, and what the
   // unknowns (kappa, lambda1, lambda2) bent from the tangent. Zero: not known.
   Eigen::Vector3d went = Eigen::Vector3d::Zero(), bent = Eigen::Vector3d::Zero();
@@ -34,7 +36,7 @@ struct ClampedShape {
 };
 
 // The largest distance of the end point from its clamp over the length, and of its tangent in rad, that a
-// solution has; it is a thousand times less unless the blade is taut.
+// solution has; it is a hundred times less unless the blade is taut.
 inline constexpr double kClampTolerance = 1e-9;
 
 // The largest tension times length^2 (-lambda along the chord) of a shape that is looked for. Along a blade
