@@ -64,7 +64,7 @@ double bend_of(const Vector3d& d) {
   return std::abs(d[0]) + 0.5 * (std::abs(d[1]) + std::abs(d[2]));
 }
 
-// What the end may still be off by after a step, which is not evaluated again where that is known to be less:
+// Whether the end is off by so little after a step that it is not evaluated again, by a measured bound:
 // its second derivatives are sums of products of the fields. Of stable blades no more taut than is looked
 // for, with loops under tension among them, none was off by more than 0.6 of that and hardly one by a
 // twentieth (tests/elastica/blade/continuation_test.cpp).

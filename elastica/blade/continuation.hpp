@@ -27,7 +27,7 @@ struct ClampedShape {
   int index = 0;  // negative eigenvalues of the second variation; 0 is stable
   int newton_steps = 0;
   // Of the same blade 1 long, at the origin along x. Fields and index are those before a last step whose
-  // outcome was not looked at (less than a millionth of the blade's bend).
+  // outcome was not looked at: a change of the unknowns by less than 6e-7, in searches 6e-6.
   JacobiFields end;
   // Of the last step of the way to it, of that blade: what the end (x, y, theta) went by, and what the
   // unknowns (kappa, lambda1, lambda2) bent from the tangent. Zero: not known.

@@ -535,6 +535,7 @@ class Search {
       if (!(turn.norm() >= kLeast_rad)) break;
       const RibAxes middle = layouts_.axes(best.planes);
       const Vector3d n = (middle.sweep - turn.x() * middle.y + turn.y() * middle.x).normalized();
+      // Once more, as surface::parallel_about() does: to the last bit the same planes.
       Layout other = layouts_.fitted(surface::PlaneFamily::parallel(n.normalized(), best.planes.centre()),
                                      best.named, best.grid, close_effort(), &best);
       const bool nearer = other.cost_mm < best.cost_mm, helps = other.cost_mm < kHelps * best.cost_mm;
