@@ -76,5 +76,6 @@ for _ in $(seq 100); do
 done
 [[ -n $port ]] || { echo "the simulator does not listen"; cat sim.log; exit 1; }
 ./stream program.json "$port" > stream.log || { cat stream.log; exit 1; }
-[[ $(grep -c 'waypoints executed' stream.log) == 4 ]] || { echo "stream: not every strip"; cat stream.log; exit 1; }
+strips=$(grep -oE '"id": *"S[0-9]+"' program.json | sort -u | wc -l)
+[[ $strips -gt 0 && $(grep -c 'waypoints executed' stream.log) == "$strips" ]] || { echo "stream: not every strip"; cat stream.log; exit 1; }
 if ldd plan | grep -E 'vtk|libGL\.|libEGL|libX11'; then echo "plan: links what draws"; exit 1; fi
