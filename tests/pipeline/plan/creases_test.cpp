@@ -204,7 +204,7 @@ TEST(PlanCreases, ArcsSideBySideMeetInStraightAndInBentCreases) {
 }
 
 // Quarters of groin vaults of 3 m: triangles, of which a grid of parts has cells without any design. One
-// takes four to eight strips, by how its seams lie: all together say more.
+// takes four to seven strips, by how its seams lie: all together say more.
 TEST(Plan, TrianglesThatTakeSeveralBlocksAreCut) {
   std::size_t strips = 0;
   for (const auto& [length, radius] :
