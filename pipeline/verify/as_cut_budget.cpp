@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "elastica/blade/continuation.hpp"
 #include "elastica/blade/taut.hpp"
@@ -14,12 +13,15 @@
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/hanging.hpp"
+#include "robot/blade/blade_branch.hpp"
 #include "robot/pose/motion.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
+using robot::ClampPoses;
+using robot::Pose;
 using Points = std::vector<Eigen::Vector3d>;
 
 // How the blade hangs that cuts a rib. A program without a pose for the rib does not say.
@@ -167,15 +169,12 @@ std::optional<Points> planned_points(const Strip& strip, std::size_t k, double t
 // time.
 Points unrounded_points(const BladePose& from, const BladePose& to, double share, const BladePose& executed,
                         const robot::ClampOffsets& offsets) {
-  const auto [a, b] = robot::held(
+  const ClampPoses holding = robot::held(
       {robot::interpolate(from.a, to.a, share), robot::interpolate(from.b, to.b, share)}, offsets);
-  const Eigen::Vector3d d = a.q.conjugate() * (b.p - a.p);
-  const Eigen::Vector3d tangent = a.q.conjugate() * (b.q * Eigen::Vector3d::UnitX());
-  const double near = elastica::clamps_of(executed.blade).b.theta;
-  const double theta =
-      near + std::remainder(std::atan2(tangent.y(), tangent.x()) - near, 2 * std::numbers::pi);
-  if (d.head<2>().norm() < (1 - elastica::kNearlyTautSlack) * executed.blade.length) {
-    const auto solved = elastica::solve_clamped(executed.blade, {{0, 0, 0}, {d.x(), d.y(), theta}});
+  const Pose& a = holding.a;
+  const elastica::PlanarPose b = robot::seen_from_a(holding, elastica::clamps_of(executed.blade).b.theta).b;
+  if (std::hypot(b.x, b.y) < (1 - elastica::kNearlyTautSlack) * executed.blade.length) {
+    const auto solved = elastica::solve_clamped(executed.blade, {{0, 0, 0}, b});
     const Frame frame{a.p, a.q * Eigen::Vector3d::UnitX(), a.q * Eigen::Vector3d::UnitY()};
     if (solved) return points_on(solved->elastica, frame, *executed.foam);
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "elastica/blade/blade_batch.hpp"
@@ -10,12 +11,14 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "robot/blade/blade_branch.hpp"
+#include "robot/wire/protocol.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
 
 using elastica::Elastica;
+using robot::ClampPoses;
 
 // What the following of one pose found, before its shape is compared with the plan's.
 struct FollowedPose {
@@ -66,8 +69,31 @@ struct FollowedBlock {
   }
 };
 
+robot::BladeLimits limits_of(const BranchOptions& options, double rounding_mm) {
+  return {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, rounding_mm,
+          std::numeric_limits<int>::max()};
+}
+
+// How far the blade is from where the program says, were its clamps where they were computed, near to a shape
+// that micrometres gave it. It is infinite where no shape is found.
+double off_as_computed_mm(const Elastica& as_told, const BladePose& pose,
+                          const robot::ClampOffsets& offsets) {
+  constexpr int kPoints = 9;
+  const ClampPoses computed = robot::held({pose.a, pose.b}, offsets);
+  const elastica::PlanarPose b = robot::seen_from_a(computed, elastica::clamps_of(as_told).b.theta).b;
+  const elastica::FollowReport way = elastica::follow(as_told, {{0, 0, 0}, b});
+  if (way.status != elastica::FollowStatus::kFollowed || wild(pose.blade))
+    return std::numeric_limits<double>::infinity();
+  const auto is = elastica::sample(way.shape.elastica, kPoints),
+             should = elastica::sample(elastica::at_origin(pose.blade), kPoints);
+  double largest = 0;
+  for (std::size_t k = 0; k < is.size(); ++k)
+    largest = std::max(largest, std::hypot(is[k].x - should[k].x, is[k].y - should[k].y));
+  return largest;
+}
+
 // Adds what was found of the poses to the report, up to where the blade is elsewhere or too near to a snap.
-void compare(const Strip& strip, std::span<const FollowedPose> followed, double min_margin,
+void compare(const Strip& strip, std::span<const FollowedPose> followed, const BranchOptions& options,
              BranchReport& report) {
   constexpr std::size_t kBlock = 256;
   static_assert(kBlock % kMarginEvery == 0);
@@ -89,15 +115,19 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, double 
       if (i % kMarginEvery == 0) {
         const double margin = block.margin[i / kMarginEvery];
         report.smallest_margin = std::min(report.smallest_margin, margin);
-        if (!(margin >= min_margin)) return find(Limit::kBladeMargin, from + i, margin, min_margin);
+        if (!(margin >= options.min_margin))
+          return find(Limit::kBladeMargin, from + i, margin, options.min_margin);
       }
       if (pose.taut) {
         ++report.taut_poses;
         continue;
       }
-      const double off = block.off_mm[i];
+      double off = block.off_mm[i];
       if (!(off <= report.mismatch_mm)) report.mismatch_mm = off;
       if (off <= kShapeMismatchMm) continue;  // not a number goes on to be found
+      // A micrometre moves a nearly straight blade by far more than itself.
+      off = std::min(off, off_as_computed_mm(pose.shape, strip.poses[from + i], options.offsets));
+      if (off <= kShapeMismatchMm) continue;
       return find(Limit::kPlannedShape, from + i, off, kShapeMismatchMm);
     }
   }
@@ -119,21 +149,35 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   BranchReport report;
   if (strip.poses.empty()) report.limit = Limit::kStartPose;
   report.smallest_margin = std::numeric_limits<double>::infinity();
-  robot::BladeBranch blade(strip.blade_length_mm, {options.max_curvature_per_mm, options.min_margin,
-                                                   kShapeMismatchMm, 0, std::numeric_limits<int>::max()});
+  robot::BladeBranch blade(strip.blade_length_mm, limits_of(options, robot::kRegisterRounding_mm));
+  // Where registers cannot tell the blade from a straight one, the clamps as computed may.
+  std::optional<robot::BladeBranch> nearly_straight;
+  const std::vector<robot::Waypoint> told = waypoints(strip);
   std::vector<FollowedPose> followed;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
     gpu::stop_point();
-    const robot::BladeFinding finding = blade.move_to(robot::held(strip.poses[i].a, options.offsets.a),
-                                                      robot::held(strip.poses[i].b, options.offsets.b));
-    followed.push_back({blade.shape(), blade.margin(), blade.taut()});
+    const ClampPoses in_cell{told[i].a, told[i].b};
+    // Nobody is told of clamps that registers cannot hold: robot::make_job refuses them.
+    const ClampPoses as_told =
+        robot::held(robot::protocol::as_read(in_cell).value_or(in_cell), options.offsets);
+    const Elastica before = blade.shape();
+    robot::BladeFinding finding = blade.move_to(as_told.a, as_told.b);
+    followed.push_back({blade.shape(), blade.margin(), false});
+    if (!blade.taut()) nearly_straight.reset();
+    if (blade.taut() && finding.held()) {
+      if (!nearly_straight) nearly_straight.emplace(before, limits_of(options, 0));
+      const ClampPoses computed = robot::held({strip.poses[i].a, strip.poses[i].b}, options.offsets);
+      finding = nearly_straight->move_to(computed.a, computed.b);
+      followed.back() = {nearly_straight->shape(), std::min(blade.margin(), nearly_straight->margin()),
+                         nearly_straight->taut()};
+    }
     if (finding.held()) continue;
     report.limit = finding.limit;
     report.pose = i;
     report.value = finding.value;
     report.bound = finding.bound;
   }
-  compare(strip, followed, options.min_margin, report);
+  compare(strip, followed, options, report);
   return report;
 }
 

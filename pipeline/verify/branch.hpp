@@ -1,8 +1,11 @@
 // The shape that a strip's clamps give the blade, found from the clamp poses alone.
 //
 // Waypoint 0 holds a flat circular arc, whose loop-free equilibrium is unique (docs/controller-protocol.md).
-// From there the equilibrium is followed from waypoint to waypoint (robot/blade/blade_branch.hpp, as the
-// controller does) to the end of the strip. The program's own shapes are only compared with what is found.
+// From there the equilibrium is followed from waypoint to waypoint (robot/blade/blade_branch.hpp), with the
+// clamps as the controller reads them from its registers, to the end of the strip: whether the blade snaps,
+// yields or could snap is judged as the controller judges it. The program's own shapes are only compared with
+// what is found. Where micrometres alone bring a nearly straight blade away from them, it is asked once more
+// where the clamps as computed hold it.
 #pragma once
 
 #include <string>
@@ -26,7 +29,9 @@ struct BranchReport {
   Limit limit = Limit::kNone;
   std::size_t pose = 0;         // of the finding; 0 when held
   double value = 0, bound = 0;  // the amount and its limit, in the unit of the limit
-  double mismatch_mm = 0;  // largest distance of the blade from where the program says, as far as followed
+  // Largest distance of the blade, its clamps in whole micrometres, from where the program says, as far as
+  // followed.
+  double mismatch_mm = 0;
   double smallest_margin = 0;  // of the shapes found, as often as robot/blade/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
   [[nodiscard]] bool held() const { return limit == Limit::kNone; }
@@ -36,7 +41,7 @@ struct BranchReport {
 // Returns a finding that is not kNone as a refusal: strip, rib, limit by phase and time, amount.
 [[nodiscard]] Refusal branch_refusal(const Strip& strip, const BranchReport& report);
 
-// More is another shape than the program's; less is rounding of poses and the registers' micrometre.
+// More, by the clamps as computed, is another shape than the program's; less is rounding of poses.
 inline constexpr double kShapeMismatchMm = 0.02;
 
 [[nodiscard]] BranchReport follow_branch(const Strip& strip, const BranchOptions& options);

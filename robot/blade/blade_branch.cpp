@@ -15,6 +15,7 @@ namespace hotblade::robot {
 namespace {
 
 using elastica::Elastica;
+using elastica::PlanarPose;
 
 // Register rounding and the like: a shape at the limit itself is not beyond it.
 constexpr double kCurvatureSlack = 1e-4;
@@ -48,6 +49,17 @@ Relaxed relaxed(double x, double y, double theta, double length) {
 
 }  // namespace
 
+RelativeClamp seen_from_a(const ClampPoses& clamps, double near_rad) {
+  const auto& [a, b] = clamps;
+  const Eigen::Matrix3d to_a = a.q.toRotationMatrix().transpose();
+  const Eigen::Vector3d d = to_a * (b.p - a.p);
+  const Eigen::Vector3d tangent = to_a * (b.q * Eigen::Vector3d::UnitX());
+  const Eigen::Vector3d normal = to_a * (b.q * Eigen::Vector3d::UnitZ());
+  const double theta = std::atan2(tangent.y(), tangent.x());
+  const double nearest = near_rad + std::remainder(theta - near_rad, 2 * std::numbers::pi);
+  return {{d.x(), d.y(), nearest}, std::max(std::abs(d.z()), d.norm() * normal.head<2>().norm())};
+}
+
 double bend_between(const Elastica& p, const Elastica& q) {
   const double l = p.length;
   return std::abs(p.kappa - q.kappa) * l +
@@ -60,16 +72,12 @@ double curvature_bound(const Elastica& e) {
   return std::sqrt(e.kappa * e.kappa + 2 * std::max(0.0, force - along));
 }
 
-BladeBranch::Relative BladeBranch::relative(const Pose& a, const Pose& b) const {
-  const Eigen::Matrix3d to_a = a.q.toRotationMatrix().transpose();
-  const Eigen::Vector3d d = to_a * (b.p - a.p);
-  const Eigen::Vector3d tangent = to_a * (b.q * Eigen::Vector3d::UnitX());
-  const Eigen::Vector3d normal = to_a * (b.q * Eigen::Vector3d::UnitZ());
-  const double theta = std::atan2(tangent.y(), tangent.x());
-  // Between two poses a clamp turns by far less than half a turn.
-  const double unwrapped = theta_ + std::remainder(theta - theta_, 2 * std::numbers::pi);
-  return {d.x(), d.y(), unwrapped, std::max(std::abs(d.z()), d.norm() * normal.head<2>().norm())};
-}
+BladeBranch::BladeBranch(const Elastica& known, const BladeLimits& limits)
+    : limits_(limits),
+      length_mm_(known.length),
+      started_(true),
+      shape_(known),
+      theta_(elastica::clamps_of(known).b.theta) {}
 
 BladeFinding BladeBranch::lose(Limit limit, double value, double bound) {
   return lost_ = {limit, value, bound};
@@ -77,9 +85,9 @@ BladeFinding BladeBranch::lose(Limit limit, double value, double bound) {
 
 BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
   if (lost()) return lost_;
-  const Relative to = relative(a, b);
-  if (!(to.off_plane_mm <= limits_.off_plane_mm))
-    return {Limit::kBladePlane, to.off_plane_mm, limits_.off_plane_mm};
+  const auto [to, off_plane_mm] = seen_from_a({a, b}, theta_);
+  if (!(off_plane_mm <= limits_.off_plane_mm))
+    return {Limit::kBladePlane, off_plane_mm, limits_.off_plane_mm};
   if (!started_) {
     if (const BladeFinding first = start(to); !first.held()) return first;
   }
@@ -88,7 +96,7 @@ BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
   return check_limits();
 }
 
-BladeFinding BladeBranch::start(const Relative& b) {
+BladeFinding BladeBranch::start(const PlanarPose& b) {
   const auto arc = flat_arc(b.x, b.y, b.theta, length_mm_);
   if (!arc) return {Limit::kStartPose, 0.5 * std::abs(b.theta), kFlatArcMostHalfTurn_rad};
   shape_ = *arc;
@@ -97,10 +105,10 @@ BladeFinding BladeBranch::start(const Relative& b) {
   return {};
 }
 
-BladeFinding BladeBranch::bend_to(const Relative& b) {
+BladeFinding BladeBranch::bend_to(const PlanarPose& b) {
   const double chord = std::hypot(b.x, b.y);
   if (chord >= elastica::kTautChord * length_mm_ - limits_.rounding_mm) return pull_taut(b, chord);
-  const elastica::ClampPair to{{0, 0, 0}, {b.x, b.y, b.theta}};
+  const elastica::ClampPair to{{0, 0, 0}, b};
   // From a straight blade the clamps' turn picks the side.
   const Elastica from = taut_ ? relaxed(b.x, b.y, b.theta, length_mm_).shape : shape_;
   const bool end_known = !taut_ && followed_.elastica.length > 0;
@@ -108,7 +116,7 @@ BladeFinding BladeBranch::bend_to(const Relative& b) {
   return follow_by(end_known ? elastica::follow_on(followed_, to) : elastica::follow(from, to), b);
 }
 
-BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Relative& b) {
+BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const PlanarPose& b) {
   followed_ = way.shape;
   shape_ = way.shape.elastica;
   if (way.status == elastica::FollowStatus::kFollowed) return {};
@@ -118,7 +126,7 @@ BladeFinding BladeBranch::follow_by(const elastica::FollowReport& way, const Rel
 }
 
 // What the blade would have to be stretched by stays within what the clamps' positions are known to.
-BladeFinding BladeBranch::pull_taut(const Relative& b, double chord) {
+BladeFinding BladeBranch::pull_taut(const PlanarPose& b, double chord) {
   const Relaxed straight = relaxed(b.x, b.y, b.theta, length_mm_);
   const double slack = (1 - elastica::kTautChord) * length_mm_ + limits_.rounding_mm;
   if (!(chord <= length_mm_ + slack)) return lose(Limit::kBladeReach, chord, length_mm_);

@@ -14,6 +14,20 @@
 
 namespace hotblade::robot {
 
+// By how much the distance between clamps told in whole micrometres may be off: half a count on each axis of
+// both, sqrt(3) um.
+inline constexpr double kRegisterRounding_mm = 1.7320508075688772e-3;
+
+// Clamp B in the axes of clamp A, mm and rad, and how far it is from clamp A's plane, its tilt counted over
+// the chord.
+struct RelativeClamp {
+  elastica::PlanarPose b;
+  double off_plane_mm = 0;
+};
+// Of the turns from A to B, which are one orientation, that nearest to `near_rad` is given: between two poses
+// a clamp turns by far less than half a turn.
+[[nodiscard]] RelativeClamp seen_from_a(const ClampPoses& clamps, double near_rad);
+
 // What the blade may be bent by.
 struct BladeLimits {
   double max_curvature_per_mm = std::numeric_limits<double>::infinity();  // within yield
@@ -43,6 +57,8 @@ class BladeBranch {
  public:
   BladeBranch() = default;
   BladeBranch(double length_mm, const BladeLimits& limits) : limits_(limits), length_mm_(length_mm) {}
+  // Goes on from a shape that is known, in the axes of its clamp A.
+  BladeBranch(const elastica::Elastica& known, const BladeLimits& limits);
 
   // Moves the clamps on; the first pose must be a flat arc. After a snap or beyond its reach the blade is
   // lost: every later call says the same. After the other findings it can be followed on.
@@ -66,15 +82,10 @@ class BladeBranch {
   double exact_margin();
 
  private:
-  struct Relative {
-    double x = 0, y = 0, theta = 0;  // of clamp B, seen from clamp A
-    double off_plane_mm = 0;
-  };
-  [[nodiscard]] Relative relative(const Pose& a, const Pose& b) const;
-  BladeFinding start(const Relative& b);
-  BladeFinding bend_to(const Relative& b);
-  BladeFinding pull_taut(const Relative& b, double chord);
-  BladeFinding follow_by(const elastica::FollowReport& way, const Relative& b);
+  BladeFinding start(const elastica::PlanarPose& b);
+  BladeFinding bend_to(const elastica::PlanarPose& b);
+  BladeFinding pull_taut(const elastica::PlanarPose& b, double chord);
+  BladeFinding follow_by(const elastica::FollowReport& way, const elastica::PlanarPose& b);
   BladeFinding check_limits();
   BladeFinding lose(Limit limit, double value, double bound);
 

@@ -9,10 +9,8 @@ namespace hotblade::robot {
 namespace {
 
 BladeLimits limits_of(const ClampedBlade& blade, const BladeCheckOptions& options) {
-  constexpr double kMicrometre = 1e-3;
-  // Half a count on each axis of both clamps.
-  constexpr double kRounding_mm = 1.7320508075688772 * kMicrometre;
-  return {max_curvature_per_mm(blade, options.safety), options.min_margin, kMaxOffPlane_mm, kRounding_mm};
+  return {max_curvature_per_mm(blade, options.safety), options.min_margin, kMaxOffPlane_mm,
+          kRegisterRounding_mm};
 }
 
 }  // namespace

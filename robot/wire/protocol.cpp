@@ -257,6 +257,13 @@ DecodedWaypoint decode_waypoint(std::span<const std::uint8_t, kWaypointBytes> ra
   return result;
 }
 
+std::optional<ClampPoses> as_read(const ClampPoses& told) {
+  const auto raw = encode_waypoint({0, false, told.a, told.b});
+  if (!raw) return std::nullopt;
+  const Waypoint read = decode_waypoint(*raw).waypoint;
+  return ClampPoses{read.a, read.b};
+}
+
 std::array<std::uint16_t, kIdentSize> encode_ident(const Ident& ident) {
   std::array<std::uint16_t, kIdentSize> registers{};
   Writer w(registers);

@@ -125,6 +125,10 @@ using RawWaypoint = std::array<std::uint8_t, kWaypointBytes>;
 // stays far below that).
 [[nodiscard]] std::optional<RawWaypoint> encode_waypoint(const Waypoint& waypoint);
 
+// Returns the clamps as a controller reads them that is told these: in whole micrometres and the quaternion's
+// counts. Returns nullopt for clamps that cannot be expressed.
+[[nodiscard]] std::optional<ClampPoses> as_read(const ClampPoses& told);
+
 // What 26 registers hold.
 struct DecodedWaypoint {
   Waypoint waypoint;

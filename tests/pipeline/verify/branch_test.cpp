@@ -3,11 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
 
 #include "elastica/blade/continuation.hpp"
+#include "elastica/blade/stability.hpp"
 #include "pipeline/plan/motion/blade_path.hpp"
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/program/clamps.hpp"
+#include "robot/blade/blade_check.hpp"
+#include "robot/wire/protocol.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
@@ -34,7 +40,7 @@ BladePose pose_of(const elastica::Elastica& blade, double t) {
 TEST(FollowBranch, FindsTheShapesOfAPlanFromItsClampsAlone) {
   const BranchReport report = follow_branch(cylinder_strip(), kSpring);
   EXPECT_EQ(report.limit, Limit::kNone);
-  EXPECT_LT(report.mismatch_mm, 1e-4);
+  EXPECT_LT(report.mismatch_mm, 0.01);  // what a micrometre does to its shallow arcs
   EXPECT_GT(report.smallest_margin, 10);
   EXPECT_NEAR(1 / report.largest_curvature_per_mm, 400, 5);
   EXPECT_EQ(report.taut_poses, 0u);
@@ -117,6 +123,108 @@ TEST(FollowBranch, SeesASnapBetweenWaypoints) {
   EXPECT_EQ(report.pose, held + 1);
   const std::string text = describe(branch_refusal(strip, report));
   EXPECT_NE(text.find("snaps through"), std::string::npos) << text;
+}
+
+// A blade of 500 mm is let out until its chord is shorter by `slack_mm`; then both ends are turned one way,
+// which makes an S of the arc, until its margin is `margin` and the arc is about to snap.
+Strip pressed_strip(double slack_mm, double margin, double turn_rad) {
+  Strip strip;
+  strip.id = "S001";
+  strip.blade_length_mm = 500;
+  const double c = std::cos(turn_rad), s = std::sin(turn_rad);
+  strip.design_to_cell.q =
+      Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(s, c, 1).normalized()));
+  strip.design_to_cell.p = {100 * c, 77 * s, 300 + c};
+  elastica::Elastica blade{0, 0, 0.13, -0.26 / 500, 0, 0, 500};
+  strip.poses.push_back(pose_of(blade, 0));
+  const elastica::ClampPair arc = elastica::clamps_of(blade);
+  elastica::ClampPair to = arc;
+  const auto go = [&] {
+    const elastica::FollowReport way = elastica::follow(blade, to);
+    if (way.status != elastica::FollowStatus::kFollowed) return false;
+    if (elastica::stability_margin(way.shape.elastica) < margin) return false;
+    blade = way.shape.elastica;
+    strip.poses.push_back(pose_of(blade, static_cast<double>(strip.poses.size())));
+    return true;
+  };
+  constexpr int kSteps = 40;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double share = static_cast<double>(i) / kSteps;
+    to.a.theta = (1 - share) * arc.a.theta;
+    to.b.theta = (1 - share) * arc.b.theta;
+    to.b.x = arc.b.x + share * (500 - slack_mm - arc.b.x);
+    EXPECT_TRUE(go());
+  }
+  for (double step = 1e-3; step > 1e-9;) {
+    const elastica::ClampPair before = to;
+    to.a.theta += step;
+    to.b.theta += step;
+    if (go()) continue;
+    to = before;
+    step /= 4;
+  }
+  return strip;
+}
+
+// What the controller says first of the strip's clamps, as they are or as its registers hold them.
+robot::Limit as_checked(const Strip& strip, const BranchOptions& options, bool by_registers) {
+  const robot::ClampedBlade section{{20, 0.5, 200000, 200000 * options.max_curvature_per_mm * 0.25}, 500};
+  robot::BladeCheck check(section, {true, 1, options.min_margin, options.offsets});
+  for (robot::Waypoint waypoint : waypoints(strip)) {
+    if (by_registers)
+      waypoint = robot::protocol::decode_waypoint(*robot::protocol::encode_waypoint(waypoint)).waypoint;
+    const robot::Limit limit = check.move_to(waypoint.a, waypoint.b);
+    if (limit != robot::Limit::kNone) return limit;
+  }
+  return robot::Limit::kNone;
+}
+
+TEST(FollowBranch, JudgesPressedBladesByTheMicrometresThatAControllerIsTold) {
+  const BranchOptions options{1 / 30.0, 1};
+  std::mt19937 random(24);
+  std::uniform_real_distribution<double> unit(0, 1);
+  int refused_by_micrometres = 0, held = 0;
+  for (int i = 0; i < 60; ++i) {
+    const double slack = 0.02 * std::pow(50, unit(random)), margin = 1 + std::pow(unit(random), 3);
+    const Strip strip = pressed_strip(slack, margin, 6 * unit(random));
+    const BranchReport report = follow_branch(strip, options);
+    const robot::Limit told = as_checked(strip, options, true);
+    EXPECT_EQ(report.limit, told) << slack << " mm of slack, margin " << margin;
+    refused_by_micrometres += !report.held() && as_checked(strip, options, false) == robot::Limit::kNone;
+    held += report.held();
+  }
+  EXPECT_GE(refused_by_micrometres, 10);
+  EXPECT_GE(held, 10);
+}
+
+TEST(FollowBranch, AMicrometreThatMovesANearlyStraightBladeIsNoOtherShape) {
+  // 0.01 mm of slack: a thousandth more or less moves the bow by a twentieth of its 1.4 mm.
+  const Strip strip = pressed_strip(0.01, 8, 1);
+  const BranchReport report = follow_branch(strip, {1 / 30.0, 1});
+  EXPECT_EQ(report.limit, Limit::kNone);
+  EXPECT_GT(report.mismatch_mm, kShapeMismatchMm);
+  EXPECT_LT(report.mismatch_mm, 0.2);
+  Strip other = strip;
+  for (BladePose& pose : other.poses) {
+    if (&pose - other.poses.data() > 50) pose.blade.kappa *= 1.2;
+  }
+  EXPECT_EQ(follow_branch(other, {1 / 30.0, 1}).limit, Limit::kPlannedShape);
+}
+
+TEST(FollowBranch, KnowsTheSideOfABladeThatRegistersCannotTellFromAStraightOne) {
+  // A micrometre of slack is 0.4 mm of bow.
+  const Strip strip = pressed_strip(1e-3, 20, 2);
+  const BranchReport report = follow_branch(strip, {1 / 30.0, 1});
+  EXPECT_EQ(report.limit, Limit::kNone);
+  EXPECT_EQ(report.taut_poses, 0u);
+  Strip other = strip;
+  BladePose& last = other.poses.back();
+  last.blade.kappa = -last.blade.kappa;
+  last.blade.theta = -last.blade.theta;
+  last.blade.lambda2 = -last.blade.lambda2;
+  const BranchReport mirrored = follow_branch(other, {1 / 30.0, 1});
+  EXPECT_EQ(mirrored.limit, Limit::kPlannedShape);
+  EXPECT_EQ(mirrored.pose, other.poses.size() - 1);
 }
 
 TEST(BranchRefusal, NamesStripRibPhaseAndTime) {
