@@ -69,6 +69,9 @@ struct FollowedBlock {
   }
 };
 
+// Of two shapes, a hundredth of a millimetre in a tenth of a metre.
+constexpr double kSameBend = 1e-3;
+
 robot::BladeLimits limits_of(const BranchOptions& options, double rounding_mm) {
   return {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, rounding_mm,
           std::numeric_limits<int>::max()};
@@ -150,7 +153,8 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   if (strip.poses.empty()) report.limit = Limit::kStartPose;
   report.smallest_margin = std::numeric_limits<double>::infinity();
   robot::BladeBranch blade(strip.blade_length_mm, limits_of(options, robot::kRegisterRounding_mm));
-  // Where registers cannot tell the blade from a straight one, the clamps as computed may.
+  // Where registers cannot tell the blade from a straight one, the clamps as computed may; and on which side
+  // it leaves the line, until both are of one shape again.
   std::optional<robot::BladeBranch> nearly_straight;
   const std::vector<robot::Waypoint> told = waypoints(strip);
   std::vector<FollowedPose> followed;
@@ -163,13 +167,14 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
     const Elastica before = blade.shape();
     robot::BladeFinding finding = blade.move_to(as_told.a, as_told.b);
     followed.push_back({blade.shape(), blade.margin(), false});
-    if (!blade.taut()) nearly_straight.reset();
-    if (blade.taut() && finding.held()) {
-      if (!nearly_straight) nearly_straight.emplace(before, limits_of(options, 0));
+    if (blade.taut() && !nearly_straight) nearly_straight.emplace(before, limits_of(options, 0));
+    if (nearly_straight && finding.held()) {
       const ClampPoses computed = robot::held({strip.poses[i].a, strip.poses[i].b}, options.offsets);
       finding = nearly_straight->move_to(computed.a, computed.b);
       followed.back() = {nearly_straight->shape(), std::min(blade.margin(), nearly_straight->margin()),
                          nearly_straight->taut()};
+      if (!blade.taut() && robot::bend_between(blade.shape(), nearly_straight->shape()) <= kSameBend)
+        nearly_straight.reset();
     }
     if (finding.held()) continue;
     report.limit = finding.limit;

@@ -28,7 +28,7 @@ double waste_side(const surface::TriangleMesh& mesh, Keep keep) {
   return (keep == Keep::kBelow) == (up > 0) ? 1 : -1;
 }
 
-std::vector<double> too_steep_shares(const WasteSurface& surface,
+std::vector<double> too_steep_shares(const WasteSurface& surface, const std::vector<SweepSeam>& seams,
                                      std::span<const surface::PlaneFamily> planes) {
   std::vector<double> steep(planes.size(), 0);
   double all = 0;
@@ -38,12 +38,16 @@ std::vector<double> too_steep_shares(const WasteSurface& surface,
     const auto at = [&](std::size_t i) -> const Vector3d& {
       return surface.points[static_cast<std::size_t>(t[i])];
     };
+    int behind = 0;
+    for (const Vector3d& p : {at(0), at(1), at(2), Vector3d((at(0) + at(1) + at(2)) / 3)})
+      behind += lies_behind(seams, p) ? 1 : 0;
+    if (behind == 0) continue;
     const Vector3d normal = (at(1) - at(0)).cross(at(2) - at(0));
-    const double area = normal.norm();
-    all += area;
+    const double area = normal.norm(), counts = 0.25 * behind * area;
+    all += counts;
     for (std::size_t i = 0; i < planes.size(); ++i) {
       const double along = normal.dot(planes[i].normal_at(at(0)));
-      if (std::abs(along) > most * area) steep[i] += area;
+      if (std::abs(along) > most * area) steep[i] += counts;
     }
   }
   for (double& share : steep) share = all > 0 ? share / all : 1;

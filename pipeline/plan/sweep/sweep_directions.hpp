@@ -17,8 +17,10 @@ inline constexpr double kLeastLean = 0.1;
 // nothing about it.
 [[nodiscard]] double waste_side(const surface::TriangleMesh& mesh, Keep keep);
 
-// Returns for each of these planes the share of the area that is too steep for them (kMaxSlopeRad).
+// Returns for each of these planes the share of the area behind all seams that is too steep for them
+// (kMaxSlopeRad). Of a triangle across a seam, its corners and its middle count.
 [[nodiscard]] std::vector<double> too_steep_shares(const WasteSurface& surface,
+                                                   const std::vector<SweepSeam>& seams,
                                                    std::span<const surface::PlaneFamily> planes);
 
 // The planes that the settings ask for, or else parallel ones along the design's borders, the least steep

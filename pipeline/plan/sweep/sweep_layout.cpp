@@ -38,11 +38,6 @@ constexpr double kLittle = 0.02;
 // That parts share their whole's axes up to.
 constexpr double kSharedTurn_rad = 1;
 
-bool lies_behind(const std::vector<SweepSeam>& seams, const Vector3d& p) {
-  return std::all_of(seams.begin(), seams.end(),
-                     [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
-}
-
 // A number that grows with the angle between two directions, of which these are the sine and the cosine times
 // any length: 0 to 2, as the angle goes to half a turn.
 double angle_order(double sine, double cosine) {
@@ -147,7 +142,7 @@ SweepLayouts::SweepLayouts(const surface::TriangleMesh& mesh, WasteSurface surfa
       all_planes_(std::move(planes)),
       settings_(settings),
       fitter_(fitter) {
-  const std::vector<double> steep = too_steep_shares(*surface_, all_planes_);
+  const std::vector<double> steep = too_steep_shares(*surface_, {}, all_planes_);
   for (std::size_t i = 0; i < all_planes_.size(); ++i)
     if (steep[i] <= kLittle) planes_.push_back(all_planes_[i]);
   if (planes_.empty()) planes_ = all_planes_;
@@ -521,7 +516,7 @@ std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTr
 
 FittedPart SweepLayouts::in_best_planes(FittedPart best) const {
   constexpr double kNear = 4;  // tolerances: a split or two brings it down
-  const std::vector<double> steep = too_steep_shares(*best.part.surface, all_planes_);
+  const std::vector<double> steep = too_steep_shares(*best.part.surface, best.part.seams, all_planes_);
   for (std::size_t i = 0; i < all_planes_.size(); ++i) {
     if (steep[i] > kLittle) continue;
     SweepPart part = best.part;

@@ -331,6 +331,11 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   return surface;
 }
 
+bool lies_behind(const std::vector<SweepSeam>& seams, const Vector3d& p) {
+  return std::all_of(seams.begin(), seams.end(),
+                     [&](const SweepSeam& seam) { return seam.normal.dot(p) < seam.at_mm; });
+}
+
 WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& seams, double reach_mm) {
   WasteSurface part;
   const BehindSeams near(seams, surface.points.size(), reach_mm,

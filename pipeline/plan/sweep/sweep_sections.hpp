@@ -45,6 +45,8 @@ struct SweepSeam {
   double at_mm = 0;                 // of points p with normal . p = at_mm; behind it, less
 };
 
+[[nodiscard]] bool lies_behind(const std::vector<SweepSeam>& seams, const Eigen::Vector3d& p);
+
 // The triangles that come nearer than `reach_mm` to what lies behind all seams, with their vertices, border
 // and corners as they were.
 [[nodiscard]] WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& seams,

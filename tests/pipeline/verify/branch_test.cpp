@@ -227,6 +227,25 @@ TEST(FollowBranch, KnowsTheSideOfABladeThatRegistersCannotTellFromAStraightOne) 
   EXPECT_EQ(mirrored.pose, other.poses.size() - 1);
 }
 
+TEST(FollowBranch, KnowsTheSideOnWhichABladeLeavesTheStraightLine) {
+  // Pressed again from a micrometre of slack, registers pick either side: the clamps as computed keep theirs.
+  for (int i = 0; i < 12; ++i) {
+    Strip strip = pressed_strip(1e-3, 20, 0.5 * i);
+    elastica::Elastica blade = strip.poses.back().blade;
+    elastica::ClampPair to = elastica::clamps_of(blade);
+    constexpr int kSteps = 30;
+    for (int k = 1; k <= kSteps; ++k) {
+      to.b.x -= 1.0 / kSteps * std::cos(to.a.theta);
+      to.b.y -= 1.0 / kSteps * std::sin(to.a.theta);
+      const elastica::FollowReport way = elastica::follow(blade, to);
+      ASSERT_EQ(way.status, elastica::FollowStatus::kFollowed) << i << " step " << k;
+      blade = way.shape.elastica;
+      strip.poses.push_back(pose_of(blade, static_cast<double>(strip.poses.size())));
+    }
+    EXPECT_EQ(follow_branch(strip, {1 / 30.0, 1}).limit, Limit::kNone) << i;
+  }
+}
+
 TEST(BranchRefusal, NamesStripRibPhaseAndTime) {
   Strip strip = cylinder_strip();
   std::size_t cut = 0;
