@@ -51,9 +51,8 @@ void print_branches(const Program& program, const VerifyReport& report) {
     const Strip& strip = program.strips[i];
     if (b.held()) {
       std::cout << fmt::format(
-          "{}  blade held on one branch: within {:.4f} mm of the plan by clamps in whole micrometres, margin "
-          "at "
-          "least {:.1f}, radius at least {:.0f} mm{}\n",
+          "{}  blade held on one branch: within {:.4f} mm of the plan by clamps in whole micrometres, "
+          "margin at least {:.1f}, radius at least {:.0f} mm{}\n",
           strip.id, b.mismatch_mm, b.smallest_margin, 1 / std::max(b.largest_curvature_per_mm, 1e-9),
           b.taut_poses > 0 ? fmt::format(", {} waypoints straight", b.taut_poses) : "");
     } else {
