@@ -1,6 +1,6 @@
 // Makes the panels of a seed, plans each with the program and prints what came out as a Markdown table:
-//   panel_table [SEED | dented:SEED | shells:SEED | DIRECTORY]... [--tolerance MM] [--at-least N] [--out
-//   DIRECTORY]
+//   panel_table [SEED | dented:SEED | shells:SEED | vaults:SEED | DIRECTORY]... [--tolerance MM] [--at-least
+//   N] [--out DIRECTORY]
 // Of a directory every OBJ is planned, in mm. Exit code 1 when fewer than N panels pass (all, unless said).
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -200,7 +200,8 @@ std::vector<fs::path> designs(const std::string& set, const fs::path& directory)
     std::string_view before;
     std::vector<Panel> (*of)(std::uint64_t seed);
   };
-  constexpr std::array<Kind, 3> kKinds{{{"dented:", dented_panels}, {"shells:", shell_panels}, {"", panels}}};
+  constexpr std::array<Kind, 4> kKinds{
+      {{"dented:", dented_panels}, {"shells:", shell_panels}, {"vaults:", vault_panels}, {"", panels}}};
   const Kind& kind = *std::find_if(kKinds.begin(), kKinds.end(),
                                    [&](const Kind& each) { return set.starts_with(each.before); });
   std::uint64_t seed = 0;
@@ -208,7 +209,7 @@ std::vector<fs::path> designs(const std::string& set, const fs::path& directory)
   const auto [end, error] = std::from_chars(first, set.data() + set.size(), seed);
   if (error != std::errc() || end != set.data() + set.size())
     throw std::invalid_argument(
-        set + ": neither a seed (a whole number), dented:SEED, shells:SEED nor a directory");
+        set + ": neither a seed (a whole number), dented:SEED, shells:SEED, vaults:SEED nor a directory");
   fs::create_directories(directory);
   for (const Panel& panel : kind.of(seed)) {
     files.push_back(directory / (panel.name + ".obj"));
@@ -270,7 +271,8 @@ int main(int argc, char** argv) {
     return table(parsed({argv + 1, argv + argc}));
   } catch (const std::logic_error& error) {
     std::fprintf(stderr,
-                 "%s\nusage: panel_table [SEED | dented:SEED | shells:SEED | DIRECTORY]... [--tolerance MM] "
+                 "%s\nusage: panel_table [SEED | dented:SEED | shells:SEED | vaults:SEED | DIRECTORY]... "
+                 "[--tolerance MM] "
                  "[--at-least N] [--out "
                  "DIRECTORY]\n",
                  error.what());

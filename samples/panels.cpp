@@ -474,6 +474,25 @@ Panel shell(Draws& draws, int number) {
   return panel;
 }
 
+// A ruled vault with a sharp crown and steep feet.
+Panel vault(Draws& draws, int number) {
+  const double width = draws.uniform(150, 230), height = width * draws.uniform(0.7, 0.92),
+               length = draws.uniform(250, 400), lean = draws.uniform(-0.15, 0.15),
+               full = draws.uniform(-0.25, 0.35), rises = draws.uniform(0, 0.2);
+  const Surface surface = [=](double u, double v) {
+    const double s = std::sin(pi * u);
+    return Vector3d(width * u + lean * height * s, length * v,
+                    height * s * (1 + full * (1 - s)) * (1 + rises * (v - 0.5)));
+  };
+  Panel panel;
+  panel.name = numbered('v', number, "vault");
+  panel.radius_mm = smallest_radius(surface);
+  const auto turn = number % 4 == 3 ? random_turn(draws) : Eigen::Quaterniond::Identity();
+  mesh(
+      surface, turn, [](int, int) { return true; }, panel, [&] { return draws.uniform(0, 1) < 0.5; });
+  return panel;
+}
+
 std::vector<Panel> all_drawn(std::uint64_t seed, Panel (*draw)(Draws& draws, int number)) {
   Draws draws(seed);
   std::vector<Panel> all;
@@ -494,6 +513,10 @@ std::vector<Panel> dented_panels(std::uint64_t seed) {
 
 std::vector<Panel> shell_panels(std::uint64_t seed) {
   return all_drawn(seed, shell);
+}
+
+std::vector<Panel> vault_panels(std::uint64_t seed) {
+  return all_drawn(seed, vault);
 }
 
 std::string obj_text(const Panel& panel) {

@@ -42,6 +42,12 @@ inline constexpr double kDentedLeastMm = 100, kDentedMostMm = 350;
 // diagonal is drawn. None bends more sharply than kPanelRadiusMm.
 [[nodiscard]] std::vector<Panel> shell_panels(std::uint64_t seed);
 
+// Narrow ruled vaults of a seed, 150 to 230 mm wide, 0.7 to 0.92 times as high and 250 to 400 long, that lean
+// and rise along their length; every fourth is turned in space. Each cell's diagonal is drawn. Straight
+// blades along them would do, but their crowns bend by 15 to 40 mm and their feet are steeper than 60 degrees
+// to planes across them: they show where a planner ends.
+[[nodiscard]] std::vector<Panel> vault_panels(std::uint64_t seed);
+
 // The panel as an OBJ file's text, to 1e-6 mm.
 [[nodiscard]] std::string obj_text(const Panel& panel);
 

@@ -265,7 +265,10 @@ Bending section_bend(const std::vector<Curved>& points, const surface::PlaneFami
 // equal ones those whose sections bend least.
 void choose_planes(const surface::TriangleMesh& mesh, const std::vector<Curved>& points,
                    const std::vector<surface::PlaneFamily>& all, Forecast& f) {
-  const std::vector<double> steep = too_steep_shares(waste_surface(mesh, 1), {}, all);
+  WasteSurface faces;  // neither normals nor border are asked for
+  faces.points.assign(mesh.vertices().begin(), mesh.vertices().end());
+  faces.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
+  const std::vector<double> steep = too_steep_shares(faces, {}, all);
   std::vector<std::pair<double, Bending>> tried(all.size());
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
     tried[i] = {steep[i], section_bend(points, all[i], f.blade_radius_mm)};

@@ -14,6 +14,7 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/hanging.hpp"
+#include "robot/blade/band_edge.hpp"
 
 namespace hotblade::pipeline {
 
@@ -321,6 +322,27 @@ Bends bends_at(const StripGrid& g, std::size_t row, std::size_t column, const Sw
   return bends;
 }
 
+// How the surface of the blade's points bends where the width passes over it (robot::over_width_mm), by the
+// grid's normals; 0 where its lines run along each other. At a step t across, the blade of the step before
+// has its width turned: what that rises by counts twice, since the curvature has half of t squared.
+double bend_across_per_mm(const StripGrid& g, std::size_t row, std::size_t column, const SweptSurface& out) {
+  constexpr double kSameWay_sq = 1e-6;
+  const GridOf points(g, out.vertices), normals(g, out.normals), widths(g, out.plane_normals);
+  const std::size_t v = g.first_vertex + row * g.columns + column;
+  const Eigen::Vector3d &n = out.normals[v], &width = out.plane_normals[v];
+  const Eigen::Vector3d across = width - n.dot(width) * n;
+  const Eigen::Vector3d along = points.along(row, column), sweep = points.sweep(row, column);
+  const double aa = along.squaredNorm(), as = along.dot(sweep), ss = sweep.squaredNorm();
+  const double size = aa * ss - as * as;
+  if (!(size > kSameWay_sq * aa * ss)) return 0;
+  const double xa = across.dot(along), xs = across.dot(sweep);
+  const double by_along = (ss * xa - as * xs) / size, by_sweep = (aa * xs - as * xa) / size;
+  const auto change = [&](const GridOf& of) -> Eigen::Vector3d {
+    return by_along * of.along(row, column) + by_sweep * of.sweep(row, column);
+  };
+  return -across.dot(change(normals)) - 2 * n.dot(change(widths));
+}
+
 // What a vertex stands for: its share of the area, and how much the surface bends there at most.
 void place_measures(const StripGrid& g, std::size_t row, std::size_t column, SweptSurface& out) {
   const GridOf points(g, out.vertices);
@@ -377,13 +399,20 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
       }
     }
   });
+  std::vector<double> formed_mm(grid.vertices());
   for_rows(grid, [&](std::size_t from, std::size_t to) {
-    const std::size_t last = grid.first_vertex + to * grid.columns;
-    for (std::size_t v = grid.first_vertex + from * grid.columns; v < last; ++v) {
-      out.vertices[v] -=
-          half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v]) *
-          out.normals[v];
+    for (std::size_t i = from; i < to; ++i) {
+      for (std::size_t j = 0; j < grid.columns; ++j) {
+        const std::size_t v = grid.first_vertex + i * grid.columns + j;
+        formed_mm[i * grid.columns + j] =
+            half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v],
+                         -bend_across_per_mm(grid, i, j, out));
+      }
     }
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    for (std::size_t k = from * grid.columns; k < to * grid.columns; ++k)
+      out.vertices[grid.first_vertex + k] -= formed_mm[k] * out.normals[grid.first_vertex + k];
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     place_triangles(grid, from, to, out);
@@ -433,8 +462,9 @@ SweptSurface surface_of(const Counts& counts) {
 }  // namespace
 
 double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
-                    const Eigen::Vector3d& plane_normal, double speed_mm_s) {
-  return 0.5 * (blade.band_mm(speed_mm_s) + blade.width_mm * std::abs(normal.dot(plane_normal)));
+                    const Eigen::Vector3d& plane_normal, double speed_mm_s, double bend_per_mm) {
+  return 0.5 * blade.band_mm(speed_mm_s) +
+         robot::over_width_mm(normal.dot(plane_normal), bend_per_mm, blade.width_mm);
 }
 
 SweptSurface swept_surface(const Program& program, const GridSteps& given) {

@@ -12,9 +12,11 @@
 namespace hotblade::pipeline {
 
 // Returns half of what a blade melts across a surface of this unit normal, mm, at this speed square to
-// itself: the width stands along the normal of the plane the blade bends in.
+// itself: the width stands along the normal of the plane the blade bends in, and `bend_per_mm` is the
+// surface's across it (robot::over_width_mm).
 [[nodiscard]] double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
-                                  const Eigen::Vector3d& plane_normal, double speed_mm_s);
+                                  const Eigen::Vector3d& plane_normal, double speed_mm_s,
+                                  double bend_per_mm = 0);
 
 // A surface with what made each of its vertices.
 struct SweptSurface {

@@ -225,6 +225,32 @@ TEST(DentedPanels, AreOfFiveKindsWholeWithoutACornerAndWithAWindow) {
                        {"bumps", 8}, {"dome", 8}, {"saddle", 8}, {"step", 8}, {"waves", 8}}));
 }
 
+TEST(VaultPanels, FollowFromTheSeedAlone) {
+  const auto text_of = [](std::uint64_t seed) {
+    std::string text;
+    for (const Panel& panel : vault_panels(seed)) text += obj_text(panel);
+    return text;
+  };
+  const std::string first = text_of(1);
+  EXPECT_TRUE(first == text_of(1));
+  EXPECT_FALSE(first == text_of(2));
+  EXPECT_EQ(hash(first), 18051825914904529811u);
+}
+
+TEST(VaultPanels, AreRuledAndBendSharplyAtTheCrown) {
+  for (const Panel& panel : vault_panels(3)) {
+    EXPECT_EQ(panel.points.size(), static_cast<std::size_t>(kSide * kSide)) << panel.name;
+    EXPECT_EQ(border_lines(panel), 1) << panel.name;
+    EXPECT_GT(panel.radius_mm, 10) << panel.name;
+    EXPECT_LT(panel.radius_mm, 45) << panel.name;
+    // The grid's lines along the vault are straight.
+    for (std::size_t i = 0; i < kSide; ++i) {
+      const Vector3d &from = panel.points[i * kSide], &to = panel.points[i * kSide + kSide - 1];
+      EXPECT_NEAR((panel.points[i * kSide + kSide / 2] - 0.5 * (from + to)).norm(), 0, 1e-9) << panel.name;
+    }
+  }
+}
+
 TEST(ShellPanels, FollowFromTheSeedAlone) {
   const auto text_of = [](std::uint64_t seed) {
     std::string text;

@@ -5,9 +5,11 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
+#include "robot/blade/band_edge.hpp"
 #include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
@@ -31,14 +33,24 @@ struct OwnVertex {
   double turn = 0;  // in the plane between the normal and y: 1 less the angle's cosine
 };
 
-MovedVertex moved(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
+MovedVertex moved(const Vector3d& point, const Vector3d& normal, const SurfaceBend& bend, const RibAxes& axes,
                   const SweepSectionOptions& options, OwnVertex& own) {
   MovedVertex v;
   const Frame plane = axes.plane_at(point);
   own.at = in_plane(plane, axes.planes.offset(point), point);
-  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), normal.dot(axes.planes.normal_at(point)));
+  const auto along_width = [&](const Vector3d& width) {
+    const double along = normal.dot(width);
+    return std::pair(along, bend.of(width - along * normal));
+  };
+  auto [along, bend_per_mm] = along_width(axes.planes.normal_at(point));
   double kerf_mm = options.kerf_mm;
-  const auto band = [&](double across) { return 0.5 * (kerf_mm + options.width_mm * std::abs(across)); };
+  const auto band = [&](double across) {
+    return 0.5 * kerf_mm + robot::over_width_mm(across, bend_per_mm, options.width_mm);
+  };
+  // The width stands as it does where the blade passes.
+  if (axes.planes.turns())
+    std::tie(along, bend_per_mm) = along_width(axes.planes.normal_at(point + band(along) * normal));
+  const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), along);
   v.along = n.z();
   const double in_plane = n.head<2>().norm();
   own.turn = in_plane > 0 ? 1 - n.y() / in_plane : 0;
@@ -193,7 +205,7 @@ MovedSurface::MovedSurface(const WasteSurface& surface, const RibAxes& axes,
   surface::for_blocks(vertices_.size(), kVertices, [&](std::size_t first, std::size_t last) {
     gpu::stop_point();
     for (std::size_t i = first; i < last; ++i)
-      vertices_[i] = moved(surface.points[i], surface.normals[i], axes, options, own[i]);
+      vertices_[i] = moved(surface.points[i], surface.normals[i], surface.bends[i], axes, options, own[i]);
   });
   behind_ = BehindSeams(seams_, vertices_.size(), 0,
                         [&](std::size_t i) -> const Vector3d& { return vertices_[i].world; });
@@ -213,10 +225,10 @@ MovedSurface::Triangle MovedSurface::triangle(std::size_t t) const {
   return corners;
 }
 
-FormedPoint formed_point(const Vector3d& point, const Vector3d& normal, const RibAxes& axes,
-                         const SweepSectionOptions& options) {
+FormedPoint formed_point(const Vector3d& point, const Vector3d& normal, const SurfaceBend& bend,
+                         const RibAxes& axes, const SweepSectionOptions& options) {
   OwnVertex own;
-  const MovedVertex v = moved(point, normal, axes, options, own);
+  const MovedVertex v = moved(point, normal, bend, axes, options, own);
   return {v.at.z(), {v.at.head<2>(), cosine_of(v.along), false}};
 }
 

@@ -90,6 +90,7 @@ std::shared_ptr<const WasteSurface> few_of(const WasteSurface& surface, const su
     if (fresh) {
       few->points.push_back(surface.points[static_cast<std::size_t>(v)]);
       few->normals.push_back(surface.normals[static_cast<std::size_t>(v)]);
+      few->bends.push_back(surface.bends[static_cast<std::size_t>(v)]);
     }
     return at->second;
   };

@@ -37,6 +37,7 @@ bool inside(const SeamSide& part, const SweepSeam& but, const Vector3d& p) {
 
 struct SurfacePoint {
   Vector3d at, normal;
+  SurfaceBend bend;
 };
 
 // Where a plane meets the triangles near a part: points on edges and some between, nearer than half a cell.
@@ -55,7 +56,8 @@ void cut(const WasteSurface& surface, const SweepSeam& seam, const Take& take) {
       }
       const double t = from / (from - to);
       ends[found++] = {surface.points[a] + t * (surface.points[b] - surface.points[a]),
-                       surface.normals[a] + t * (surface.normals[b] - surface.normals[a])};
+                       surface.normals[a] + t * (surface.normals[b] - surface.normals[a]),
+                       between(surface.bends[a], surface.bends[b], t)};
     }
     if (found < 2) continue;
     const auto pieces =
@@ -63,7 +65,8 @@ void cut(const WasteSurface& surface, const SweepSeam& seam, const Take& take) {
     for (int i = 0; i <= pieces; ++i) {
       const double t = static_cast<double>(i) / pieces;
       take(SurfacePoint{ends[0].at + t * (ends[1].at - ends[0].at),
-                        ends[0].normal + t * (ends[1].normal - ends[0].normal)});
+                        ends[0].normal + t * (ends[1].normal - ends[0].normal),
+                        between(ends[0].bend, ends[1].bend, t)});
     }
   }
 }
@@ -91,7 +94,7 @@ class Cells {
 FormedPoint formed_by(const SeamSide& part, const SurfacePoint& p, SweepSectionOptions options) {
   options.sag = part.sag;
   options.bands = part.bands;
-  FormedPoint formed = formed_point(p.at, p.normal, *part.axes, options);
+  FormedPoint formed = formed_point(p.at, p.normal, p.bend, *part.axes, options);
   if (part.axes->planes.closed()) {
     const double turn = 2 * std::numbers::pi * part.axes->planes.radius_mm();
     formed.offset_mm += turn * std::round((0.5 * (part.first_mm + part.last_mm) - formed.offset_mm) / turn);
@@ -108,7 +111,7 @@ std::optional<SeamPlace> place_at(const SurfacePoint& p, const SweepSeam& seam, 
   place.at = p.at;
   for (std::size_t i = 0; i < SeamPlace::kProbes; ++i) {
     const double step = kSeamProbeMm * (static_cast<double>(i) - 1);
-    const SurfacePoint probe{p.at + step * across.normalized(), n};
+    const SurfacePoint probe{p.at + step * across.normalized(), n, p.bend};
     place.on[0][i] = formed_by(first, probe, options);
     place.on[1][i] = formed_by(second, probe, options);
   }

@@ -24,6 +24,8 @@ using Eigen::Vector3d;
 
 // The end sections lie this far inside; two more follow, as the border's corners are met there.
 constexpr std::array<double, 3> kEndInsets_mm{0.05, 2.5, 7};
+// Half a usual blade's width: what it passes over at once.
+constexpr double kBendOver_mm = 4;
 
 double angle_at(const Vector3d& p, const Vector3d& q, const Vector3d& r) {
   const Vector3d a = q - p, b = r - p;
@@ -299,6 +301,7 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
   const auto triangles = mesh.triangles();
   WasteSurface surface{{vertices.begin(), vertices.end()},
                        std::vector<Vector3d>(vertices.size(), Vector3d::Zero()),
+                       {},
                        {triangles.begin(), triangles.end()},
                        border_edges(mesh),
                        {}};
@@ -328,6 +331,8 @@ WasteSurface waste_surface(const surface::TriangleMesh& mesh, double side) {
     }
   }
   for (Vector3d& n : surface.normals) n.stableNormalize();
+  surface.bends =
+      surface_bends(surface.points, surface.normals, surface.triangles, surface.border, kBendOver_mm);
   return surface;
 }
 
@@ -354,11 +359,13 @@ WasteSurface part_of(const WasteSurface& surface, const std::vector<SweepSeam>& 
   }
   part.points.resize(points);
   part.normals.resize(points);
+  part.bends.resize(points);
   for (std::size_t v = 0; v < index.size(); ++v) {
     gpu::stop_point();
     if (index[v] < 0) continue;
     part.points[static_cast<std::size_t>(index[v])] = surface.points[v];
     part.normals[static_cast<std::size_t>(index[v])] = surface.normals[v];
+    part.bends[static_cast<std::size_t>(index[v])] = surface.bends[v];
   }
   part.triangles.reserve(triangles);
   const auto at = [&](int v) { return index[static_cast<std::size_t>(v)]; };

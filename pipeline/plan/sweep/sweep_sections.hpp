@@ -2,12 +2,13 @@
 // and cut by the planes of the sweep, parallel ones or a fan.
 //
 // A point P with unit normal n towards the waste is formed by a blade whose middle line passes
-//   T = P + (kerf + width |n . N|) / 2 n,
-// N being the planes' normal: the melted band is that wide across a slope, and the kept side follows its
-// edge. Where the band depends on the blade's speed, the kerf is that of a former plan there (SweptBands). T
-// is moved in space, so its place along the sweep moves as well; a blade that hangs forms it from a place
-// higher by its droop, with its section twisted (sweep_sag.hpp). Sections are taken of the moved surface: the
-// points of one section lie in one plane and are followed by one elastica.
+//   T = P + (kerf / 2 + over_width(n . N)) n,
+// N being the planes' normal, along which the width stands: width |n . N| / 2, and what the surface rises or
+// falls by in half a width (robot/blade/band_edge.hpp). The kept side follows the band's edge. Where the band
+// depends on the blade's speed, the kerf is that of a former plan there (SweptBands). T is moved in space, so
+// its place along the sweep moves as well; a blade that hangs forms it from a place higher by its droop, with
+// its section twisted (sweep_sag.hpp). Sections are taken of the moved surface: the points of one section lie
+// in one plane and are followed by one elastica.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,6 +21,7 @@
 
 #include "pipeline/plan/ribs/rib_axes.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
+#include "pipeline/plan/sweep/surface_bend.hpp"
 #include "pipeline/plan/sweep/sweep_sag.hpp"
 #include "pipeline/plan/sweep/swept_bands.hpp"
 #include "surface/read/design_surface.hpp"
@@ -29,6 +31,7 @@ namespace hotblade::pipeline {
 // A design with a unit normal towards the waste at each vertex.
 struct WasteSurface {
   std::vector<Eigen::Vector3d> points, normals;
+  std::vector<SurfaceBend> bends;  // as the normals, over half a usual blade's width
   std::vector<std::array<int, 3>> triangles;
   std::vector<std::pair<int, int>> border;            // edges of one face, the smaller index first; ascending
   std::vector<int> corners;                           // vertices at which the border turns sharply; ascending
@@ -118,14 +121,15 @@ struct SweepData {
   Eigen::AlignedBox3d box;  // of the design on the axes of the middle plane, the third along the sweep
 };
 
-// Where the blade's middle line passes when it forms a point of the design with this unit normal: in the
-// plane at `offset_mm`.
+// Where the blade's middle line passes when it forms a point of the design with this unit normal, where the
+// design bends so: in the plane at `offset_mm`.
 struct FormedPoint {
   double offset_mm = 0;
   SweepSample sample;
 };
 [[nodiscard]] FormedPoint formed_point(const Eigen::Vector3d& point, const Eigen::Vector3d& normal,
-                                       const RibAxes& axes, const SweepSectionOptions& options);
+                                       const SurfaceBend& bend, const RibAxes& axes,
+                                       const SweepSectionOptions& options);
 
 class MovedSurface;
 

@@ -1,0 +1,122 @@
+// The surface that a wide blade leaves on a path that bends, against all places of its width by themselves.
+#include "pipeline/verify/swept_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/pipeline/vault_program.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kHalfTurn_rad = 0.7, kBlade_mm = 400;
+
+// Where the blade passes in the plane of the sweep and the normals: an arc, hollow or a crest seen from the
+// waste above it, its middle leaning. The width stands along x, or square to where an axis is seen that lies
+// so far below.
+struct Path {
+  double radius_mm = 0;
+  bool hollow = true;
+  double lean_rad = 0;
+  double axis_mm = 0;
+
+  [[nodiscard]] Vector2d at(double angle) const {
+    const double side = hollow ? -1 : 1;
+    const Vector2d p(radius_mm * std::sin(angle), side * radius_mm * (std::cos(angle) - 1));
+    const double c = std::cos(lean_rad), s = std::sin(lean_rad);
+    return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
+  }
+  [[nodiscard]] Vector2d width_at(double angle) const {
+    if (axis_mm == 0) return Vector2d::UnitX();
+    const Vector2d from_axis = (at(angle) + Vector2d(0, axis_mm)).normalized();
+    return from_axis.y() > 0 ? Vector2d(from_axis.y(), -from_axis.x())
+                             : Vector2d(-from_axis.y(), from_axis.x());
+  }
+};
+
+// A straight weightless blade along y that sweeps along x and melts 1 mm.
+Program swept(const Path& path) {
+  Program program = testing::vault_program();
+  program.blade.density_kg_m3 = 0;
+  Strip& strip = program.strips.front();
+  const BladePose pattern = strip.poses.front();
+  strip.poses.clear();
+  const auto poses = static_cast<int>(2 * kHalfTurn_rad * path.radius_mm / 0.2);
+  for (int i = 0; i <= poses; ++i) {
+    const double angle = kHalfTurn_rad * (2.0 * i / poses - 1);
+    const Vector2d p = path.at(angle), width = path.width_at(angle);
+    BladePose& pose = strip.poses.emplace_back(pattern);
+    pose.t = 0.03 * i;
+    pose.frame = SharedFrame(Frame{{p.x(), 0, p.y()}, Vector3d::UnitY(), Vector3d(-width.y(), 0, width.x())});
+    pose.blade = {0, 0, 0, 0, 0, 0, kBlade_mm};
+    pose.foam = {{100, 300}};
+  }
+  return program;
+}
+
+// Distance of a point from all that the width's middle surface passes through, in the plane of the sweep: the
+// least of many places of the path, then of as many about it.
+double distance_mm(const Path& path, double width_mm, const Vector3d& point) {
+  constexpr int kPlaces = 400;
+  const Vector2d p(point.x(), point.z());
+  double nearest = 1e300, middle = 0, reach = kHalfTurn_rad;
+  for (int look = 0; look < 3; ++look, reach *= 4.0 / kPlaces) {
+    const double about = middle;
+    for (int i = -kPlaces; i <= kPlaces; ++i) {
+      const double angle = std::clamp(about + reach * i / kPlaces, -kHalfTurn_rad, kHalfTurn_rad);
+      const Vector2d m = path.at(angle), width = path.width_at(angle);
+      const double along = std::clamp((p - m).dot(width), -width_mm / 2, width_mm / 2);
+      const double distance = (p - m - along * width).norm();
+      if (distance < nearest) {
+        nearest = distance;
+        middle = angle;
+      }
+    }
+  }
+  return nearest;
+}
+
+// How far the surface lies off the edge of what is melted, away from the path's ends.
+double off_mm(const Path& path) {
+  const Program program = swept(path);
+  const SweptSurface cut = swept_surface(program, 1);
+  const auto [low, high] = std::minmax({path.at(-kHalfTurn_rad).x(), path.at(kHalfTurn_rad).x()});
+  const double ends = 1.5 * program.blade.width_mm;
+  double off = 0;
+  int seen = 0;
+  for (const Vector3d& p : cut.vertices) {
+    if (p.y() != cut.vertices.front().y() || p.x() < low + ends || p.x() > high - ends) continue;
+    ++seen;
+    off = std::max(off, std::abs(distance_mm(path, program.blade.width_mm, p) - 0.5));
+  }
+  EXPECT_GT(seen, 15);
+  return off;
+}
+
+TEST(SweptSurface, IsTheEdgeOfWhatTheWidthPasses) {
+  constexpr double kWidth_mm = 8;
+  for (const double radius_mm : {40.0, 142.0, 500.0}) {
+    for (const bool hollow : {false, true}) {
+      for (const double lean_rad : {0.0, 0.3, 0.6}) {
+        // By the slope alone it is a width squared over eight radii off: 0.2, 0.056 and 0.016 mm.
+        EXPECT_LT(off_mm({radius_mm, hollow, lean_rad}), 0.02 * kWidth_mm * kWidth_mm / (8 * radius_mm))
+            << radius_mm << (hollow ? " hollow " : " crest ") << lean_rad;
+        for (const double axis_mm : {-300.0, 600.0}) {
+          EXPECT_LT(off_mm({radius_mm, hollow, lean_rad, axis_mm}),
+                    0.02 * kWidth_mm * kWidth_mm / (8 * radius_mm) + 0.0005)
+              << radius_mm << (hollow ? " hollow " : " crest ") << lean_rad << " about " << axis_mm;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
