@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <tuple>
 #include <utility>
 
 #include "gpu/backend/stop.hpp"
@@ -38,18 +37,18 @@ MovedVertex moved(const Vector3d& point, const Vector3d& normal, const SurfaceBe
   MovedVertex v;
   const Frame plane = axes.plane_at(point);
   own.at = in_plane(plane, axes.planes.offset(point), point);
-  const auto along_width = [&](const Vector3d& width) {
-    const double along = normal.dot(width);
-    return std::pair(along, bend.of(width - along * normal));
+  double along = 0, bend_per_mm = 0;
+  const auto stand = [&](const Vector3d& width) {
+    along = normal.dot(width);
+    bend_per_mm = bend.of(width - along * normal);
   };
-  auto [along, bend_per_mm] = along_width(axes.planes.normal_at(point));
+  stand(axes.planes.normal_at(point));
   double kerf_mm = options.kerf_mm;
   const auto band = [&](double across) {
     return 0.5 * kerf_mm + robot::over_width_mm(across, bend_per_mm, options.width_mm);
   };
   // The width stands as it does where the blade passes.
-  if (axes.planes.turns())
-    std::tie(along, bend_per_mm) = along_width(axes.planes.normal_at(point + band(along) * normal));
+  if (axes.planes.turns()) stand(axes.planes.normal_at(point + band(along) * normal));
   const Vector3d n(normal.dot(plane.x), normal.dot(plane.y), along);
   v.along = n.z();
   const double in_plane = n.head<2>().norm();
