@@ -12,18 +12,20 @@ namespace hotblade::pipeline {
 namespace {
 
 using Eigen::Matrix3d;
+using Eigen::Matrix3f;
 using Eigen::Vector3d;
 
 // How the normals change over a triangle on which they are linear, negative and made symmetric.
-Matrix3d form_of(const std::array<Vector3d, 3>& p, const std::array<Vector3d, 3>& n) {
+SurfaceBend form_of(const std::array<Vector3d, 3>& p, const std::array<Vector3d, 3>& n) {
   const Vector3d u = p[1] - p[0], v = p[2] - p[0], across = u.cross(v);
   const double area_sq = across.squaredNorm();
-  constexpr double kSliver_sq = 1e-20;  // the sine of its angle
-  if (!(area_sq > kSliver_sq * u.squaredNorm() * v.squaredNorm())) return Matrix3d::Zero();
+  constexpr double kSliver_sq = 1e-20;  // of the sine of its angle
+  if (!(area_sq > kSliver_sq * u.squaredNorm() * v.squaredNorm())) return {};
   // Their products with u and v are ones and zeros.
   const Vector3d by_u = v.cross(across) / area_sq, by_v = across.cross(u) / area_sq;
   const Matrix3d change = (n[1] - n[0]) * by_u.transpose() + (n[2] - n[0]) * by_v.transpose();
-  return -0.5 * (change + change.transpose());
+  const Matrix3f m = (-0.5 * (change + change.transpose())).cast<float>();
+  return {{m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)}};
 }
 
 using Triangles = std::span<const std::array<int, 3>>;
@@ -36,40 +38,24 @@ std::vector<SurfaceBend> at_vertices(std::size_t vertices, Triangles triangles,
   std::vector<float> sums(vertices, 0);
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     for (const int v : triangles[i]) {
-      bends[static_cast<std::size_t>(v)] += weights[i] * faces[i];
+      bends[static_cast<std::size_t>(v)].form += weights[i] * faces[i].form;
       sums[static_cast<std::size_t>(v)] += weights[i];
     }
   }
   for (std::size_t v = 0; v < vertices; ++v)
-    if (sums[v] > 0) bends[v] = (1 / sums[v]) * bends[v];
+    if (sums[v] > 0) bends[v].form *= 1 / sums[v];
   return bends;
 }
 
 }  // namespace
 
-SurfaceBend::SurfaceBend(const Matrix3d& m)
-    : form_{static_cast<float>(m(0, 0)), static_cast<float>(m(1, 1)), static_cast<float>(m(2, 2)),
-            static_cast<float>(m(0, 1)), static_cast<float>(m(0, 2)), static_cast<float>(m(1, 2))} {}
-
 double SurfaceBend::of(const Vector3d& t) const {
-  return form_[0] * t.x() * t.x() + form_[1] * t.y() * t.y() + form_[2] * t.z() * t.z() +
-         2 * (form_[3] * t.x() * t.y() + form_[4] * t.x() * t.z() + form_[5] * t.y() * t.z());
+  return form[0] * t.x() * t.x() + form[1] * t.y() * t.y() + form[2] * t.z() * t.z() +
+         2 * (form[3] * t.x() * t.y() + form[4] * t.x() * t.z() + form[5] * t.y() * t.z());
 }
 
 SurfaceBend between(const SurfaceBend& a, const SurfaceBend& b, double t) {
-  SurfaceBend mean = static_cast<float>(1 - t) * a;
-  return mean += static_cast<float>(t) * b;
-}
-
-SurfaceBend operator*(float by, const SurfaceBend& b) {
-  SurfaceBend scaled = b;
-  for (float& f : scaled.form_) f *= by;
-  return scaled;
-}
-
-SurfaceBend& SurfaceBend::operator+=(const SurfaceBend& other) {
-  for (std::size_t i = 0; i < form_.size(); ++i) form_[i] += other.form_[i];
-  return *this;
+  return {static_cast<float>(1 - t) * a.form + static_cast<float>(t) * b.form};
 }
 
 std::vector<SurfaceBend> surface_bends(std::span<const Vector3d> points, std::span<const Vector3d> normals,
@@ -96,7 +82,7 @@ std::vector<SurfaceBend> surface_bends(std::span<const Vector3d> points, std::sp
       const auto p = corners(points, t);
       areas[i] = static_cast<float>((p[1] - p[0]).cross(p[2] - p[0]).norm());
       weights[i] = std::all_of(t.begin(), t.end(), inside) ? areas[i] : kHardly * areas[i];
-      faces[i] = SurfaceBend(form_of(p, corners(normals, t)));
+      faces[i] = form_of(p, corners(normals, t));
     }
   });
   double area = 0;
@@ -108,10 +94,11 @@ std::vector<SurfaceBend> surface_bends(std::span<const Vector3d> points, std::sp
     float count = 0;
     for (const int v : t) {
       if (!counts(v)) continue;
-      sum += bends[static_cast<std::size_t>(v)];
+      sum.form += bends[static_cast<std::size_t>(v)].form;
       ++count;
     }
-    return (1 / count) * sum;
+    sum.form *= 1 / count;
+    return sum;
   };
   // The normal at a border is that of half a facet inside: what bends there is taken from what lies behind.
   for (std::size_t i = 0; i < triangles.size(); ++i) {

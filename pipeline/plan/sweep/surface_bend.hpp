@@ -9,24 +9,19 @@
 
 namespace hotblade::pipeline {
 
-// The second fundamental form of a surface at a point, as a symmetric tensor in space. In single precision:
-// a thousandth of a percent of what it says of a mesh.
-class SurfaceBend {
- public:
-  SurfaceBend() = default;
-  explicit SurfaceBend(const Eigen::Matrix3d& form);
+// The second fundamental form of a surface at a point, as a symmetric tensor in space: xx, yy, zz, xy, xz,
+// yz, per mm. In single precision: a thousandth of a percent of what it says of a mesh.
+struct SurfaceBend {
+  using Form = Eigen::Matrix<float, 6, 1>;
+  Form form = Form::Zero();
 
-  // Twice what the surface rises off its tangent plane at a step in it, mm; positive towards the normal's
-  // side.
+  // Of a unit direction in the tangent plane the normal curvature, positive where the surface rises towards
+  // its normal; of a step by its length squared.
   [[nodiscard]] double of(const Eigen::Vector3d& step) const;
-
-  friend SurfaceBend between(const SurfaceBend& a, const SurfaceBend& b, double t);
-  friend SurfaceBend operator*(float by, const SurfaceBend& b);
-  SurfaceBend& operator+=(const SurfaceBend& other);
-
- private:
-  std::array<float, 6> form_{};  // xx, yy, zz, xy, xz, yz; per mm
 };
+
+// From a to b, at 0 to 1.
+[[nodiscard]] SurfaceBend between(const SurfaceBend& a, const SurfaceBend& b, double t);
 
 // Returns the forms at the vertices of a mesh with these unit normals and this border, on the mean over a
 // circle of about `over_mm`: where the facets are finer, a fold between two of them is no sharper than that.

@@ -96,7 +96,7 @@ TEST(MovedSurface, IsWhereAWideBladeTouchesTheDesign) {
             if (!ground) left = std::max(left, off);
             gouged = std::max(gouged, -off);
           }
-          // By the slope alone either is what is of the second order.
+          // By the slope alone each is as much as the second order.
           EXPECT_LT(left, most_mm) << radius_mm << " " << hollow << " " << lean_rad << " " << axis_mm;
           EXPECT_LT(gouged, most_mm) << radius_mm << " " << hollow << " " << lean_rad << " " << axis_mm;
         }
