@@ -11,6 +11,8 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "robot/blade/blade_branch.hpp"
+#include "robot/blade/common_plane.hpp"
+#include "robot/pose/motion.hpp"
 #include "robot/wire/protocol.hpp"
 
 namespace hotblade::pipeline {
@@ -73,8 +75,25 @@ struct FollowedBlock {
 constexpr double kSameBend = 1e-3;
 
 robot::BladeLimits limits_of(const BranchOptions& options, double rounding_mm) {
-  return {options.max_curvature_per_mm, options.min_margin, kShapeMismatchMm, rounding_mm,
+  return {options.max_curvature_per_mm, options.min_margin, robot::kMaxOffPlane_mm, rounding_mm,
           std::numeric_limits<int>::max()};
+}
+
+// Moves the blade to a waypoint over the pose halfway to it, as robot::BladeCheck::next() does. That one is
+// left out where it can be no limit: waypoints are so close that the blade comes to the same shape.
+robot::BladeFinding move_on(robot::BladeBranch& blade, const ClampPoses& halfway, const ClampPoses& to) {
+  const double off_mm = robot::seen_from_a(halfway, 0).off_plane_mm;
+  if (!(off_mm <= robot::kMaxOffPlane_mm)) return {Limit::kBladePlane, off_mm, robot::kMaxOffPlane_mm};
+  if (!blade.far_from_limits(halfway.a, halfway.b)) {
+    const robot::BladeFinding between = blade.move_to(halfway.a, halfway.b);
+    if (!between.held()) return between;
+  }
+  return blade.move_to(to.a, to.b);
+}
+
+ClampPoses between(const ClampPoses& from, const ClampPoses& to) {
+  constexpr double kHalfway = 0.5;
+  return {robot::interpolate(from.a, to.a, kHalfway), robot::interpolate(from.b, to.b, kHalfway)};
 }
 
 // How far the blade is from where the program says, were its clamps where they were computed, near to a shape
@@ -158,14 +177,20 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   std::optional<robot::BladeBranch> nearly_straight;
   const std::vector<robot::Waypoint> told = waypoints(strip);
   std::vector<FollowedPose> followed;
+  ClampPoses last;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
     gpu::stop_point();
     const ClampPoses in_cell{told[i].a, told[i].b};
     // Nobody is told of clamps that registers cannot hold: robot::make_job refuses them.
-    const ClampPoses as_told =
-        robot::held(robot::protocol::as_read(in_cell).value_or(in_cell), options.offsets);
+    const ClampPoses as_told = robot::protocol::as_read(in_cell).value_or(in_cell);
+    const ClampPoses to = robot::held(as_told, options.offsets);
     const Elastica before = blade.shape();
-    robot::BladeFinding finding = blade.move_to(as_told.a, as_told.b);
+    robot::BladeFinding finding =
+        i == 0 ? blade.move_to(to.a, to.b)
+               : move_on(blade, robot::held(between(last, as_told), options.offsets), to);
+    last = as_told;
+    if (finding.held() && !(blade.off_plane_mm() <= kShapeMismatchMm))
+      finding = {Limit::kBladePlane, blade.off_plane_mm(), kShapeMismatchMm};
     followed.push_back({blade.shape(), blade.margin(), false});
     if (blade.taut() && !nearly_straight) nearly_straight.emplace(before, limits_of(options, 0));
     if (nearly_straight && finding.held()) {

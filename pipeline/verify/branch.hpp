@@ -1,11 +1,12 @@
 // The shape that a strip's clamps give the blade, found from the clamp poses alone.
 //
 // Waypoint 0 holds a flat circular arc, whose loop-free equilibrium is unique (docs/controller-protocol.md).
-// From there the equilibrium is followed from waypoint to waypoint (robot/blade/blade_branch.hpp), with the
-// clamps as the controller reads them from its registers, to the end of the strip: whether the blade snaps,
-// yields or could snap is judged as the controller judges it. The program's own shapes are only compared with
-// what is found. Where micrometres alone bring a nearly straight blade away from them, it is asked once more
-// where the clamps as computed hold it.
+// From there the equilibrium is followed from waypoint to waypoint (robot/blade/blade_branch.hpp), and over
+// the pose halfway to each wherever the blade could be at a limit there, with the clamps as the controller
+// reads them from its registers, to the end of the strip: whether the blade snaps, yields or could snap is
+// judged as the controller judges it. The program's own shapes are only compared with what is found. Where
+// micrometres alone bring a nearly straight blade away from them, it is asked once more where the clamps as
+// computed hold it.
 #pragma once
 
 #include <string>

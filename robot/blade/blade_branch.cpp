@@ -93,6 +93,7 @@ BladeFinding BladeBranch::move_to(const Pose& a, const Pose& b) {
   }
   if (const BladeFinding bent = bend_to(to); !bent.held()) return bent;
   theta_ = to.theta;
+  off_plane_mm_ = off_plane_mm;
   return check_limits();
 }
 
@@ -152,14 +153,38 @@ double BladeBranch::largest_curvature_per_mm() const {
   return elastica::ElasticaCurve(shape_).max_abs_curvature();
 }
 
+// Whether the shape for which the margin was computed, and what may have become of it since, says that one
+// that is bent by so much more keeps the margin.
+bool BladeBranch::margin_holds(double more_bend) const {
+  const double force = std::hypot(shape_.lambda1, shape_.lambda2) * length_mm_ * length_mm_;
+  const double drop = kMarginPerBend * (1 + 0.1 * force) * (bend_between(shape_, margin_shape_) + more_bend);
+  return margin_ - drop >= limits_.min_margin && limits_.min_margin <= kMarginBoundHolds;
+}
+
+bool BladeBranch::far_from_limits(const Pose& a, const Pose& b) const {
+  if (lost() || taut_ || !(followed_.elastica.length > 0)) return false;
+  const PlanarPose to = seen_from_a({a, b}, theta_).b;
+  if (std::hypot(to.x, to.y) >= elastica::kTautChord * length_mm_ - limits_.rounding_mm) return false;
+  const elastica::CurvePoint& end = followed_.end.point;
+  const Eigen::Vector3d way(to.x / length_mm_ - end.x, to.y / length_mm_ - end.y, to.theta - end.theta);
+  const Eigen::Vector3d unknowns = followed_.end.fields.inverse() * way;
+  const double by_clamps = std::abs(unknowns[0]) + 0.5 * (std::abs(unknowns[1]) + std::abs(unknowns[2]));
+  // A step of the branch bends by as much from the first order (elastica/blade/continuation.cpp), or is
+  // halved.
+  constexpr double kBend = 1.2, kSmall = 1e-3;
+  const double bend = kBend * by_clamps + kSmall;
+  // Along a blade kappa = kappa0 - lambda1 y + lambda2 x: by a bend b its curvature times its length changes
+  // by up to 2 b for what its start and its force do, and by force times length^2 for each length that its
+  // points move by, which is b / 2 at most.
+  const double force = std::hypot(shape_.lambda1, shape_.lambda2) * length_mm_ * length_mm_;
+  const double curvature = curvature_bound(shape_) + (2 + 0.5 * force) * bend / length_mm_;
+  return curvature <= limits_.max_curvature_per_mm && margin_holds(bend);
+}
+
 BladeFinding BladeBranch::check_limits() {
   ++poses_since_margin_;
-  const double l = length_mm_, force = std::hypot(shape_.lambda1, shape_.lambda2) * l * l;
-  const double limit = limits_.min_margin,
-               drop = kMarginPerBend * (1 + 0.1 * force) * bend_between(shape_, margin_shape_);
   const bool first = margin_shape_.length <= 0;
-  const bool known = margin_ - drop >= limit && limit <= kMarginBoundHolds;
-  if (first || poses_since_margin_ >= limits_.margin_every || !known) exact_margin();
+  if (first || poses_since_margin_ >= limits_.margin_every || !margin_holds(0)) exact_margin();
   const double most = limits_.max_curvature_per_mm * (1 + kCurvatureSlack);
   if (!(curvature_bound(shape_) <= most)) {
     const double curvature = largest_curvature_per_mm();

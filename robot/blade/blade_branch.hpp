@@ -80,6 +80,12 @@ class BladeBranch {
   // Return the stability margin of the last shape that it was computed for, and of the present one.
   [[nodiscard]] double margin() const { return margin_; }
   double exact_margin();
+  // Returns how far clamp B was from clamp A's plane at the last pose, its tilt counted over the chord.
+  [[nodiscard]] double off_plane_mm() const { return off_plane_mm_; }
+  // Returns whether clamps at these poses certainly leave the blade within its limits of curvature and
+  // margin, by how far the last shape was from them and what the way there bends it by, to first order and a
+  // fifth more; false where only a look at them can say. They have to be near: nothing is followed.
+  [[nodiscard]] bool far_from_limits(const Pose& a, const Pose& b) const;
 
  private:
   BladeFinding start(const elastica::PlanarPose& b);
@@ -87,6 +93,7 @@ class BladeBranch {
   BladeFinding pull_taut(const elastica::PlanarPose& b, double chord);
   BladeFinding follow_by(const elastica::FollowReport& way, const elastica::PlanarPose& b);
   BladeFinding check_limits();
+  [[nodiscard]] bool margin_holds(double more_bend) const;
   BladeFinding lose(Limit limit, double value, double bound);
 
   BladeLimits limits_;
@@ -95,6 +102,7 @@ class BladeBranch {
   elastica::Elastica shape_;
   elastica::ClampedShape followed_;  // shape_ with its end, where it was followed; else without a length
   double theta_ = 0;                 // of clamp B against clamp A, not modulo 2 pi
+  double off_plane_mm_ = 0;
   double margin_ = 0;
   elastica::Elastica margin_shape_;  // that the margin was computed for
   int poses_since_margin_ = 0;

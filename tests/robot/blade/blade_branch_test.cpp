@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "elastica/blade/continuation.hpp"
@@ -125,6 +126,37 @@ TEST(BladeBranch, AMarginSinksByNoMoreThanAssumed) {
   }
   EXPECT_LT(largest, kMarginPerBend);
   EXPECT_GT(largest, kMarginPerBend / 20) << "the bound is far from what happens";
+}
+
+TEST(BladeBranch, WhereItIsFarFromLimitsNoneIsMet) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> any(-1, 1);
+  constexpr BladeLimits kUnit{4.5, 1, 1e-6, 0};
+  int far = 0, near_limits = 0;
+  double closest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 6000; ++i) {
+    const Elastica e{0, 0, 0, 5 * any(random), 40 * any(random), 40 * any(random), 1};
+    if (!(elastica::stability_margin(e) > kUnit.min_margin)) continue;
+    BladeBranch branch(e, kUnit);
+    if (!branch.move_to(turned({0, 0, 0}, 0), end_of(e)).held()) continue;
+    const double size = std::pow(10, -1.5 + any(random));
+    Elastica other = e;
+    other.kappa += size * any(random);
+    other.lambda1 += size * any(random);
+    other.lambda2 += size * any(random);
+    if (!branch.far_from_limits(turned({0, 0, 0}, 0), end_of(other))) {
+      ++near_limits;
+      continue;
+    }
+    ++far;
+    const double curvature = elastica::ElasticaCurve(other).max_abs_curvature();
+    ASSERT_LE(curvature, kUnit.max_curvature_per_mm) << i;
+    ASSERT_GE(elastica::stability_margin(other), kUnit.min_margin) << i;
+    closest = std::min(closest, 1 - curvature / kUnit.max_curvature_per_mm);
+  }
+  EXPECT_GE(far, 500);
+  EXPECT_GE(near_limits, 200);
+  EXPECT_LT(closest, 0.05) << "the bound is far from what happens";
 }
 
 TEST(BladeBranch, AStraightBladeIsTakenFreeOfForceAndLeavesToItsClampsSide) {
