@@ -136,8 +136,9 @@ void bend_aside(const BladePose& pose, const elastica::EndTurns& turns, const ro
     const Eigen::Vector3d& n = surface.normals[v];
     const Eigen::Vector3d twisted = (surface.plane_normals[v] - between(aside.twist) * left).normalized();
     const double speed = surface.speeds_mm_s[v];
-    const double wider =
-        half_band_mm(blade, n, twisted, speed) - half_band_mm(blade, n, surface.plane_normals[v], speed);
+    const double bend = surface.width_bends_per_mm[v];
+    const double wider = half_band_mm(blade, n, twisted, speed, bend) -
+                         half_band_mm(blade, n, surface.plane_normals[v], speed, bend);
     surface.vertices[v] += between(aside.shift) * normal - wider * n;
     surface.plane_normals[v] = twisted;
   }

@@ -13,6 +13,7 @@
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/design_faces.hpp"
 #include "pipeline/verify/hanging.hpp"
+#include "pipeline/verify/width_heights.hpp"
 #include "robot/blade/blade_branch.hpp"
 #include "robot/pose/motion.hpp"
 
@@ -61,34 +62,31 @@ class HangingRib {
   Points nodes_;
 };
 
-// Largest distance of centre-line points, brought back by half the melted band, from the design.
+// How far ribs, brought back by half the melted band over the blade's whole width, are from the design.
 class DroppedRibs {
  public:
   DroppedRibs(const Program& program, const surface::DesignSurface& design, gpu::Backend backend)
       : blade_(program.blade), to_design_(design.mesh, program, backend) {}
 
-  // Of what of a strip lies on its face of the design or no farther than `edge_mm` past its border, moved as
-  // the blade hangs.
+  // Of what of a curve from clamp A to clamp B, points of a strip's rib, lies over its face of the design,
+  // moved as the blade hangs.
   [[nodiscard]] double deviation_mm(int strip, const Points& in_plane, const HangingRib& rib,
-                                    const BladeSpeeds& speeds, double edge_mm) const {
-    double worst = 0;
-    Points points;
-    std::vector<Eigen::Vector3d> plane_normals;
-    for (const Eigen::Vector3d& p : in_plane) {
-      const Hang hang = rib.at(p);
-      points.push_back(p + hang.shift_mm);
-      plane_normals.push_back(hang.plane_normal);
+                                    const BladeSpeeds& speeds) const {
+    std::vector<WidthPlace> places;
+    for (std::size_t i = 0; i < in_plane.size(); ++i) {
+      const Hang hang = rib.at(in_plane[i]);
+      const Eigen::Vector3d along =
+          in_plane[std::min(i + 1, in_plane.size() - 1)] - in_plane[i - std::min<std::size_t>(i, 1)];
+      places.push_back({in_plane[i] + hang.shift_mm, hang.plane_normal, hang.plane_normal.cross(along)});
     }
-    const std::vector<DesignFaces::Foot> feet =
-        to_design_.feet(points, [strip](std::size_t) { return strip; });
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Eigen::Vector3d& n = feet[i].normal;
-      // Across the design's plane: a rib may end a little beyond the border.
-      const Eigen::Vector3d d = points[i] - feet[i].point;
-      const double across = std::abs(n.dot(d));
-      if ((d - n.dot(d) * n).norm() > edge_mm) continue;
-      const double speed = speeds.empty() ? 0 : speeds.at(points[i]);
-      worst = std::max(worst, std::abs(across - half_band_mm(blade_, n, plane_normals[i], speed)));
+    const auto of_strip = [strip](std::size_t) { return strip; };
+    const std::vector<double> heights =
+        width_heights(to_design_, places, blade_.width_mm, PastBorder::kPlane, of_strip);
+    double worst = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (!std::isfinite(heights[i])) continue;
+      const double speed = speeds.empty() ? 0 : speeds.at(places[i].point);
+      worst = std::max(worst, std::abs(heights[i] - 0.5 * blade_.band_mm(speed)));
     }
     return worst;
   }
@@ -117,10 +115,8 @@ RibErrors rib_errors(const Program& program, const surface::DesignSurface& desig
         curve.push_back(rib.frame.point(q.x, q.y));
       const HangingRib hung(strip, static_cast<int>(&rib - strip.ribs.data()), program.blade);
       const auto number = static_cast<int>(&strip - program.strips.data());
-      errors.section_mm =
-          std::max(errors.section_mm, measure.deviation_mm(number, target, hung, speeds, options.edge_mm));
-      errors.curve_mm =
-          std::max(errors.curve_mm, measure.deviation_mm(number, curve, hung, speeds, options.edge_mm));
+      errors.section_mm = std::max(errors.section_mm, measure.deviation_mm(number, target, hung, speeds));
+      errors.curve_mm = std::max(errors.curve_mm, measure.deviation_mm(number, curve, hung, speeds));
       errors.fit_mm = std::max(errors.fit_mm, rib.design_deviation_mm);
     }
   }

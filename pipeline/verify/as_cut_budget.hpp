@@ -14,13 +14,13 @@ namespace hotblade::pipeline {
 struct ExecutedStrip;
 
 struct AsCutBudget {
-  // mesh: chord height of the facets (budget.hpp). section: the ribs' targets, brought back by the local half
-  // band, against the design. fit, joint_fit: the ribs' elastica against their targets, by each rib's own fit
-  // and by what solving the strip together added. between_ribs: what the planned deviation exceeds that of
-  // the ribs' own curves by. kerf_width: the half band by the cut's own slope against that by the design's.
-  // gravity_droop, gravity_in_plane, clamp_error: as planned, from the program. quantisation: the blade
-  // between the registers' clamps against the one between the program's, moved alike. interpolation: that
-  // against the planned motion, a cubic in time through the program's poses.
+  // mesh: chord height of the facets (budget.hpp). section: the ribs' targets against the design, by the
+  // blade's whole width and half its band. fit, joint_fit: the ribs' elastica against their targets, by each
+  // rib's own fit and by what solving the strip together added. between_ribs: what the planned deviation
+  // exceeds that of the ribs' own curves by. kerf_width: the half band by the cut's own slope against that by
+  // the design's. gravity_droop, gravity_in_plane, clamp_error: as planned, from the program. quantisation:
+  // the blade between the registers' clamps against the one between the program's, moved alike.
+  // interpolation: that against the planned motion, a cubic in time through the program's poses.
   std::vector<std::pair<std::string, double>> lines_mm;
   std::vector<std::string> missing;  // lines of the plan that the program does not have
   double shape_mismatch_mm =

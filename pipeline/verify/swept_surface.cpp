@@ -399,20 +399,19 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
       }
     }
   });
-  std::vector<double> formed_mm(grid.vertices());
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
-      for (std::size_t j = 0; j < grid.columns; ++j) {
-        const std::size_t v = grid.first_vertex + i * grid.columns + j;
-        formed_mm[i * grid.columns + j] =
-            half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v],
-                         -bend_across_per_mm(grid, i, j, out));
-      }
+      for (std::size_t j = 0; j < grid.columns; ++j)
+        out.width_bends_per_mm[grid.first_vertex + i * grid.columns + j] =
+            -bend_across_per_mm(grid, i, j, out);
     }
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
-    for (std::size_t k = from * grid.columns; k < to * grid.columns; ++k)
-      out.vertices[grid.first_vertex + k] -= formed_mm[k] * out.normals[grid.first_vertex + k];
+    for (std::size_t v = grid.first_vertex + from * grid.columns; v < grid.first_vertex + to * grid.columns;
+         ++v)
+      out.vertices[v] -= half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v],
+                                      out.width_bends_per_mm[v]) *
+                         out.normals[v];
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     place_triangles(grid, from, to, out);
@@ -455,6 +454,7 @@ SweptSurface surface_of(const Counts& counts) {
   out.sides_of_vertex.resize(counts.vertices);
   out.areas_mm2.resize(counts.vertices);
   out.bends_per_mm.resize(counts.vertices);
+  out.width_bends_per_mm.resize(counts.vertices);
   out.triangles.resize(counts.triangles);
   return out;
 }

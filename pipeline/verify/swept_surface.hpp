@@ -15,8 +15,7 @@ namespace hotblade::pipeline {
 // itself: the width stands along the normal of the plane the blade bends in, and `bend_per_mm` is the
 // surface's across it (robot::over_width_mm).
 [[nodiscard]] double half_band_mm(const robot::Blade& blade, const Eigen::Vector3d& normal,
-                                  const Eigen::Vector3d& plane_normal, double speed_mm_s,
-                                  double bend_per_mm = 0);
+                                  const Eigen::Vector3d& plane_normal, double speed_mm_s, double bend_per_mm);
 
 // A surface with what made each of its vertices.
 struct SweptSurface {
@@ -33,6 +32,8 @@ struct SweptSurface {
   std::vector<unsigned char> sides_of_vertex;
   std::vector<double> areas_mm2;     // of the surface that a vertex stands for
   std::vector<double> bends_per_mm;  // the most that the surface curves there in any direction
+  std::vector<double>
+      width_bends_per_mm;  // of what is left, over the blade's width, as half_band_mm() takes it
 };
 
 // How far the points of a grid lie apart.

@@ -26,6 +26,7 @@
 #include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/near_cells.hpp"
 #include "pipeline/verify/swept_surface.hpp"
+#include "pipeline/verify/width_heights.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline {
@@ -231,8 +232,9 @@ class CutMeasurement {
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
     const double speed = cut_.speeds_mm_s[i];
-    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed);
-    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed);
+    const double bend = cut_.width_bends_per_mm[i];
+    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed, bend);
+    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed, bend);
     c.half_band = std::abs(by_cut - by_design);
     return c;
   }
@@ -473,20 +475,26 @@ class CutMeasurement {
     feet.reserve(touched.size());
     for (const DesignFaces::Foot& foot : touched) feet.push_back(foot.point);
     const std::vector<gpu::Nearest> formed = search.search().query(feet);
+    std::vector<WidthPlace> places;
+    std::vector<std::size_t> of;
     for (std::size_t k = 0; k < feet.size(); ++k) {
       // Only what the same strip forms: another strip's part lies in another block.
       const int strip = touches.strip_of_point[k];
       if (search.strip_of(formed[k].triangle) != strip || formed[k].distance > near()) continue;
       if (touched[k].on_border || search.on_edge(formed[k])) continue;
-      Eigen::Vector3d n = touched[k].normal;
-      if (n.dot(cut_.normals[search.vertex_of(formed[k].triangle)]) < 0) n = -n;
-      const double above = n.dot(touches.points[k] - feet[k]);
-      const double depth =
-          half_band_mm(program_.blade, n, touches.plane_normals[k], touches.speeds_mm_s[k]) - above;
+      places.push_back(
+          {touches.points[k], touches.plane_normals[k], cut_.normals[search.vertex_of(formed[k].triangle)]});
+      of.push_back(k);
+    }
+    const auto strip_of = [&](std::size_t i) { return touches.strip_of_point[of[i]]; };
+    const std::vector<double> heights =
+        width_heights(to_design_, places, program_.blade.width_mm, PastBorder::kNothing, strip_of);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double depth = 0.5 * program_.blade.band_mm(touches.speeds_mm_s[of[i]]) - heights[i];
       if (!(depth > 0)) continue;
       report_.gouge_mm = std::max(report_.gouge_mm, depth);
       // A point: it stands for no area.
-      add(depth, feet[k], 0, strip);
+      add(depth, feet[of[i]], 0, strip_of(i));
     }
   }
 
