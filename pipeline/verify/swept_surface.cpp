@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/hanging.hpp"
+#include "pipeline/verify/row_way.hpp"
 #include "robot/blade/band_edge.hpp"
 
 namespace hotblade::pipeline {
@@ -63,6 +65,20 @@ double moved_mm(const Marks& from, const Marks& to) {
   return moved;
 }
 
+// Whether the part in foam slides along the blade from one pose to another, by so much that the blade moves
+// across itself by less than half a finest step: then the surface's slope cannot be measured between both.
+bool slides(const BladePose& p, const Marks& from, const BladePose& q, const Marks& to, double finest_mm) {
+  const double first = (*q.foam)[0] - (*p.foam)[0], last = (*q.foam)[1] - (*p.foam)[1];
+  const double least = 0.5 * finest_mm;
+  if (!(std::max(std::abs(first), std::abs(last)) > least)) return false;
+  double across_sq = 0;
+  for (std::size_t i = 0; i < kMarks; ++i) {
+    const double share = static_cast<double>(i) / (kMarks - 1), along = (1 - share) * first + share * last;
+    across_sq = std::max(across_sq, (to[i] - from[i]).squaredNorm() - along * along);
+  }
+  return across_sq < least * least;
+}
+
 // Distance of a point from the straight line between two others.
 double off_chord_mm(const Eigen::Vector3d& p, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const Eigen::Vector3d along = to - from;
@@ -103,25 +119,37 @@ class RowSteps {
   const GridSteps& steps_;
 };
 
-// Poses with foam that become rows; first and last included. The last one takes the place of one less than
-// half a finest step before it: the surface's slope is measured between rows, and over a hundredth of a
-// millimetre the registers' micrometre would decide it.
-std::vector<const BladePose*> grid_rows(const Strip& strip, const GridSteps& steps) {
-  std::vector<const BladePose*> in_foam, rows;
+// Poses with foam, and the numbers of those that become rows; first and last included. The last one takes the
+// place of one less than half a finest step before it: the surface's slope is measured between rows, and over
+// a hundredth of a millimetre the registers' micrometre would decide it.
+struct GridRows {
+  std::vector<const BladePose*> in_foam;
+  std::vector<std::size_t> numbers;
+  std::vector<char> slides;  // of each row
+};
+
+GridRows grid_rows(const Strip& strip, const GridSteps& steps) {
+  GridRows rows;
   for (const BladePose& pose : strip.poses) {
-    if (pose.foam) in_foam.push_back(&pose);
+    if (pose.foam) rows.in_foam.push_back(&pose);
   }
-  if (in_foam.empty()) return rows;
-  const std::vector<Marks> marks = marks_of(in_foam);
+  if (rows.in_foam.empty()) return rows;
+  const std::vector<Marks> marks = marks_of(rows.in_foam);
   const RowSteps row_steps(marks, steps);
-  std::size_t last = 0;
-  for (std::size_t n = 0; n < in_foam.size(); n = row_steps.after(n)) {
-    rows.push_back(in_foam[n]);
-    last = n;
+  std::vector<std::size_t>& numbers = rows.numbers;
+  for (std::size_t n = 0; n < rows.in_foam.size(); n = row_steps.after(n)) numbers.push_back(n);
+  const std::size_t last = rows.in_foam.size() - 1;
+  if (numbers.back() != last) {
+    if (numbers.size() > 1 && moved_mm(marks[numbers.back()], marks[last]) < 0.5 * steps.finest_mm)
+      numbers.pop_back();
+    numbers.push_back(last);
   }
-  if (last + 1 == in_foam.size()) return rows;
-  if (rows.size() > 1 && moved_mm(marks[last], marks.back()) < 0.5 * steps.finest_mm) rows.pop_back();
-  rows.push_back(in_foam.back());
+  rows.slides.assign(numbers.size(), 0);
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    const std::size_t from = numbers[i - 1], to = numbers[i];
+    if (slides(*rows.in_foam[from], marks[from], *rows.in_foam[to], marks[to], steps.finest_mm))
+      rows.slides[i - 1] = rows.slides[i] = 1;
+  }
   return rows;
 }
 
@@ -145,6 +173,7 @@ double column_step_mm(std::span<const BladePose* const> rows, const GridSteps& s
 // A strip's rows and where its part of the surface begins.
 struct StripGrid {
   std::vector<const BladePose*> rows;
+  GridRows found;
   std::size_t columns = 0;
   std::size_t sag_every = 1;  // rows from one whose sag is solved to the next
   std::size_t first_vertex = 0, first_triangle = 0;
@@ -157,8 +186,10 @@ struct StripGrid {
 
 StripGrid strip_grid(const Strip& strip, const GridSteps& steps) {
   StripGrid grid;
-  grid.rows = grid_rows(strip, steps);
-  if (grid.rows.size() < 2) grid.rows.clear();
+  grid.found = grid_rows(strip, steps);
+  if (grid.found.numbers.size() > 1) {
+    for (const std::size_t n : grid.found.numbers) grid.rows.push_back(grid.found.in_foam[n]);
+  }
   double longest = 0;
   for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
   const double step = grid.rows.empty() ? steps.finest_mm : column_step_mm(grid.rows, steps);
@@ -261,16 +292,6 @@ class GridOf {
   const std::vector<Eigen::Vector3d>& values_;
 };
 
-// The direction of a curve through three points at the first of them, of any length: that of the parabola
-// through them. `before` and `behind` are its neighbours, or the next two on one side.
-Eigen::Vector3d direction_at(const Eigen::Vector3d& p, const Eigen::Vector3d& before,
-                             const Eigen::Vector3d& behind, bool between) {
-  const Eigen::Vector3d u = before - p, v = behind - p;
-  const double h = between ? -u.norm() : u.norm(), k = between ? v.norm() : (behind - before).norm() + h;
-  if (h == 0 || k == 0 || h == k) return behind - before;
-  return (k / h * u - h / k * v) / (k - h);
-}
-
 // The direction of the grid's line through a vertex along one of its two ways, by `count` vertices of it.
 template <typename At>
 Eigen::Vector3d line_direction(std::size_t i, std::size_t count, const At& at) {
@@ -282,11 +303,12 @@ Eigen::Vector3d line_direction(std::size_t i, std::size_t count, const At& at) {
 
 // Unit normal of the blade points at a row and column, towards where `left` points.
 Eigen::Vector3d grid_normal(const StripGrid& g, const GridOf& points, std::size_t row, std::size_t column,
-                            const Eigen::Vector3d& left) {
+                            const RowWay* way, const Eigen::Vector3d& left) {
   const Eigen::Vector3d along = line_direction(column, g.columns,
                                                [&](std::size_t j) { return points.at(row, j); }),
-                        sweep = line_direction(row, g.rows.size(),
-                                               [&](std::size_t i) { return points.at(i, column); });
+                        sweep = way ? way->sweep[column]
+                                    : line_direction(row, g.rows.size(),
+                                                     [&](std::size_t i) { return points.at(i, column); });
   const Eigen::Vector3d n = along.cross(sweep);
   const double size = n.norm();
   if (!(size > 0)) return left;
@@ -325,22 +347,24 @@ Bends bends_at(const StripGrid& g, std::size_t row, std::size_t column, const Sw
 // How the surface of the blade's points bends where the width passes over it (robot::over_width_mm), by the
 // grid's normals; 0 where its lines run along each other. At a step t across, the blade of the step before
 // has its width turned: what that rises by counts twice, since the curvature has half of t squared.
-double bend_across_per_mm(const StripGrid& g, std::size_t row, std::size_t column, const SweptSurface& out) {
+double bend_across_per_mm(const StripGrid& g, std::size_t row, std::size_t column, const RowWay* way,
+                          const SweptSurface& out) {
   constexpr double kSameWay_sq = 1e-6;
   const GridOf points(g, out.vertices), normals(g, out.normals), widths(g, out.plane_normals);
   const std::size_t v = g.first_vertex + row * g.columns + column;
   const Eigen::Vector3d &n = out.normals[v], &width = out.plane_normals[v];
   const Eigen::Vector3d across = width - n.dot(width) * n;
-  const Eigen::Vector3d along = points.along(row, column), sweep = points.sweep(row, column);
+  const Eigen::Vector3d along = points.along(row, column),
+                        sweep = way ? way->step[column] : points.sweep(row, column);
   const double aa = along.squaredNorm(), as = along.dot(sweep), ss = sweep.squaredNorm();
   const double size = aa * ss - as * as;
   if (!(size > kSameWay_sq * aa * ss)) return 0;
   const double xa = across.dot(along), xs = across.dot(sweep);
   const double by_along = (ss * xa - as * xs) / size, by_sweep = (aa * xs - as * xa) / size;
-  const auto change = [&](const GridOf& of) -> Eigen::Vector3d {
-    return by_along * of.along(row, column) + by_sweep * of.sweep(row, column);
-  };
-  return -across.dot(change(normals)) - 2 * n.dot(change(widths));
+  const Eigen::Vector3d normals_sweep = way ? way->turn[column] : normals.sweep(row, column),
+                        widths_sweep = way ? way->width_turn : widths.sweep(row, column);
+  return -across.dot(by_along * normals.along(row, column) + by_sweep * normals_sweep) -
+         2 * n.dot(by_along * widths.along(row, column) + by_sweep * widths_sweep);
 }
 
 // What a vertex stands for: its share of the area, and how much the surface bends there at most.
@@ -382,16 +406,25 @@ unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t colum
   return static_cast<unsigned char>(bits);
 }
 
-void add_strip(const Program& program, std::size_t index, const StripGrid& grid, SweptSurface& out) {
+void add_strip(const Program& program, std::size_t index, const StripGrid& grid, const GridSteps& steps,
+               SweptSurface& out) {
   const Strip& strip = program.strips[index];
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(program, strip, grid, from, to, out); });
+  std::vector<std::optional<RowWay>> ways(grid.rows.size());
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+      if (grid.found.slides[i])
+        ways[i] = row_way(grid.found.in_foam, grid.found.numbers[i], grid.columns, steps.finest_mm);
+    }
+  });
+  const auto way_of = [&](std::size_t row) { return ways[row] ? &*ways[row] : nullptr; };
   // Normals first, from the blade's points; then these move to the melted band's edge.
   const GridOf points(grid, out.vertices);
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
       for (std::size_t j = 0; j < grid.columns; ++j) {
         const std::size_t v = grid.first_vertex + i * grid.columns + j;
-        out.normals[v] = grid_normal(grid, points, i, j, out.normals[v]);
+        out.normals[v] = grid_normal(grid, points, i, j, way_of(i), out.normals[v]);
         out.speeds_mm_s[v] = grid_speed(grid, points, i, j);
         out.strip_of_vertex[v] = static_cast<int>(index);
         out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
@@ -403,7 +436,7 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
     for (std::size_t i = from; i < to; ++i) {
       for (std::size_t j = 0; j < grid.columns; ++j)
         out.width_bends_per_mm[grid.first_vertex + i * grid.columns + j] =
-            -bend_across_per_mm(grid, i, j, out);
+            -bend_across_per_mm(grid, i, j, way_of(i), out);
     }
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
@@ -486,7 +519,7 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
   }
   SweptSurface surface = surface_of(counts);
   tbb::parallel_for(std::size_t{0}, grids.size(),
-                    [&](std::size_t i) { add_strip(program, i, grids[i], surface); });
+                    [&](std::size_t i) { add_strip(program, i, grids[i], steps, surface); });
   gpu::stop_point();
   return surface;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "tests/pipeline/vault_program.hpp"
@@ -115,6 +116,46 @@ TEST(SweptSurface, IsTheEdgeOfWhatTheWidthPasses) {
         }
       }
     }
+  }
+}
+
+// A border that crosses the rulings at a small angle: what is in foam begins by `slide_mm` farther along the
+// blade with every pose, whose clamps are off by up to `jitter_mm`.
+double off_at_an_oblique_border_mm(const Path& path, double slide_mm, double jitter_mm) {
+  Program program = swept(path);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> any(-jitter_mm, jitter_mm);
+  double first = 20;
+  for (BladePose& pose : program.strips.front().poses) {
+    Frame frame{pose.frame.point(any(random), any(random)), pose.frame.x(), pose.frame.y()};
+    pose.frame = SharedFrame(frame);
+    first = first > 250 ? 20 : first + slide_mm;
+    pose.foam = {{first, 300}};
+  }
+  const SweptSurface cut = swept_surface(program, 2.5);
+  const auto [low, high] = std::minmax({path.at(-kHalfTurn_rad).x(), path.at(kHalfTurn_rad).x()});
+  const double ends = 1.5 * program.blade.width_mm;
+  double off = 0;
+  int seen = 0;
+  constexpr std::size_t kEvery = 37;  // of no number of columns
+  for (std::size_t v = 0; v < cut.vertices.size(); v += kEvery) {
+    const Vector3d& p = cut.vertices[v];
+    if (p.x() < low + ends || p.x() > high - ends) continue;
+    ++seen;
+    off = std::max(off, std::abs(distance_mm(path, program.blade.width_mm, p) - 0.5));
+  }
+  EXPECT_GT(seen, 40);
+  return off;
+}
+
+TEST(SweptSurface, IsNoFartherOffWherePartsInFoamSlideAlongTheBlade) {
+  for (const Path& path : {Path{60, true, 0.2, 0}, Path{60, false, 0.2, 0}, Path{60, false, 0, 500}}) {
+    constexpr double kJitter_mm = 0.01;
+    const double still = off_at_an_oblique_border_mm(path, 0, kJitter_mm);
+    EXPECT_LT(still, 4 * kJitter_mm);
+    for (const double slide_mm : {1.0, 5.0, 20.0})
+      EXPECT_LT(off_at_an_oblique_border_mm(path, slide_mm, kJitter_mm), 4 * kJitter_mm)
+          << slide_mm << " against " << still;
   }
 }
 
