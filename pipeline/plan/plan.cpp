@@ -126,9 +126,11 @@ void warn_of_facets(const Settings& settings, PlanResult& result) {
   result.warnings.push_back(say(Saying::kFacets, {chord, allowed}));
 }
 
-PoseErrors pose_errors(const std::vector<StripFacts>& strips) {
+PoseErrors pose_errors(const PlanResult& result) {
   PoseErrors share;
-  for (const StripFacts& f : strips) {
+  for (const BranchReport& branch : result.verification.branches)
+    share.told_mm = std::max(share.told_mm, branch.told_off_mm);
+  for (const StripFacts& f : result.strips) {
     share.droop_mm = std::max(share.droop_mm, robot::kSagUnknownShare * f.droop_error_mm);
     share.in_plane_mm = std::max(share.in_plane_mm, robot::kSagUnknownShare * f.motion.in_plane_sag_mm);
     share.clamp_mm = std::max(share.clamp_mm, f.motion.clamp_error_mm);
@@ -533,7 +535,7 @@ void conclude(const surface::DesignSurface& design, PlanResult& result) {
   v.tolerance_mm = settings.design.tolerance_mm;
   v.deviation_mm = result.verification.deviation;
   v.uncut_mm2 = result.verification.uncut_mm2;
-  v.budget_mm = error_budget(design, program, pose_errors(result.strips));
+  v.budget_mm = error_budget(design, program, pose_errors(result));
   v.samples = result.verification.cut_samples + result.verification.design_samples;
   v.not_checked = not_checked(program.blade);
   if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {

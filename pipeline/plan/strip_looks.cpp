@@ -188,6 +188,7 @@ void StripLooks::measure_fresh(const Program& like, const surface::DesignSurface
     }
     const BranchReport branch =
         follow_branch(looked.planned.strip, {sharpest, options.min_margin, program.settings.machine.clamps});
+    looked.bound_mm += branch.told_off_mm;
     if (!branch.held()) looked.branch = {branch_refusal(looked.planned.strip, branch)};
   });
   gpu::stop_point();

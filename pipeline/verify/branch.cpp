@@ -27,6 +27,7 @@ struct FollowedPose {
   Elastica shape;
   double margin = 0;
   bool taut = false;
+  std::optional<Elastica> told;  // by the registers alone, where the shape is by the clamps as computed
 };
 
 // Winds more than any blade, or is not a number: nowhere near a shape that was followed.
@@ -35,14 +36,31 @@ bool wild(const Elastica& e) {
   return !(elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length <= kMostRate);
 }
 
+// Of a pose that forms the design how far the blade is from the planned one in foam, across itself; by points
+// `every` so many of which stand beside one of the planned.
+double across_in_foam_mm(const elastica::PartPoints& is, const elastica::PartPlaces& should, std::size_t i,
+                         std::size_t every, const BladePose& pose) {
+  if (!pose.foam || wild(pose.blade)) return 0;
+  const double apart = pose.blade.length / static_cast<double>(should.points - 1);
+  double largest = 0;
+  for (std::size_t k = 0; k < should.points; ++k) {
+    const double s = apart * static_cast<double>(k);
+    if (s < (*pose.foam)[0] - 0.5 * apart || s > (*pose.foam)[1] + 0.5 * apart) continue;
+    const std::size_t at = i * is.points + every * k;
+    const Eigen::Vector2d off = is.at(i, every * k) - should.at(i, k);
+    largest = std::max(largest, std::abs(is.cos[at] * off.y() - is.sin[at] * off.x()));
+  }
+  return largest;
+}
+
 // Margins are computed at every so many poses, many at once: what could bring the blade to its limit in
 // between is looked at while it is followed (robot/blade/blade_branch.hpp).
 constexpr std::size_t kMarginEvery = 16;
 
-// Of some poses: how far the blade is from where the program says, its largest curvature, and the margins of
-// every so many of them.
+// Of some poses: how far the blade is from where the program says, and what forms the design across itself by
+// registers alone; its largest curvature, and the margins of every so many of them.
 struct FollowedBlock {
-  std::vector<double> off_mm, curvature_per_mm, margin;
+  std::vector<double> off_mm, told_off_mm, curvature_per_mm, margin;
 
   FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
     constexpr std::size_t kPoints = 9, kMost = 65;
@@ -66,6 +84,16 @@ struct FollowedBlock {
       off_mm.push_back(largest);
       curvature_per_mm.push_back(elastica::max_abs_curvature(found[i], is, i));
     }
+    const bool same = std::none_of(followed.begin(), followed.end(), [](const auto& f) { return f.told; });
+    if (!same) {
+      for (std::size_t i = 0; i < followed.size(); ++i) {
+        if (followed[i].told) found[i] = *followed[i].told;
+      }
+    }
+    const elastica::PartPoints told =
+        same ? elastica::PartPoints{} : elastica::sample_parts(found, whole, fine);
+    for (std::size_t i = 0; i < followed.size(); ++i)
+      told_off_mm.push_back(across_in_foam_mm(same ? is : told, should, i, every, poses[i]));
     margin.resize(some.size());
     elastica::stability_margins(some, margin);
   }
@@ -134,6 +162,7 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, const B
       report.smallest_margin = std::min(report.smallest_margin, pose.margin);
       // The pose of a finding is the last one, and is not compared.
       if (!report.held() && from + i == report.pose) return;
+      report.told_off_mm = std::max(report.told_off_mm, block.told_off_mm[i]);
       if (i % kMarginEvery == 0) {
         const double margin = block.margin[i / kMarginEvery];
         report.smallest_margin = std::min(report.smallest_margin, margin);
@@ -191,13 +220,13 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
     last = as_told;
     if (finding.held() && !(blade.off_plane_mm() <= kShapeMismatchMm))
       finding = {Limit::kBladePlane, blade.off_plane_mm(), kShapeMismatchMm};
-    followed.push_back({blade.shape(), blade.margin(), false});
+    followed.push_back({blade.shape(), blade.margin(), false, {}});
     if (blade.taut() && !nearly_straight) nearly_straight.emplace(before, limits_of(options, 0));
     if (nearly_straight && finding.held()) {
       const ClampPoses computed = robot::held({strip.poses[i].a, strip.poses[i].b}, options.offsets);
       finding = nearly_straight->move_to(computed.a, computed.b);
       followed.back() = {nearly_straight->shape(), std::min(blade.margin(), nearly_straight->margin()),
-                         nearly_straight->taut()};
+                         nearly_straight->taut(), blade.shape()};
       if (!blade.taut() && robot::bend_between(blade.shape(), nearly_straight->shape()) <= kSameBend)
         nearly_straight.reset();
     }

@@ -33,6 +33,9 @@ struct BranchReport {
   // Largest distance of the blade, its clamps in whole micrometres, from where the program says, as far as
   // followed.
   double mismatch_mm = 0;
+  // The same of what is in foam and forms the design, across the blade, taut ones too: what the controller's
+  // micrometres add to the cut.
+  double told_off_mm = 0;
   double smallest_margin = 0;  // of the shapes found, as often as robot/blade/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
   [[nodiscard]] bool held() const { return limit == Limit::kNone; }

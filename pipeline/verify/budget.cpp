@@ -99,7 +99,7 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
           {"joint_fit", std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
           {"interpolation", interpolation_mm(program) + errors.off_plane_mm},
-          {"quantisation", kQuantisationMm},
+          {"quantisation", std::max(kQuantisationMm, errors.told_mm)},
           {"gravity_droop", errors.droop_mm},
           {"gravity_in_plane", errors.in_plane_mm},
           {kClampErrorLine, errors.clamp_mm}};

@@ -19,6 +19,7 @@ struct PoseErrors {
   double clamp_mm = 0;      // by the clamps' errors times the sensitivity of the shape
   double joint_fit_mm = 0;  // the ribs' largest deviation above that of each rib's own fit
   double off_plane_mm = 0;  // between waypoints whose planes are not parallel
+  double told_mm = 0;       // by the micrometres that a controller is told (pipeline/verify/branch.hpp)
 };
 
 // Returns the height of the mesh's chords over the surface it stands for, from the angle between neighbouring

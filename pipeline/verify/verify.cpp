@@ -556,7 +556,12 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   report.branches = std::move(branches);
   report.ribs = std::move(ribs);
   report.clamp_mismatch_mm = mismatch_mm;
-  report.within_tolerance = report.within_tolerance && report.clamp_mismatch_mm <= kClampMismatchMm;
+  for (std::size_t i = 0; i < report.branches.size(); ++i) {
+    report.strip_bound_mm[i] += report.branches[i].told_off_mm;
+    report.bound_mm = std::max(report.bound_mm, report.strip_bound_mm[i]);
+  }
+  report.within_tolerance = report.within_tolerance && report.bound_mm <= options.tolerance_mm &&
+                            report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;
 }
 

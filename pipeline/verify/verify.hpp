@@ -54,8 +54,9 @@ struct BladeTouches {
 
 struct VerifyReport {
   Deviation deviation;  // of the samples; mean, root mean square and percentiles by the area they stand for
-  // No place of the design that counts lies farther from the cut, samples or not; no less than the deviation.
-  // What it takes for granted: the surface that is cut bends between the grid's points as at them.
+  // No place of the design that counts lies farther from the cut, samples or not, as a controller is told it
+  // in micrometres; no less than the deviation. What it takes for granted: the surface that is cut bends
+  // between the grid's points as at them.
   double bound_mm = 0;
   int worst_strip = -1;     // of the largest deviation: index into program.strips
   double gouge_mm = 0;      // deepest cut of a touch into the kept side of its own strip's design

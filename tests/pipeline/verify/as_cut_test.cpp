@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -162,6 +163,26 @@ TEST(AsCut, AHotBladeBesideTheCutCountsOnTheKeptSideOnly) {
       EXPECT_EQ(report.cut.gouge_mm, 0);
       EXPECT_TRUE(report.cut.within_tolerance);
     }
+  }
+}
+
+TEST(AsCut, IsNowhereFartherOffThanAPlanOfNearlyStraightBladesSays) {
+  // Standing waves: their ribs become straight between a crest and a hollow, and a micrometre moves them by
+  // tenths of a millimetre there.
+  const surface::DesignSurface waves = grid_design("waves", 60, 60, [](double u, double v) {
+    constexpr double kTurn = 6.283185307179586;
+    return Eigen::Vector3d(700 * u, 500 * v, 9 * std::sin(kTurn * u) * std::sin(kTurn * v));
+  });
+  const PlanResult planned = plan(waves, back_kept(), {});
+  ASSERT_TRUE(planned.refusals.empty());
+  const double deviation_mm = planned.verification.deviation.max, bound_mm = planned.verification.bound_mm;
+  const Executed run(planned.program);
+  const AsCutReport report = as_cut(run.work.program, read_executed(run.work, run.log), waves, {});
+  EXPECT_LT(report.cut.deviation.max, bound_mm);
+  EXPECT_GT(report.cut.deviation.max, deviation_mm + 0.03) << "the case does not show it";
+  for (const auto& [line, mm] : planned.program.verification.budget_mm) {
+    if (line != "quantisation") continue;
+    EXPECT_NEAR(mm, bound_mm - deviation_mm, 0.03);
   }
 }
 

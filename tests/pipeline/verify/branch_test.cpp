@@ -259,6 +259,22 @@ TEST(FollowBranch, AMicrometreThatMovesANearlyStraightBladeIsNoOtherShape) {
   EXPECT_EQ(follow_branch(other, {1 / 30.0, 1}).limit, Limit::kPlannedShape);
 }
 
+TEST(FollowBranch, SaysByHowMuchMicrometresMoveWhatFormsTheDesignAcrossTheBlade) {
+  // A micrometre of slack bows the blade by 0.4 mm, and registers cannot tell it from a straight one.
+  Strip strip = pressed_strip(1e-3, 20, 2);
+  EXPECT_EQ(follow_branch(strip, {1 / 30.0, 1}).told_off_mm, 0) << "nothing forms the design";
+  strip.poses.back().foam = {{100, 400}};
+  const BranchReport all = follow_branch(strip, {1 / 30.0, 1});
+  EXPECT_EQ(all.limit, Limit::kNone);
+  EXPECT_GT(all.told_off_mm, 0.1);
+  EXPECT_LT(all.told_off_mm, 0.6);
+  // Beside the clamps it moves by less.
+  strip.poses.back().foam = {{1, 20}};
+  EXPECT_LT(follow_branch(strip, {1 / 30.0, 1}).told_off_mm, 0.3 * all.told_off_mm);
+  Strip bent = cylinder_strip();
+  EXPECT_LT(follow_branch(bent, kSpring).told_off_mm, 0.005);
+}
+
 TEST(FollowBranch, KnowsTheSideOfABladeThatRegistersCannotTellFromAStraightOne) {
   // A micrometre of slack is 0.4 mm of bow.
   const Strip strip = pressed_strip(1e-3, 20, 2);
