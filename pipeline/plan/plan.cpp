@@ -295,6 +295,13 @@ class PlanLooks {
   StripLooks coarse_{MotionLook::kCoarse}, full_{MotionLook::kFull};
 };
 
+// Nothing is tried where `keep` does not tell the waste's side.
+Refusal leaning_refusal(const surface::DesignSurface& design, const Settings& settings) {
+  const bool closed = design.health.closed && !settings.design.facing;
+  const std::string why = closed ? say(Saying::kClosed) : say(Saying::kUpright, {name(settings.design.keep)});
+  return {"design", "", Limit::kLean, 0, kLeastLean, why};
+}
+
 // The refused plan that comes nearest to one that passes: what is shown when none does.
 class Nearest {
  public:
@@ -324,17 +331,6 @@ class Nearest {
   }
 
  private:
-  // Nothing is tried where `keep` does not tell the waste's side.
-  static Refusal leaning_refusal(const surface::DesignSurface& design, const Settings& settings) {
-    const bool closed = design.health.closed && !settings.design.facing;
-    return {"design",
-            "",
-            Limit::kLean,
-            0,
-            kLeastLean,
-            closed ? say(Saying::kClosed, {}) : say(Saying::kUpright, {name(settings.design.keep)})};
-  }
-
   std::optional<Nearness> rank_;
   SweptPlan swept_;
   std::optional<PlanResult> verified_;
@@ -440,6 +436,9 @@ SweptPlan try_faces(const surface::DesignSurface& design, const std::vector<surf
     std::move(face.decisions.begin(), face.decisions.end(), std::back_inserter(result.decisions));
     std::move(face.ranking.begin(), face.ranking.end(), std::back_inserter(result.ranking));
   }
+  // Of the whole, which may be closed where none of its faces is.
+  for (Refusal& r : untried)
+    if (r.limit == Limit::kLean) r = leaning_refusal(design, settings);
   whole.refusals.insert(whole.refusals.end(), untried.begin(), untried.end());
   PlanResult all = PlanLooks(design, settings, hooks, watch, result).whole(whole);
   all.faces = std::move(result.faces);

@@ -131,9 +131,10 @@ TEST(Advice, OfAClosedSolidIsToTakeItsUpperFaces) {
   const Design design(Design::Kind::kSolid);
   const Settings settings = in_mm();
   ASSERT_TRUE(design.read(settings).health.closed);
-  PlanResult refused;
-  refused.program.settings = settings;
-  refused.refusals.push_back({"design", "", Limit::kStrips, 0, 1});
+  const PlanResult refused = design.plan_with(settings);
+  ASSERT_FALSE(refused.refusals.empty());
+  // Its faces meet in edges, and none of them is closed itself.
+  EXPECT_THAT(describe(refused.refusals.front()), HasSubstr("the design is closed"));
   const auto told = design.advice(refused, settings);
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(as_options(told.front()), "--set \"design.facing=[0, 0, 1]\"");
