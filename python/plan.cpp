@@ -119,6 +119,7 @@ class Planner {
     try {
       pipeline::FirstLook look = first_look(design_.surface, settings_);
       if (const auto warning = warning_of(look.odd_size)) warnings.push_back(*warning);
+      if (look.planes_warning) warnings.push_back(*look.planes_warning);
       return std::move(look.suggestions);
     } catch (const surface::FanError&) {  // of which the plan tells
       return {};

@@ -21,8 +21,11 @@ bool can_be_forecast(const surface::DesignSurface& design) {
   return design.health.blockers.empty() && design.health.area_mm2 > 0;
 }
 
-void warn_of(const std::optional<OddSize>& odd, surface::DesignSurface& design) {
-  if (const auto warning = warning_of(odd)) design.health.warnings.push_back(*warning);
+// Of a forecast or a first look.
+template <typename Look>
+void warn_of(const Look& look, surface::DesignSurface& design) {
+  if (const auto warning = warning_of(look.odd_size)) design.health.warnings.push_back(*warning);
+  if (look.planes_warning) design.health.warnings.push_back(*look.planes_warning);
 }
 
 }  // namespace
@@ -30,14 +33,14 @@ void warn_of(const std::optional<OddSize>& odd, surface::DesignSurface& design) 
 std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings) {
   if (!can_be_forecast(design)) return std::nullopt;
   Forecast met = forecast(design, settings);
-  warn_of(met.odd_size, design);
+  warn_of(met, design);
   return met;
 }
 
 FirstLook first_look_of(surface::DesignSurface& design, const Settings& settings) {
   if (!can_be_forecast(design)) return {};
   FirstLook look = first_look(design, settings);
-  warn_of(look.odd_size, design);
+  warn_of(look, design);
   return look;
 }
 

@@ -19,7 +19,8 @@ namespace hotblade::pipeline {
 void refuse_blocked(const surface::DesignSurface& design, const std::string& file);
 
 // Returns the forecast; absent for a design that cannot be sliced or has no area. A size of which hardly
-// anything could be cut is added to the design's warnings. Throws surface::FanError as forecast() does.
+// anything could be cut, and planes given in which most is lost, are added to the design's warnings. Throws
+// surface::FanError as forecast() does.
 [[nodiscard]] std::optional<Forecast> forecast_of(surface::DesignSurface& design, const Settings& settings);
 
 // Returns what a plan begins with, in the same way; nothing where there would be no forecast.

@@ -363,6 +363,27 @@ Shape shape_of(const surface::DesignSurface& design, double area_mm2, const Vect
   return shape;
 }
 
+bool planes_are_given(const SliceSettings& slice) {
+  return slice.direction || slice.fan_axis;
+}
+
+// Its size is judged by the planes that suit it: by others where most is lost in those that were given.
+Shape shape_in_any_planes(const Shape& in_given, const surface::TriangleMesh& mesh,
+                          const std::vector<Curved>& points, const Settings& settings, Forecast f) {
+  if (!planes_are_given(settings.slice) || !is_mostly_lost(in_given)) return in_given;
+  SliceSettings free = settings.slice;
+  free.direction.reset();
+  free.fan_axis.reset();
+  choose_planes(mesh, points, sweep_planes(mesh, free), f);
+  const double lost = f.sections.sharper_share + f.steep_share;
+  if (lost >= in_given.lost_share) return in_given;
+  Shape shape = in_given;
+  shape.radius_mm = f.sections.radius_mm;
+  shape.lost_share = lost;
+  shape.lost_in_given = in_given.lost_share;
+  return shape;
+}
+
 // The faces of a design that would be cut.
 struct CutFaces {
   surface::TriangleMesh mesh;
@@ -438,8 +459,9 @@ Forecast forecast(const surface::DesignSurface& design, const Settings& settings
   const std::vector<Curved> points = curved_points(cut.mesh);
   f.surface = surface_bend(points, f.blade_radius_mm);
   choose_planes(cut.mesh, points, sweep_planes(cut.mesh, settings.slice), f);
-  const Shape shape = shape_of(design, area, seen, f);
+  const Shape shape = shape_in_any_planes(shape_of(design, area, seen, f), cut.mesh, points, settings, f);
   f.odd_size = odd_size(shape, settings);
+  f.planes_warning = planes_warning(shape);
   f.reasons = reasons(shape, settings);
   f.suggestions = suggestions(shape, f.odd_size, settings);
   return f;
@@ -479,11 +501,12 @@ FirstLook first_look(const surface::DesignSurface& design, const Settings& setti
   CutFaces cut(design, settings, f);
   const double area = cut.area_mm2;
   const Vector3d seen = seen_along_axes(design.mesh);
-  const bool free = !settings.slice.direction && !settings.slice.fan_axis;
+  const bool free = !planes_are_given(settings.slice);
   // Of no size that asks for more, and in planes along its axes most of the design is followed: the best
   // planes say the same.
   const auto usual = [&] {
-    return FirstLook{std::nullopt, suggestions(shape_of(design, area, seen, f), std::nullopt, settings)};
+    return FirstLook{std::nullopt, std::nullopt,
+                     suggestions(shape_of(design, area, seen, f), std::nullopt, settings)};
   };
   const bool thin = cut.mesh.vertices().size() > kThinned;
   if (thin) cut.thin(f.blade_radius_mm, settings.design.tolerance_mm);
@@ -497,9 +520,9 @@ FirstLook first_look(const surface::DesignSurface& design, const Settings& setti
     if (is_of_usual_size(shape_of(design, area, seen, f), settings)) return usual();
   }
   choose_planes(cut.mesh, points, sweep_planes(cut.mesh, settings.slice), f);
-  const Shape shape = shape_of(design, area, seen, f);
+  const Shape shape = shape_in_any_planes(shape_of(design, area, seen, f), cut.mesh, points, settings, f);
   const std::optional<OddSize> odd = odd_size(shape, settings);
-  return {odd, suggestions(shape, odd, settings)};
+  return {odd, planes_warning(shape), suggestions(shape, odd, settings)};
 }
 
 }  // namespace hotblade::pipeline

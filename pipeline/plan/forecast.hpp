@@ -42,7 +42,9 @@ struct Forecast {
   double lean = 0;          // of the area's mean normal towards z, of the faces to be cut: -1 to 1
   bool upright = false;     // it leans so little that `below` and `above` say nothing about it
   std::size_t strips_lower_bound = 1;
-  std::optional<OddSize> odd_size;      // for blade and blocks in the unit given
+  std::optional<OddSize> odd_size;  // for blade and blocks in the unit given
+  // Most of the area is lost in the planes given, and less in others; absent where it is not so.
+  std::optional<std::string> planes_warning;
   std::vector<std::string> reasons;     // what stands against the settings, without the size
   std::vector<Suggestion> suggestions;  // what may help: not tried
 };
@@ -54,10 +56,11 @@ struct Forecast {
 // What a plan begins with.
 struct FirstLook {
   std::optional<OddSize> odd_size;
+  std::optional<std::string> planes_warning;
   std::vector<Suggestion> suggestions;
 };
 
-// Returns both as the forecast has them, sooner: the best of many planes are looked for only where those
+// Returns them as the forecast has them, sooner: the best of many planes are looked for only where those
 // along the design's own axes leave it open whether its size is odd. Throws as forecast() does.
 [[nodiscard]] FirstLook first_look(const surface::DesignSurface& design, const Settings& settings);
 

@@ -92,8 +92,17 @@ std::vector<Suggestion> of_faces(const Shape& shape, const Settings& settings) {
 
 }  // namespace
 
+bool is_mostly_lost(const Shape& shape) {
+  return shape.lost_share > kMostlyLost;
+}
+
+std::optional<std::string> planes_warning(const Shape& shape) {
+  if (is_mostly_lost(shape) || shape.lost_in_given.value_or(0) <= kMostlyLost) return std::nullopt;
+  return say(Saying::kMostlyLostGiven, {100 * *shape.lost_in_given});
+}
+
 bool is_of_usual_size(const Shape& shape, const Settings& settings) {
-  return shape.size_mm.maxCoeff() >= least_extent_mm(settings) && shape.lost_share <= kMostlyLost &&
+  return shape.size_mm.maxCoeff() >= least_extent_mm(settings) && !is_mostly_lost(shape) &&
          strips_lower_bound(shape.area_mm2, settings) <= kManyStrips;
 }
 
@@ -107,7 +116,7 @@ std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings) {
     odd.others = units_that_suit(shape, settings, true, kTooManyStrips);
     return odd;
   }
-  if (shape.lost_share > kMostlyLost) {
+  if (is_mostly_lost(shape)) {
     odd.why = say(Saying::kMostlyLost, {100 * shape.lost_share});
     odd.others = units_that_suit(shape, settings, true, kTooManyStrips);
     if (odd.others.empty()) return std::nullopt;  // whatever the unit: that is its shape

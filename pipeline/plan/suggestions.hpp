@@ -39,9 +39,10 @@ struct Shape {
   std::string units;
   Eigen::Vector3d size_mm{0, 0, 0};
   double area_mm2 = 0;  // of the faces to be cut
-  // Of the sections in the rib planes that suit most of it: their smallest radius, and the share of the area
-  // that is too steep or too sharp for a blade in them. Radius of the blade.
+  // Of the sections in the rib planes that suit most of it, given or not: their smallest radius, and the
+  // share of the area that is too steep or too sharp for a blade in them. Radius of the blade.
   double radius_mm = 0, lost_share = 0, blade_radius_mm = 0;
+  std::optional<double> lost_in_given;  // the same share in planes that were given, where it is larger
   std::optional<std::array<double, 3>> facing;  // the side that shows most of a closed design
   double facing_share = 0;
   bool upright = false;           // `below` and `above` say nothing about it
@@ -51,6 +52,12 @@ struct Shape {
 
 // Returns why the size is odd, in words, and units in which it is not; absent where it is not odd.
 [[nodiscard]] std::optional<OddSize> odd_size(const Shape& shape, const Settings& settings);
+
+// Tells whether most of it is lost in planes of whatever kind.
+[[nodiscard]] bool is_mostly_lost(const Shape& shape);
+
+// Returns that most of it is lost in the planes given, and less in others; absent where it is not so.
+[[nodiscard]] std::optional<std::string> planes_warning(const Shape& shape);
 
 // Tells whether the size is not odd, and would not be in planes that suit more of it either.
 [[nodiscard]] bool is_of_usual_size(const Shape& shape, const Settings& settings);

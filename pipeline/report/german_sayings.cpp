@@ -248,6 +248,10 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "die größte Ausdehnung, {:.6g} mm, ist kleiner als der Abstand der Klemmen ({:g} mm)"},
     {"{:.0f} % of the area is too steep or too sharp for the blade in any planes",
      "{:.0f} % der Fläche sind in jeder Lage der Ebenen zu steil oder zu scharf für die Klinge"},
+    {"{:.0f} % of the area is too steep or too sharp for the blade in the planes given: others suit more of "
+     "it",
+     "{:.0f} % der Fläche sind in den vorgegebenen Ebenen zu steil oder zu scharf für die Klinge: zu anderen "
+     "passt mehr davon"},
     {"largest extent {:.6g} mm: {} strips at least", "größte Ausdehnung {:.6g} mm: mindestens {} Streifen"},
     {"{}: is that the design's unit?", "{}: ist das die Einheit des Entwurfs?"},
     {"{}: is that the design's unit? {}", "{}: ist das die Einheit des Entwurfs? {}"},

@@ -104,6 +104,9 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kNoTable, "no table: give [table] size_mm"},
     {Saying::kSmallExtent, "largest extent {:.6g} mm is less than clamps are apart ({:g} mm)"},
     {Saying::kMostlyLost, "{:.0f} % of the area is too steep or too sharp for the blade in any planes"},
+    {Saying::kMostlyLostGiven,
+     "{:.0f} % of the area is too steep or too sharp for the blade in the planes given: others suit more of "
+     "it"},
     {Saying::kStripsAtLeast, "largest extent {:.6g} mm: {} strips at least"},
     {Saying::kIsThatTheUnit, "{}: is that the design's unit?"},
     {Saying::kIsThatTheUnitOthers, "{}: is that the design's unit? {}"},

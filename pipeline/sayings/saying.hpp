@@ -75,6 +75,7 @@ enum class Saying : std::uint8_t {
   kNoTable,
   kSmallExtent,
   kMostlyLost,
+  kMostlyLostGiven,
   kStripsAtLeast,
   kIsThatTheUnit,
   kIsThatTheUnitOthers,

@@ -46,6 +46,7 @@ Forecast met(const surface::DesignSurface& design, const Settings& settings) {
     EXPECT_EQ(describe(*look.odd_size), describe(*whole.odd_size));
     EXPECT_EQ(look.odd_size->hopeless, whole.odd_size->hopeless);
   }
+  EXPECT_EQ(look.planes_warning, whole.planes_warning);
   EXPECT_EQ(look.suggestions.size(), whole.suggestions.size());
   for (std::size_t i = 0; i < std::min(look.suggestions.size(), whole.suggestions.size()); ++i) {
     EXPECT_EQ(look.suggestions[i].assignments, whole.suggestions[i].assignments);
@@ -265,6 +266,27 @@ TEST(OddSize, NamesEveryUnitThatSuitsAndNoneWhereTheSizeIsUsual) {
   for (const Case& c : {Case{1e-3, "m", "", false, 0}, Case{1 / 25.4, "in", "", false, 0},
                         Case{1, "mm", "", false, 0}, Case{0.3, "mm", "", false, 0}})
     EXPECT_FALSE(met(scaled_vault(c.by, c.read_as), settings).odd_size.has_value()) << c.read_as;
+}
+
+// A pipe of 58 mm radius is straight along its axis, and too sharp for the blade round it.
+TEST(OddSize, IsNotAskedAboutWhereOnlyThePlanesGivenAreToBlame) {
+  const auto pipe = grid_design("pipe", 30, 20, [](double u, double v) {
+    const double a = 1.2 * (2 * v - 1);
+    return Vector3d(700 * u, 58 * std::sin(a), 58 * std::cos(a));
+  });
+  Settings settings = in("mm");
+  EXPECT_FALSE(met(pipe, settings).planes_warning.has_value());
+  settings.slice.direction = {0, 1, 0};
+  EXPECT_FALSE(met(pipe, settings).planes_warning.has_value());
+  settings.slice.direction = {1, 0, 0};
+  const Forecast across = met(pipe, settings);
+  EXPECT_FALSE(across.odd_size.has_value());
+  EXPECT_EQ(across.planes_warning.value_or(""),
+            "100 % of the area is too steep or too sharp for the blade in the planes given: others suit more "
+            "of it");
+  for (const Suggestion& suggestion : across.suggestions) ADD_FAILURE() << suggestion.why;
+  // A ball is too sharp in any planes.
+  EXPECT_FALSE(met(cap(40, 0.7), settings).planes_warning.has_value());
 }
 
 // A roof of 20 x 15 m is large and no mistake; read as mm or inches, metres are among what may be meant.
