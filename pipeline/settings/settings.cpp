@@ -280,9 +280,13 @@ void check_together(const Settings& s, const Origins& origins) {
              "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
                  number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
   }
-  // The blade is formed above the stock, no nearer than clamps may come and not below where it is led in.
   constexpr double kLeastSpacingMm = 0.5;
-  if (s.slice.spacing_mm > 0) at_most("0.5", kLeastSpacingMm, "slice.spacing_mm", s.slice.spacing_mm);
+  if (s.slice.spacing_mm > 0 && s.slice.spacing_mm < kLeastSpacingMm) {
+    fail_key(origins, "slice.spacing_mm",
+             "(" + number_text(s.slice.spacing_mm) + ", must be 0 or at least " +
+                 number_text(kLeastSpacingMm) + "): 0 takes as few ribs as the fit does");
+  }
+  // The blade is formed above the stock, no nearer than clamps may come and not below where it is led in.
   at_most("motion.lead_mm", s.motion.lead_mm, "motion.approach_mm", s.motion.approach_mm);
   at_most("stock.clearance_mm", s.stock.clearance_mm, "motion.approach_mm", s.motion.approach_mm);
   at_most("motion.min_feed_mm_s", s.motion.min_feed_mm_s, "motion.feed_mm_s", s.motion.feed_mm_s);

@@ -54,7 +54,7 @@ constexpr SettingField kFields[] = {
      "any length",
      [](S& s) -> Place { return &s.slice.fan_axis; }},
     {"slice", "spacing_mm", "mm", 0, 500, "",
-     "Largest distance between the ribs of a strip; left out or 0: as few ribs as the fit takes",
+     "Largest distance between the ribs of a strip, 0.5 or more; left out or 0: as few ribs as the fit takes",
      [](S& s) -> Place { return &s.slice.spacing_mm; }},
     {"slice", "gaps", "", 0, 0, kGapsWords,
      "Windows and notches: one strip across them where it serves both sides, or a block for each side",

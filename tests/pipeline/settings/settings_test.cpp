@@ -217,6 +217,9 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_THAT(set_error("slice.fan_axis=[1, 2, 3]"), HasSubstr("3 numbers, must be a list of 6 numbers"));
   EXPECT_THAT(usage_error({{}, {"slice.direction=[1, 0, 0]", "slice.fan_axis=[0, 0, 0, 0, 0, 1]"}, {}}),
               HasSubstr("given with slice.direction"));
+  EXPECT_EQ(set_error("slice.spacing_mm=0.3"),
+            "--set: slice.spacing_mm (0.3, must be 0 or at least 0.5): 0 takes as few ribs as the fit does");
+  EXPECT_EQ(with("slice.spacing_mm=0.5").slice.spacing_mm, 0.5);
   EXPECT_THAT(set_error("motion.min_feed_mm_s=8"), HasSubstr("at most motion.feed_mm_s, 7"));
   EXPECT_THAT(set_error("motion.feed_mm_s=101"), HasSubstr("at most motion.travel_mm_s, 100"));
   EXPECT_THAT(usage_error({{}, {"machine.envelope_mm=[4000, 4000, 100]", "machine.plinth_mm=150"}, {}}),
