@@ -220,6 +220,9 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_EQ(set_error("slice.spacing_mm=0.3"),
             "--set: slice.spacing_mm (0.3, must be 0 or at least 0.5): 0 takes as few ribs as the fit does");
   EXPECT_EQ(with("slice.spacing_mm=0.5").slice.spacing_mm, 0.5);
+  EXPECT_EQ(set_error("stock.clearance_mm=61"),
+            "--set: stock.clearance_mm (61, must be at most motion.approach_mm, 60)");
+  EXPECT_THAT(set_error("motion.lead_mm=61"), HasSubstr("at most motion.approach_mm, 60"));
   EXPECT_THAT(set_error("motion.min_feed_mm_s=8"), HasSubstr("at most motion.feed_mm_s, 7"));
   EXPECT_THAT(set_error("motion.feed_mm_s=101"), HasSubstr("at most motion.travel_mm_s, 100"));
   EXPECT_THAT(usage_error({{}, {"machine.envelope_mm=[4000, 4000, 100]", "machine.plinth_mm=150"}, {}}),
