@@ -26,7 +26,9 @@ Settings read_settings(const py::object& given, const py::dict& arguments) {
     const std::string key = "design." + name;
     if (!value.is_none()) flags.push_back({name, key, toml_value(value, key)});
   }
-  return pipeline::with_flags(settings_of(given), flags);
+  Settings settings = pipeline::with_flags(settings_of(given), flags);
+  pipeline::expect_facing(settings.design);
+  return settings;
 }
 
 void expect_units(const Settings& settings, const std::string& file) {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "pipeline/batch/csv.hpp"
+#include "pipeline/program/read_design.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/design_surface.hpp"
 #include "surface/read/polygons.hpp"
@@ -181,6 +182,7 @@ Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given)
   if (!asked.up.empty()) sources.flags.push_back({"--up", "design.up", asked.up});
   for (const GivenSetting& one : given) sources.flags.push_back({one.given, one.key, one.value});
   Settings settings = resolve(sources);
+  expect_facing(settings.design);
   if (settings.design.units.empty()) {
     fail_settings(
         "no unit given: an OBJ carries none: say --units mm, cm, m, in or ft, or give the list a column "

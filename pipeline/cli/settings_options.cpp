@@ -43,6 +43,7 @@ Settings resolve_design(const DesignOptions& options) {
   if (!options.up.empty()) sources.flags.push_back({"--up", "design.up", options.up});
   if (!options.format.empty()) sources.flags.push_back({"--format", "design.format", options.format});
   Settings settings = resolve(sources);
+  expect_facing(settings.design);
   take_format(options.file, !options.up.empty(), settings.design);
   if (settings.design.units.empty()) {
     throw Error(ErrorKind::kBadSettings,

@@ -1,5 +1,7 @@
 #include "pipeline/program/read_design.hpp"
 
+#include <fmt/format.h>
+
 #include <numbers>
 #include <optional>
 
@@ -31,6 +33,14 @@ void take_format(const std::filesystem::path& file, bool up_given, DesignSetting
   settings.format = "gltf";
   settings.units = "m";
   settings.up = "y";
+}
+
+void expect_facing(const DesignSettings& settings) {
+  if (settings.facing || settings.facing_max_deg == DesignSettings{}.facing_max_deg) return;
+  throw Error(ErrorKind::kBadSettings,
+              fmt::format("design.facing_max_deg ({:g}, given without design.facing): "
+                          "it says nothing alone",
+                          settings.facing_max_deg));
 }
 
 surface::ReadOptions read_options(const DesignSettings& settings) {

@@ -17,6 +17,10 @@ namespace hotblade::pipeline {
 // contradicts itself, is told of by its reader.
 void take_format(const std::filesystem::path& file, bool up_given, DesignSettings& settings);
 
+// Throws Error (kBadSettings) where the settings say how far faces may look aside, and not from what. It is
+// asked of what is to be planned: programs may keep such settings, and resolve() sees parts of them.
+void expect_facing(const DesignSettings& settings);
+
 // Return the design of a file, as settings say or as the program's plan read it. Throw as
 // surface::read_surface() does.
 [[nodiscard]] surface::DesignSurface read_design(const std::filesystem::path& file,

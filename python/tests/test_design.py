@@ -103,6 +103,7 @@ def test_wrong_arrays_are_told_by_their_argument(vertices, triangles, said):
     (lambda bump: hb.Settings().changed(7), "settings: int .hotblade.Settings or a mapping"),
     (lambda bump: hb.read("bump.obj", "furlong"), 'units: design.units ."furlong", must be one of'),
     (lambda bump: hb.read("bump.obj", "mm", facing=[0, 1]), "facing: design.facing"),
+    (lambda bump: hb.read("bump.obj", "mm", settings={"design.facing_max_deg": 60}), "given without design.facing"),
     (lambda bump: hb.read("bump.obj", "mm", stitch_mm="wide"), "stitch_mm: design.stitch_mm"),
     (lambda bump: hb.read("bump.obj", settings="bump.toml"), "settings: str .hotblade.Settings or a mapping"),
     (lambda bump: hb.Design.from_arrays(SQUARE, FACES, up=3, units="mm"), "up: design.up"),

@@ -130,6 +130,8 @@ TEST_F(BatchInit, WrongSettingsAreSaidBeforeAnythingIsWritten) {
     return thrown([&] { (void)init(asked); });
   };
   EXPECT_THAT(refused([](Asked& a) { a.units.clear(); }), HasSubstr("no unit given"));
+  EXPECT_THAT(refused([](Asked& a) { a.assignments.emplace_back("design.facing_max_deg=60"); }),
+              HasSubstr("given without design.facing"));
   EXPECT_THAT(refused([](Asked& a) { a.sweeps = {"design.tolerance_mm=1,-1"}; }),
               HasSubstr("design.tolerance_mm"));
   EXPECT_THAT(refused([](Asked& a) { a.sweeps = {"design.toll=1"}; }), HasSubstr("design.toll"));

@@ -50,6 +50,15 @@ std::string upright_bowl() {
   return text.str();
 }
 
+TEST_F(SaidOfADesign, AnAngleToNoDirectionIsRefused) {
+  Words words{"check", kVault, "--units", "mm", "--set", "design.facing_max_deg=60"};
+  const Ended alone = hotblade(words);
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_EQ(alone.err, "design.facing_max_deg (60, given without design.facing): it says nothing alone\n");
+  words.insert(words.end(), {"--set", "design.facing=[0, 0, 1]"});
+  EXPECT_EQ(hotblade(words).code, 0);
+}
+
 TEST_F(SaidOfADesign, CheckSaysWhatPassedWhenItWasTried) {
   const std::string bowl = write("bowl.obj", upright_bowl());
   const Ended reasons = hotblade({"check", bowl, "--units", "mm"});
