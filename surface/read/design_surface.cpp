@@ -3,11 +3,13 @@
 #include <openssl/evp.h>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -152,6 +154,36 @@ Polygons parse(std::string_view bytes, FileFormat format, const std::filesystem:
   throw std::logic_error("no reader for a format");
 }
 
+// The edges of the box around all faces' corners; zero without any.
+Eigen::Vector3d extent_of(const Polygons& polygons) {
+  Eigen::AlignedBox3d box;
+  for (const int v : polygons.corners) box.extend(polygons.positions[static_cast<std::size_t>(v)]);
+  return box.isEmpty() ? Eigen::Vector3d(0, 0, 0) : Eigen::Vector3d(box.sizes());
+}
+
+// Coordinates are too large by a wrong unit, or of a design that is as large as buildings are and lies far
+// from the origin, as a survey's do.
+Polygons parse_within_limit(std::string_view bytes, FileFormat format, const std::filesystem::path& file,
+                            double scale_to_mm) {
+  constexpr double kLargestPartMm = 1e6;
+  try {
+    return parse(bytes, format, file, kLargestCoordinateMm / scale_to_mm);
+  } catch (const MeshError& error) {
+    Eigen::Vector3d extent = Eigen::Vector3d::Zero();
+    try {
+      extent = scale_to_mm * extent_of(parse(bytes, format, file, std::numeric_limits<double>::max()));
+    } catch (const MeshError&) {
+      extent.setZero();  // something else is wrong with the file
+    }
+    if (!(extent.maxCoeff() > 0) || extent.maxCoeff() > kLargestPartMm) throw;
+    std::array<char, 128> itself{};
+    std::snprintf(itself.data(), itself.size(),
+                  ", or move the design, itself %.0f x %.0f x %.0f mm, to the origin", extent.x(), extent.y(),
+                  extent.z());
+    throw MeshError(error.what() + std::string(itself.data()));
+  }
+}
+
 // glTF is in metres with y up, whatever is asked for.
 void take_units(DesignSurface& design, const std::filesystem::path& file, const ReadOptions& options) {
   const bool gltf = design.format == FileFormat::kGltf;
@@ -197,9 +229,8 @@ DesignSurface design_of(FileBytes bytes, const std::filesystem::path& file, cons
   take_units(design, file, options);
   Polygons polygons;
   Sha256 checksum;
-  side_by_side(
-      [&] { checksum.add(text); },
-      [&] { polygons = parse(text, design.format, file, kLargestCoordinateMm / design.scale_to_mm); });
+  side_by_side([&] { checksum.add(text); },
+               [&] { polygons = parse_within_limit(text, design.format, file, design.scale_to_mm); });
   checksum.add(polygons.beside);
   design.sha256 = checksum.end();
   bytes = {};

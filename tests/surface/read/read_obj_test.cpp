@@ -82,6 +82,22 @@ TEST(ReadObj, CountsLinesThroughEveryKindOfLineEnd) {
   for (const char* end : {"\n", "\r\n", "\r"}) EXPECT_THAT(line_of(end), HasSubstr("in.obj:5: "));
 }
 
+// As a survey has it: 450 km from the origin, and 4 x 3 m itself.
+TEST(ReadObj, SaysThatASmallDesignFarFromTheOriginIsToBeMovedThere) {
+  const auto refusal = [](const std::string& text, const char* units) {
+    const ScratchFile file(text);
+    return message_of<MeshError>([&] { static_cast<void>(read_obj(file.path(), {units, 'z'})); });
+  };
+  const std::string far = "v 450122 5432099 512\nv 450126 5432099 512\nv 450126 5432102 513\nf 1 2 3\n";
+  EXPECT_THAT(
+      refusal(far, "m"),
+      HasSubstr(":1: coordinate too large (450122, limit 1e7 mm after scaling): check --units, or move "
+                "the design, itself 4000 x 3000 x 1000 mm, to the origin"));
+  // As far as it is large: the number is damaged, or the unit wrong.
+  EXPECT_THAT(refusal("v 0 0 0\nv 450126 0 0\nv 0 3 0\nf 1 2 3\n", "m"),
+              ::testing::EndsWith("check --units"));
+}
+
 TEST(ReadObj, SaysWhyAFileCannotBeRead) {
   const ScratchFile file("");
   const auto read = [&](const std::filesystem::path& p) {
