@@ -116,26 +116,23 @@ class Trials {
     }
   }
 
-  // Goes from a number that passed towards one that did not, by one step, two, four: a number that was
-  // computed is often the smallest that passes, and a plan that is refused takes the longest. Behind the
-  // first that does not pass, the way between is halved.
+  // Goes from a number that passed towards one that did not: by one step first, as a number that was computed
+  // is often the smallest that passes, and then to the middle between both until they are a step apart.
   TriedRemedy narrowed(const Remedy& remedy, double fails, TriedRemedy best) {
     const std::size_t all = steps_between(remedy, fails);
-    std::size_t passes_at = 0, fails_at = all, stride = 1;
+    std::size_t passes_at = 0, fails_at = all;
     const auto value_at = [&](std::size_t step) {
       return step == all ? fails : at_step(remedy, fails, step).value;
     };
     for (int tries = 0; tries < kMostSteps && fails_at - passes_at > 1 && narrowing_ < kMostNarrowing;
          ++tries) {
-      const bool beyond = passes_at + stride >= fails_at;
-      const std::size_t next = passes_at + (beyond ? (fails_at - passes_at) / 2 : stride);
+      const std::size_t next = tries == 0 ? 1 : passes_at + (fails_at - passes_at) / 2;
       const SettingsChange change = change_of(settings_, at_step(remedy, fails, next));
       ++narrowing_;
       const std::optional<PlanResult> again = with(change);
       if (again && again->refusals.empty()) {
         best = tried(change, *again);
         passes_at = next;
-        stride *= 2;
       } else {
         fails_at = next;
       }

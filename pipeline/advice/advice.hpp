@@ -38,8 +38,9 @@ using PlanAgain = std::function<PlanResult(const Settings&)>;
 // twice. Of one that did the smallest change that passes is looked for, down to a step of its setting
 // (remedies.hpp): a hundredth to a thousandth of a tolerance, 0.01 mm of a blade's thickness, 1 mm of a
 // block, 10 mm of a blade's length. That takes at most kMostSteps plans for a number and kMostNarrowing in
-// all. No clock ends it, so that the same job gives the same answer: it takes kMostPlans plans at most.
-inline constexpr int kMostTrials = 6, kMostSteps = 9, kMostNarrowing = 14;
+// all: where these run out, both sides are farther apart. No clock ends it, so that the same job gives the
+// same answer: it takes kMostPlans plans at most.
+inline constexpr int kMostTrials = 6, kMostSteps = 12, kMostNarrowing = 20;
 inline constexpr int kMostPlans = kMostTrials + kMostNarrowing;
 [[nodiscard]] std::vector<TriedRemedy> try_changes(const Settings& settings,
                                                    const std::vector<SettingsChange>& changes,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -22,6 +23,8 @@ using Needed = double (*)(double now, const Refusal& refusal);
 
 enum class Demand { kLarger, kSmaller };  // which of two needed values is the more demanding
 
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
 struct Rule {
   Limit limit;          // of the refusal
   const char* section;  // of the settings
@@ -29,7 +32,7 @@ struct Rule {
   const char* unit;
   Demand demand;
   double step;   // needed values are rounded to it, to the safe side; 0: two digits
-  double reach;  // a change by more than this factor is another job, not a remedy
+  double reach;  // a change by more than this factor is another job, not a remedy; kAny: never
   Needed needed;
   Saying why;
 };
@@ -65,7 +68,7 @@ const auto kRules = std::to_array<Rule>({
     {Limit::kSlowestFeed, "motion", "min_feed_mm_s", "mm/s", Demand::kSmaller, 0.01, 5, the_value,
      Saying::kSlowestPoint},
     {Limit::kDuration, "motion", "feed_mm_s", "mm/s", Demand::kLarger, 0.01, 5, by_ratio, Saying::kTimeOfCut},
-    {Limit::kClampHeight, "machine", "plinth_mm", "mm", Demand::kLarger, 1, 10,
+    {Limit::kClampHeight, "machine", "plinth_mm", "mm", Demand::kLarger, 1, kAny,
      [](double now, const Refusal& r) { return now + r.bound - r.value; }, Saying::kBlockHigher},
 });
 

@@ -276,6 +276,28 @@ TEST(Advice, OfANumberIsTheSmallestChangeThatPasses) {
             "1.01 mm passes, 1 mm does not");
 }
 
+// However far away the number is that the refused plan asks for: to the millimetre.
+TEST(Advice, OfAPlinthIsTheSmallestFromEveryHeightThatIsTooLow) {
+  for (const double refused_mm : {1.0, 20.0, 40.0, 57.0, 59.0}) {
+    Settings settings = in_mm();
+    settings.machine.plinth_mm = refused_mm;
+    int plans = 0;
+    const auto planned = [&](const Settings& s) {
+      ++plans;
+      PlanResult again;
+      again.program.settings = s;
+      // It asks for 148 mm, whatever it has.
+      if (const double now = s.machine.plinth_mm; now < 60)
+        again.refusals.push_back({"S001", "", Limit::kClampHeight, 40 - (148 - now), 40});
+      return again;
+    };
+    const auto told = try_changes(settings, likely_changes(planned(settings), {}), planned);
+    ASSERT_EQ(told.size(), 1u) << refused_mm;
+    EXPECT_EQ(describe(*told.front().narrowed), "60 mm passes, 59 mm does not") << refused_mm;
+    EXPECT_LE(plans, 2 + kMostSteps);
+  }
+}
+
 TEST(Advice, TakesNoMorePlansThanItSays) {
   const Settings settings = in_mm();
   PlanResult refused;
