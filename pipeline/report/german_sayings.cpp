@@ -100,6 +100,8 @@ constexpr std::pair<std::string_view, std::string_view> kWords[] = {
     {"speed", "Geschwindigkeit"},
     {"angular speed", "Drehgeschwindigkeit"},
     {"acceleration", "Beschleunigung"},
+    {"limit of jerk", "Ruckgrenze"},
+    {"limit of angular jerk", "Drehruckgrenze"},
     {"angular acceleration", "Drehbeschleunigung"},
     {"clamp a", "Klemme a"},
     {"clamp b", "Klemme b"},

@@ -280,12 +280,15 @@ void check_together(const Settings& s, const Origins& origins) {
              "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
                  number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
   }
-  constexpr double kLeastSpacingMm = 0.5;
-  if (s.slice.spacing_mm > 0 && s.slice.spacing_mm < kLeastSpacingMm) {
-    fail_key(origins, "slice.spacing_mm",
-             "(" + number_text(s.slice.spacing_mm) + ", must be 0 or at least " +
-                 number_text(kLeastSpacingMm) + "): 0 takes as few ribs as the fit does");
-  }
+  const auto zero_or_at_least = [&](const char* key, double value, double least, const char* hint) {
+    if (value == 0 || value >= least) return;
+    fail_key(origins, key,
+             "(" + number_text(value) + ", must be 0 or at least " + number_text(least) + "): " + hint);
+  };
+  zero_or_at_least("slice.spacing_mm", s.slice.spacing_mm, 0.5, "0 takes as few ribs as the fit does");
+  // Clamps that jerk less take minutes to start.
+  zero_or_at_least("motion.jerk_mm_s3", s.motion.jerk_mm_s3, 1, "0 is no limit");
+  zero_or_at_least("motion.angular_jerk_rad_s3", s.motion.angular_jerk_rad_s3, 0.01, "0 is no limit");
   // The blade is formed above the stock, no nearer than clamps may come and not below where it is led in.
   at_most("motion.lead_mm", s.motion.lead_mm, "motion.approach_mm", s.motion.approach_mm);
   at_most("stock.clearance_mm", s.stock.clearance_mm, "motion.approach_mm", s.motion.approach_mm);

@@ -91,15 +91,18 @@ void round_times(std::vector<BladePose>& poses) {
   for (BladePose& pose : poses) pose.t = std::round(pose.t * 1e6) * 1e-6;
 }
 
-// Meets the waypoints later where clamps would jerk. Returns what that takes, s.
-double limit_jerk(std::vector<BladePose>& poses, const MotionSettings& motion) {
-  if (!(motion.jerk_mm_s3 > 0) && !(motion.angular_jerk_rad_s3 > 0)) return 0;
+std::vector<double> times_of(const std::vector<BladePose>& poses) {
   std::vector<double> t;
+  t.reserve(poses.size());
   for (const BladePose& pose : poses) t.push_back(pose.t);
-  const double before = t.back();
-  t = slower(std::move(t), moving_clamps(poses, motion)).t;
+  return t;
+}
+
+// Meets the waypoints later where clamps would jerk.
+void limit_jerk(std::vector<BladePose>& poses, const MotionSettings& motion) {
+  if (!(motion.jerk_mm_s3 > 0) && !(motion.angular_jerk_rad_s3 > 0)) return;
+  const std::vector<double> t = slower(times_of(poses), moving_clamps(poses, motion)).t;
   for (std::size_t i = 0; i < poses.size(); ++i) poses[i].t = t[i];
-  return t.back() - before;
 }
 
 // The pose nearest to each rib's plane carries its index.
@@ -234,7 +237,9 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook
   tell_clamps(motion.poses, settings.machine.clamps);
   round_geometry(motion.poses);
   round_times(motion.poses);
-  motion.facts.jerk_s = limit_jerk(motion.poses, settings.motion);
+  const std::vector<double> without_jerk = times_of(motion.poses);
+  limit_jerk(motion.poses, settings.motion);
+  motion.facts.jerk_s = motion.poses.back().t - without_jerk.back();
   mark_ribs(motion.poses, strip);
   time_facts(motion.poses, motion.facts);
   const SlowFeed slow = slowest_feed(motion.poses, !strip.formed.empty());
@@ -243,9 +248,12 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook
   // Of a surface that asks for one feed everywhere facets and rounded times make a little less.
   constexpr double kSameFeed = 0.999;
   if (!(slow.slowest_mm_s >= kSameFeed * settings.motion.min_feed_mm_s)) {
+    const std::size_t i = slow.pose;  // 0 where nothing is cut
+    const double jerk_share =
+        i == 0 ? 1 : (without_jerk[i] - without_jerk[i - 1]) / (motion.poses[i].t - motion.poses[i - 1].t);
     Refuser refuse(strip, motion);
-    refuse(slow.pose, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
-           why_slow(slow, motion.poses, strip.planes.turns(), settings.motion));
+    refuse(i, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
+           why_slow(slow, motion.poses, strip.planes.turns(), settings.motion, jerk_share));
   }
   check_blade(strip, settings, look, motion);
   round_judgement(motion.poses);

@@ -8,6 +8,7 @@
 
 #include "elastica/blade/blade_batch.hpp"
 #include "pipeline/plan/motion/blocks.hpp"
+#include "pipeline/plan/motion/slower.hpp"
 #include "pipeline/plan/motion/timed_stretch.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "robot/pose/rates.hpp"
@@ -49,6 +50,20 @@ Held most_used(const std::vector<BladePose>& poses, std::size_t pose, const Moti
   }
   return *std::max_element(all.begin(), all.end(),
                            [](const Held& p, const Held& q) { return p.use < q.use; });
+}
+
+// The limit of jerk that a strip uses most of.
+Held most_used_jerk(const std::vector<BladePose>& poses, const MotionSettings& motion) {
+  Held place{0, 3, "limit of jerk", "motion.jerk_mm_s3", "mm/s3", motion.jerk_mm_s3},
+      turn{0, 3, "limit of angular jerk", "motion.angular_jerk_rad_s3", "rad/s3", motion.angular_jerk_rad_s3};
+  std::vector<double> t;
+  for (const BladePose& pose : poses) t.push_back(pose.t);
+  const std::vector<LimitedWay> clamps = moving_clamps(poses, motion);
+  for (std::size_t i = 0; i < clamps.size(); ++i) {
+    Held& held = i % 2 == 0 ? place : turn;  // a clamp's turn is behind its place
+    for (const Use& use : uses(t, clamps[i])) held.use = std::max(held.use, use.jerk);
+  }
+  return place.use >= turn.use ? place : turn;
 }
 
 bool cuts(const std::vector<BladePose>& poses, std::size_t step) {
@@ -112,13 +127,14 @@ SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
 }
 
 std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses, bool planes_turn,
-                     const MotionSettings& motion) {
+                     const MotionSettings& motion, double jerk_share) {
   // The fastest point has the feed there, or else the clamps hold the blade back.
   constexpr double kAtFeed = 0.9;
-  if (slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s || !(slow.slowest_mm_s > 0)) {
+  const bool by_jerk = slow.slowest_mm_s >= jerk_share * motion.min_feed_mm_s;
+  if ((!by_jerk && slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s) || !(slow.slowest_mm_s > 0)) {
     return say(planes_turn ? Saying::kTurnsWithPlanes : Saying::kTurnsThere, {slow.fastest_mm_s});
   }
-  const Held held = most_used(poses, slow.pose, motion);
+  const Held held = by_jerk ? most_used_jerk(poses, motion) : most_used(poses, slow.pose, motion);
   // A tenth more, as the law leaves a little of each limit.
   constexpr double kMore = 1.1;
   const double needed = kMore * held.limit *

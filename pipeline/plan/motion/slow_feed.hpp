@@ -25,8 +25,9 @@ struct StepFeed {
 [[nodiscard]] SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points);
 
 // Returns why a blade is too slow there: it turns about a place near it, or a limit of the clamps holds it
-// back, by name and what it would have to be.
+// back, by name and what it would have to be. `jerk_share`: of the step's time, what limits of jerk leave for
+// all else; 1 where they take nothing.
 [[nodiscard]] std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses,
-                                   bool planes_turn, const MotionSettings& motion);
+                                   bool planes_turn, const MotionSettings& motion, double jerk_share);
 
 }  // namespace hotblade::pipeline

@@ -220,6 +220,9 @@ TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_EQ(set_error("slice.spacing_mm=0.3"),
             "--set: slice.spacing_mm (0.3, must be 0 or at least 0.5): 0 takes as few ribs as the fit does");
   EXPECT_EQ(with("slice.spacing_mm=0.5").slice.spacing_mm, 0.5);
+  EXPECT_EQ(set_error("motion.jerk_mm_s3=0.001"),
+            "--set: motion.jerk_mm_s3 (0.001, must be 0 or at least 1): 0 is no limit");
+  EXPECT_THAT(set_error("motion.angular_jerk_rad_s3=0.001"), HasSubstr("must be 0 or at least 0.01"));
   EXPECT_EQ(set_error("stock.clearance_mm=61"),
             "--set: stock.clearance_mm (61, must be at most motion.approach_mm, 60)");
   EXPECT_THAT(set_error("motion.lead_mm=61"), HasSubstr("at most motion.approach_mm, 60"));

@@ -126,6 +126,24 @@ TEST(TimeLaw, JerkCostsLittle) {
   EXPECT_LE(facts.duration_s, 1.05 * without.duration_s);
 }
 
+TEST(TimeLaw, JerkIsNamedWhereItHoldsTheBladeBack) {
+  Settings settings = along_x();
+  settings.motion.jerk_mm_s3 = 0.1;
+  settings.motion.min_feed_mm_s = 5;
+  const auto slow = [&]() -> std::string {
+    for (const Refusal& r : move_blade(planned().strip, settings).refusals)
+      if (r.limit == Limit::kSlowestFeed) return r.note;
+    return "";
+  };
+  const std::string note = slow(), key = "motion.jerk_mm_s3 of ";
+  EXPECT_EQ(note.find("the clamps' limit of jerk holds the blade back there"), 0U) << note;
+  // What it says would help, does.
+  ASSERT_NE(note.find(key), std::string::npos) << note;
+  settings.motion.jerk_mm_s3 = std::stod(note.substr(note.find(key) + key.size()));
+  EXPECT_GT(settings.motion.jerk_mm_s3, 0.1);
+  EXPECT_EQ(slow(), "");
+}
+
 TEST(TimeLaw, JerkChangesTimesAndNothingElse) {
   const BladeMotion slower = move_blade(planned().strip, with_jerk(10));
   const BladeMotion& before = planned().motion;
