@@ -173,7 +173,7 @@ std::vector<SettingsChange> likely_changes(const PlanResult& refused,
   if (refused_for(refused, Limit::kLean) && along_z) {
     for (const Keep other : {Keep::kBack, Keep::kFront}) {
       SettingsChange change =
-          change_of({{fmt::format("design.keep={}", name(other))}, say(Saying::kLeansPastVertical)});
+          change_of({{fmt::format("design.keep={}", name(other))}, say(Saying::kLeansNowhere)});
       const bool known = std::any_of(changes.begin(), changes.end(), [&](const SettingsChange& c) {
         return c.assignments == change.assignments;
       });

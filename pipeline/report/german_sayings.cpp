@@ -271,7 +271,7 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
     {"most of the design faces along y: {} may be up in it",
      "das meiste des Entwurfs schaut entlang y: vielleicht ist {} darin oben"},
     {"the surface stands upright", "die Fläche steht aufrecht"},
-    {"the surface leans past the vertical", "die Fläche neigt sich über die Senkrechte hinaus"},
+    {"the surface leans neither up nor down", "die Fläche neigt sich weder nach oben noch nach unten"},
     {"the planes that were given: others may do",
      "die Ebenen, die vorgegeben waren: andere genügen vielleicht"},
     {"what the cut deviates by; with another tolerance other ribs are chosen",

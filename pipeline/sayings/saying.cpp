@@ -120,7 +120,7 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kSolidFaces, "the design is a closed solid: its faces towards {} alone"},
     {Saying::kFacesAlongY, "most of the design faces along y: {} may be up in it"},
     {Saying::kStandsUpright, "the surface stands upright"},
-    {Saying::kLeansPastVertical, "the surface leans past the vertical"},
+    {Saying::kLeansNowhere, "the surface leans neither up nor down"},
     {Saying::kPlanesGiven, "the planes that were given: others may do"},
     {Saying::kOtherRibs, "what the cut deviates by; with another tolerance other ribs are chosen"},
     {Saying::kShareOfWeight, "weight may use up a share of the tolerance"},

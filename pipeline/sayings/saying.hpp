@@ -88,7 +88,7 @@ enum class Saying : std::uint8_t {
   kSolidFaces,
   kFacesAlongY,
   kStandsUpright,
-  kLeansPastVertical,
+  kLeansNowhere,
   kPlanesGiven,
   kOtherRibs,
   kShareOfWeight,

@@ -201,6 +201,18 @@ TEST(Advice, OfPlanesThatWereGivenIsToLeaveThemOut) {
   EXPECT_TRUE(planned_as_told(design, told.front(), {"slice.direction=[0,0,1]"}).refusals.empty());
 }
 
+TEST(Advice, OfASurfaceThatLeansNowhereSaysSo) {
+  PlanResult refused;
+  refused.program.settings = in_mm();
+  refused.refusals.push_back({"design", "", Limit::kLean, 0, 0.1});
+  std::vector<std::string> kept;
+  for (const SettingsChange& change : likely_changes(refused, {})) {
+    EXPECT_EQ(change.why, "the surface leans neither up nor down");
+    kept.insert(kept.end(), change.assignments.begin(), change.assignments.end());
+  }
+  EXPECT_THAT(kept, ::testing::ElementsAre("design.keep=back", "design.keep=front"));
+}
+
 TEST(Advice, IsNotGivenWhereNothingPasses) {
   const Design design(Design::Kind::kVault);
   Settings settings = in_mm();
