@@ -51,7 +51,7 @@ fs::path output_directory(const PlanArguments& arguments) {
 
 std::string strip_table(const PlanResult& result) {
   std::string text = fmt::format("{:<6}{:>6}{:>9}{:>11}{:>11}{:>10}{:>9}{:>9}\n", "strip", "ribs", "blade",
-                                 "deviation", "radius", "margin", "cut", "total");
+                                 "deviation", "radius", "margin", "cut", "machine");
   text +=
       fmt::format("{:<6}{:>6}{:>9}{:>11}{:>11}{:>10}{:>9}{:>9}\n", "", "", "mm", "mm", "mm", "", "s", "s");
   for (const StripFacts& f : result.strips) {

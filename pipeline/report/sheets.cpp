@@ -131,7 +131,7 @@ class Sheets {
   }
 
   [[nodiscard]] std::string parts_list() const {
-    double seconds = 0, foam_mm3 = 0;
+    double seconds = 0, cut_s = 0, foam_mm3 = 0;
     std::map<double, std::size_t> blades;
     std::string rows;
     for (std::size_t k = 0; k < program_.strips.size(); ++k) {
@@ -139,6 +139,7 @@ class Sheets {
       const StripFacts& facts = result_.strips.at(k);
       const Eigen::Vector3d size = stands_[k].box.sizes();
       seconds += facts.motion.duration_s;
+      cut_s += facts.motion.cut_s;
       foam_mm3 += size.prod();
       ++blades[strip.blade_length_mm];
       rows += fmt::format(
@@ -153,9 +154,9 @@ class Sheets {
     std::string html = "<section>" + head(w_("Parts list"), "1 " + w_("of") + " " + count());
     html += fmt::format(
         "<p class=\"sums\"><span>{} <b>{}</b></span><span>{} <b>{:.1f} l</b></span><span>{} <b>{}</b></span>"
-        "<span>{} <b>{}</b></span></p>\n",
+        "<span>{} <b>{}</b></span><span>{} <b>{}</b></span></p>\n",
         w_("blocks"), program_.strips.size(), w_("Foam"), 1e-6 * foam_mm3, w_("Blades"), blade_text,
-        w_("Cutting time"), duration(seconds));
+        w_("time on the machine"), duration(seconds), w_("cut"), duration(cut_s));
     html += "<table class=\"n\"><thead><tr><th>" + w_("order") + "</th><th class=\"l\">" + w_("block") +
             "</th><th>" + w_("size as it stands: width x depth x height") + "<small>mm</small></th><th>" +
             w_("blade") + "<small>mm</small></th><th>" + w_("minutes") + "</th><th>" +

@@ -106,7 +106,6 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
      "alle Blöcke an ihrem Platz, von der Abfallseite gesehen"},
     {"Blades", "Klingen"},
     {"Foam", "Schaum"},
-    {"Cutting time", "Schnittzeit"},
     {"Not released: the plan was refused", "Nicht freigegeben: der Plan wurde abgelehnt"},
     {"Axes of a block size: width along the blade, depth towards the back of the table, height along the "
      "cut.",

@@ -9,6 +9,7 @@
 
 #include "pipeline/report/block_stand.hpp"
 #include "pipeline/report/sheet_drawings.hpp"
+#include "pipeline/report/strip_table.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "pipeline/stock/foam_to_buy.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -216,6 +217,18 @@ TEST(Sheets, OfWhatIsCutAllAroundShowEachBlockInThePictureOfItsSide) {
     EXPECT_EQ(count_of(sheet, "#assembly2\""), last ? 1u : 0u);
     EXPECT_EQ(count_of(sheet, "#assembly1\""), last ? 0u : 1u);
   }
+}
+
+TEST(Sheets, TellTheTimeOnTheMachineFromThatOfTheCut) {
+  double machine_s = 0, cut_s = 0;
+  for (const StripFacts& f : planned().strips) {
+    machine_s += f.motion.duration_s;
+    cut_s += f.motion.cut_s;
+  }
+  ASSERT_GT(machine_s, cut_s + 60);
+  EXPECT_THAT(sheets_html(planned(), ""),
+              HasSubstr(fmt::format("<span>time on the machine <b>{}</b></span><span>cut <b>{}</b></span>",
+                                    duration(machine_s), duration(cut_s))));
 }
 
 TEST(Sheets, SayWhichFoamToBuyAndWhereToSawIt) {
