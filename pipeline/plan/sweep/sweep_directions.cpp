@@ -6,6 +6,7 @@
 
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/direction/fan_axes.hpp"
+#include "pipeline/plan/direction/least_bent.hpp"
 #include "pipeline/plan/ribs/rib_fit.hpp"
 
 namespace hotblade::pipeline {
@@ -89,7 +90,9 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
   }
   const BodyAxes body = body_axes(mesh);
   std::vector<Vector3d> all = along_borders(mesh, body);
+  const std::optional<NormalsTurn> turn = normals_turn(mesh);
   if (const auto n = least_steep(mesh)) all.push_back(*n);
+  if (turn && turn->half_rad <= kMaxSlopeRad) all.push_back(turn->planes_normal());
   for (const Vector3d& n : hemisphere(body)) all.push_back(n);
   std::vector<Vector3d> apart;
   constexpr double kSame = 0.9986;  // within 3 degrees
@@ -103,6 +106,12 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
     planes.push_back(surface::PlaneFamily::parallel(n.normalized(), body.centre));
   for (const surface::FanAxis& axis : fan_axes(mesh, body, long_sides(mesh))) {
     if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
+  }
+  if (turn && turn->half_rad > kMaxSlopeRad) {
+    if (auto axis = half_way_axis(mesh, *turn)) {
+      axis->direction = with_sense(mesh, body, axis->direction);
+      if (const auto fan = fan_that_turns(mesh, *axis)) planes.push_back(*fan);
+    }
   }
   return planes;
 }
