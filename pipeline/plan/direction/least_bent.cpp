@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "gpu/backend/stop.hpp"
-#include "pipeline/plan/direction/body_axes.hpp"
-#include "surface/read/blocks.hpp"
 
 namespace hotblade::pipeline {
 
@@ -52,22 +50,22 @@ double quantile(const std::vector<Weighed>& sorted, double total, double share) 
 
 }  // namespace
 
-Vector3d NormalsTurn::planes_normal() const { return along.cross(middle); }
+Vector3d NormalsTurn::planes_normal() const {
+  return along.cross(middle);
+}
 
-std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh) {
+std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh, const Vector3d& along) {
   constexpr double kTail = 0.01;      // of the area, at either end
   constexpr double kLeastMean = 0.1;  // of the area: less is no side that the surface shows
-  const std::optional<Vector3d> along = least_steep(mesh);
-  if (!along) return std::nullopt;
   Vector3d sum = Vector3d::Zero();
   double area = 0;
   for_each_facet(mesh, [&](const Vector3d&, const Vector3d& normal) {
     sum += normal;
     area += normal.norm();
   });
-  const Vector3d mean = sum - sum.dot(*along) * *along;
+  const Vector3d mean = sum - sum.dot(along) * along;
   if (!(mean.norm() > kLeastMean * area)) return std::nullopt;
-  const Vector3d up = mean.normalized(), across = along->cross(up);
+  const Vector3d up = mean.normalized(), across = along.cross(up);
   std::vector<Weighed> angles;
   angles.reserve(mesh.triangles().size());
   double total = 0;
@@ -81,24 +79,26 @@ std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh) {
   std::sort(angles.begin(), angles.end());
   const double low = quantile(angles, total, kTail), high = quantile(angles, total, 1 - kTail),
                middle = 0.5 * (low + high);
-  return NormalsTurn{*along, (std::cos(middle) * up + std::sin(middle) * across).normalized(),
+  return NormalsTurn{along, (std::cos(middle) * up + std::sin(middle) * across).normalized(),
                      0.5 * (high - low)};
 }
 
-std::optional<surface::FanAxis> half_way_axis(const surface::TriangleMesh& mesh, const NormalsTurn& turn) {
+std::optional<surface::FanAxis> axis_less_steep_than(const surface::TriangleMesh& mesh,
+                                                     const NormalsTurn& turn, double steepest_rad) {
+  const double share = 1 - steepest_rad / turn.half_rad;  // of the normals' turn that the planes make
   const Vector3d centre = surface::area_centre(mesh), across = turn.along.cross(turn.middle);
-  // The place of which the lines through the facets along their half-turned normals miss the least.
+  // The place that the lines through the facets, as the planes stand there, miss the least.
   Matrix2d matrix = Matrix2d::Zero();
   Vector2d right = Vector2d::Zero();
   for_each_facet(mesh, [&](const Vector3d& p, const Vector3d& normal) {
-    const double y = normal.dot(across), x = normal.dot(turn.middle), half = 0.5 * std::atan2(y, x);
-    const Vector2d to_line(std::cos(half), -std::sin(half)),
+    const double y = normal.dot(across), x = normal.dot(turn.middle), turned = share * std::atan2(y, x);
+    const Vector2d to_line(std::cos(turned), -std::sin(turned)),
         q((p - centre).dot(across), (p - centre).dot(turn.middle));
     const double weight = std::hypot(x, y);
     matrix += weight * to_line * to_line.transpose();
     right += weight * to_line.dot(q) * to_line;
   });
-  constexpr double kLeastTurn = 1e-3;  // square of the mean turn between the lines
+  constexpr double kLeastTurn = 1e-3;  // mean square in rad^2, by which the lines turn
   const double det = matrix.determinant(), trace = matrix.trace();
   if (!(det > kLeastTurn * trace * trace)) return std::nullopt;
   const Vector2d a = matrix.inverse() * right;

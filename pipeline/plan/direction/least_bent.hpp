@@ -12,7 +12,7 @@ namespace hotblade::pipeline {
 
 // How a surface's normals turn about the direction that it bends the least along.
 struct NormalsTurn {
-  Eigen::Vector3d along = Eigen::Vector3d::Zero();   // unit; as the normals are the least steep to it
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();   // unit; what the surface bends along the least
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // unit, square to it: the middle of the normals' angles
   double half_rad = 0;                               // that these go to both sides of the middle
 
@@ -21,15 +21,17 @@ struct NormalsTurn {
   [[nodiscard]] Eigen::Vector3d planes_normal() const;
 };
 
-// Returns the turn of 98 of a hundred normals by area: the rest does not decide. Nothing where no direction
-// is the least bent (least_steep), or where normals face all round it.
-[[nodiscard]] std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh);
+// Returns how the normals of 98 of a hundred facets, by area, turn about a direction: the rest does not
+// decide. Nothing where they face all round it.
+[[nodiscard]] std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh,
+                                                      const Eigen::Vector3d& along);
 
-// Returns the axis along it of the fan whose planes turn half as far as the normals do: nowhere are these
-// steeper to them than half of `half_rad`, by least squares over the area. An arc's lies on its circle,
-// opposite the arc's middle (half of the angle at the centre). Nothing where the normals turn by less than
-// says where it is.
-[[nodiscard]] std::optional<surface::FanAxis> half_way_axis(const surface::TriangleMesh& mesh,
-                                                            const NormalsTurn& turn);
+// Returns the axis of the fan whose planes turn by as much less than the normals that these are no steeper to
+// them than `steepest_rad`, in the same share everywhere: by least squares over the area, as only a cylinder
+// has an axis that does so exactly, where planes turn half as far as the normals or as far. Nothing where
+// they would turn by less than says where it is.
+[[nodiscard]] std::optional<surface::FanAxis> axis_less_steep_than(const surface::TriangleMesh& mesh,
+                                                                   const NormalsTurn& turn,
+                                                                   double steepest_rad);
 
 }  // namespace hotblade::pipeline

@@ -90,8 +90,9 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
   }
   const BodyAxes body = body_axes(mesh);
   std::vector<Vector3d> all = along_borders(mesh, body);
-  const std::optional<NormalsTurn> turn = normals_turn(mesh);
-  if (const auto n = least_steep(mesh)) all.push_back(*n);
+  const std::optional<Vector3d> flattest = least_steep(mesh);
+  const std::optional<NormalsTurn> turn = flattest ? normals_turn(mesh, *flattest) : std::nullopt;
+  if (flattest) all.push_back(*flattest);
   if (turn && turn->half_rad <= kMaxSlopeRad) all.push_back(turn->planes_normal());
   for (const Vector3d& n : hemisphere(body)) all.push_back(n);
   std::vector<Vector3d> apart;
@@ -108,7 +109,10 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
     if (const auto fan = fan_that_turns(mesh, axis)) planes.push_back(*fan);
   }
   if (turn && turn->half_rad > kMaxSlopeRad) {
-    if (auto axis = half_way_axis(mesh, *turn)) {
+    // As little as they turn, blades hang the least; ten degrees are for what lies off the fan's one axis. Of
+    // 14 rounds of changing radius all are cut with ten, 13 with five.
+    constexpr double kSteepestRad = 5 * kMaxSlopeRad / 6;
+    if (auto axis = axis_less_steep_than(mesh, *turn, kSteepestRad)) {
       axis->direction = with_sense(mesh, body, axis->direction);
       if (const auto fan = fan_that_turns(mesh, *axis)) planes.push_back(*fan);
     }
