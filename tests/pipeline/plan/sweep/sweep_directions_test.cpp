@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "tests/pipeline/plan_design.hpp"
+#include "tests/pipeline/plan/extrusions.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -38,6 +39,49 @@ TEST(TooSteepShares, CountWhatLiesBehindAPartsSeams) {
   EXPECT_EQ(alone[0], 0);
   // Triangles at the seam count by three of their corners.
   EXPECT_NEAR(behind[1], alone[1], 0.02);
+}
+
+// The least share of the area that is too steep for planes along x, as placed, of those that turn or not.
+double least_steep_along_x(const surface::DesignSurface& design, const Eigen::Isometry3d& placed,
+                           bool turning) {
+  std::vector<surface::PlaneFamily> along;
+  for (const surface::PlaneFamily& planes : sweep_planes(design.mesh, {})) {
+    const double x = std::abs(planes.normal(0).dot(placed.linear().col(0)));
+    if (planes.turns() == turning && x < 1e-3) along.push_back(planes);
+  }
+  const std::vector<double> steep = too_steep_shares(waste_surface(design.mesh, 1), {}, along);
+  return steep.empty() ? 1 : *std::min_element(steep.begin(), steep.end());
+}
+
+TEST(SweepPlanes, AlongAFoldAreNotTooSteepForEitherLeg) {
+  // Nearer and nearer to what no parallel planes follow.
+  for (const double turn : {1.3, M_PI_2, 1.9, 2.07}) {
+    for (const double second : {80.0, 150.0, 300.0}) {
+      const Eigen::Isometry3d placed = tilted_in_space();
+      const surface::DesignSurface fold = extruded({35, turn, 300, second, 1000}, placed);
+      EXPECT_EQ(least_steep_along_x(fold, placed, false), 0) << turn << " " << second;
+    }
+  }
+}
+
+TEST(SweepPlanes, AlongARoundTurnAboutAnAxisWhereParallelOnesAreTooSteep) {
+  for (const double turn : {2.2, 2.6, 3.1}) {
+    for (const bool hollow : {false, true}) {
+      Fold round{50, turn, 0, 0, 700};
+      round.hollow = hollow;
+      const Eigen::Isometry3d placed = tilted_in_space();
+      const surface::DesignSurface design = extruded(round, placed);
+      EXPECT_GT(least_steep_along_x(design, placed, false), 0.02) << turn << hollow;
+      bool beyond = false;  // farther than the arc's own axis, so that planes turn less than its normals
+      for (const surface::PlaneFamily& planes : sweep_planes(design.mesh, {})) {
+        if (!planes.turns() || std::abs(planes.axis().dot(placed.linear().col(0))) < 0.999) continue;
+        const Vector3d away = (planes.centre() - placed.translation()).cross(placed.linear().col(0));
+        beyond = beyond || (away.norm() > 40 &&
+                            too_steep_shares(waste_surface(design.mesh, 1), {}, std::vector{planes})[0] == 0);
+      }
+      EXPECT_TRUE(beyond) << turn << hollow;
+    }
+  }
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+// Extruded profiles whose rounds are sharper than any blade: blades lie along them.
+#include "tests/pipeline/plan/extrusions.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "pipeline/plan/plan.hpp"
+
+namespace hotblade::pipeline {
+namespace {
+
+void expect_cut(const surface::DesignSurface& design, std::size_t most_strips) {
+  const PlanResult result = plan(design, back_kept(), {});
+  EXPECT_THAT(result.refusals, ::testing::IsEmpty());
+  EXPECT_GE(result.program.strips.size(), 1U);
+  EXPECT_LE(result.program.strips.size(), most_strips);
+}
+
+TEST(ExtrusionPlan, NosingsAreCutAlongTheirFoldWhateverItsRadius) {
+  for (const double radius : {12.0, 30.0, 50.0, 90.0}) {
+    SCOPED_TRACE(radius);
+    expect_cut(extruded({radius, M_PI_2, 300, 150, 1000}), 2);
+  }
+}
+
+TEST(ExtrusionPlan, NosingsOfOtherFoldsAndLegsAreCutInSpaceToo) {
+  expect_cut(extruded({25, 1.9, 300, 150, 900}), 2);
+  expect_cut(extruded({40, M_PI_2, 250, 120, 800, 0.4}, tilted_in_space()), 2);
+  expect_cut(extruded({60, 1.3, 420, 90, 700, 0.35}, tilted_in_space()), 2);
+}
+
+TEST(ExtrusionPlan, RoundsAndGroovesAreCutAboutAnAxisBeyondTheirCentre) {
+  expect_cut(extruded({50, 2.6, 0, 0, 700}), 3);
+  expect_cut(extruded({60, 2.4, 0, 0, 700}), 3);
+  expect_cut(extruded({35, 2.9, 0, 0, 600}, tilted_in_space()), 3);
+  Fold groove{50, 2.6, 0, 0, 700};
+  groove.hollow = true;
+  expect_cut(extruded(groove), 3);
+}
+
+}  // namespace
+}  // namespace hotblade::pipeline
