@@ -54,6 +54,12 @@ Vector3d NormalsTurn::planes_normal() const {
   return along.cross(middle);
 }
 
+double NormalsTurn::steepest_rad(const Vector3d& planes_normal) const {
+  const double up = std::cos(half_rad) * planes_normal.dot(middle),
+               side = std::sin(half_rad) * planes_normal.dot(along.cross(middle));
+  return std::asin(std::min(1.0, std::abs(up) + std::abs(side)));
+}
+
 std::optional<NormalsTurn> normals_turn(const surface::TriangleMesh& mesh, const Vector3d& along) {
   constexpr double kTail = 0.01;      // of the area, at either end
   constexpr double kLeastMean = 0.1;  // of the area: less is no side that the surface shows

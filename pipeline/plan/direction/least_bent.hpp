@@ -19,6 +19,8 @@ struct NormalsTurn {
   // Returns the normal of the planes along it that the normals stand alike steeply on from both sides: no
   // others leave the steepest of them as little.
   [[nodiscard]] Eigen::Vector3d planes_normal() const;
+  // Returns how steep the outermost of these normals are to planes of this unit normal.
+  [[nodiscard]] double steepest_rad(const Eigen::Vector3d& planes_normal) const;
 };
 
 // Returns how the normals of 98 of a hundred facets, by area, turn about a direction: the rest does not

@@ -93,13 +93,20 @@ std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh
   const std::optional<Vector3d> flattest = least_steep(mesh);
   const std::optional<NormalsTurn> turn = flattest ? normals_turn(mesh, *flattest) : std::nullopt;
   if (flattest) all.push_back(*flattest);
-  if (turn && turn->half_rad <= kMaxSlopeRad) all.push_back(turn->planes_normal());
   for (const Vector3d& n : hemisphere(body)) all.push_back(n);
   std::vector<Vector3d> apart;
   constexpr double kSame = 0.9986;  // within 3 degrees
   for (const Vector3d& n : all) {
     const bool known = std::any_of(apart.begin(), apart.end(),
                                    [&](const Vector3d& m) { return std::abs(m.dot(n)) > kSame; });
+    if (!known) apart.push_back(n);
+  }
+  if (turn && turn->half_rad <= kMaxSlopeRad) {
+    // Beside them others may be too steep within those degrees.
+    const Vector3d n = turn->planes_normal();
+    const bool known = std::any_of(apart.begin(), apart.end(), [&](const Vector3d& m) {
+      return std::abs(m.dot(n)) > kSame && turn->steepest_rad(m) <= kMaxSlopeRad;
+    });
     if (!known) apart.push_back(n);
   }
   std::vector<surface::PlaneFamily> planes;
