@@ -24,9 +24,10 @@ inline constexpr double kLeastLean = 0.1;
                                                    std::span<const surface::PlaneFamily> planes);
 
 // The planes that the settings ask for, or else parallel ones along the design's borders, the least steep
-// ones, the least steep ones along the normal of these, and all over a hemisphere, no two within 3 degrees,
-// in the design's own axes; then fans. Where the design turns too far for parallel planes along that normal,
-// a fan is along it. Throws surface::FanError where the fan's axis does not go with the design.
+// ones, all over a hemisphere, and the least steep ones of those that hold the least bend, no two within 3
+// degrees that both are not too steep, in the design's own axes; then fans. Where the design turns too far
+// for parallel planes along the least bend, a fan is along it. Throws surface::FanError where the fan's axis
+// does not go with the design.
 [[nodiscard]] std::vector<surface::PlaneFamily> sweep_planes(const surface::TriangleMesh& mesh,
                                                              const SliceSettings& settings);
 
