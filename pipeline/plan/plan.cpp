@@ -109,6 +109,10 @@ void judge(const Settings& settings, PlanResult& result) {
                                v.bound_mm, settings.design.tolerance_mm});
     result.refusals.back().capped = v.capped;
     result.refusals.back().at = at;
+    const auto number = static_cast<std::size_t>(worst - v.strip_bound_mm.begin());
+    const double told = number < v.branches.size() ? v.branches[number].told_off_mm : 0;
+    if (v.bound_mm - told <= settings.design.tolerance_mm)
+      result.refusals.back().note = say(Saying::kByRegisters, {told});
   }
   // Without strips all is uncut: what stands before says why.
   if (v.uncut_share() > settings.design.max_uncut_share &&

@@ -157,6 +157,8 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "bei ({:.1f}, {:.1f}, {:.1f}) folgt keine Klinge, die sich bis {:.1f} mm biegt, dem Entwurf {:.0f} mm "
      "weit "
      "nach beiden Seiten, wie sie auch liegt"},
+    {"of it {:.3f} mm are what the controller's micrometres move a nearly straight blade by",
+     "davon {:.3f} mm, um die Mikrometer der Steuerung eine fast gerade Klinge bewegen"},
     {"tries that failed: {}; that every one would is not proved",
      "gescheiterte Versuche: {}; dass jeder scheitert, ist nicht bewiesen"},
     {"a cut that is smooth across the design's facets there, {:.0f} mm wide, is off by that at least",

@@ -38,6 +38,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
      "about ({:.1f}, {:.1f}, {:.1f}) no blade that bends to {:.1f} mm follows the design for {:.0f} mm to "
      "both sides, whichever way it lies"},
     {Saying::kNoBound, "tries that failed: {}; that every one would is not proved"},
+    {Saying::kByRegisters,
+     "of it {:.3f} mm are what the controller's micrometres move a nearly straight blade by"},
     {Saying::kFirstWarning, "first: {}"},
     {Saying::kClampsWithin, "within {:g} mm if the clamps are within {:g} mm and {:g} mrad"},
     {Saying::kClampsNotEnough, "not within {:g} mm for certain, however exact the clamps are"},

@@ -35,6 +35,7 @@ enum class Saying : std::uint8_t {
   kOverFacets,
   kBladeReach,
   kNoBound,
+  kByRegisters,
   kFirstWarning,
   kClampsWithin,
   kClampsNotEnough,
