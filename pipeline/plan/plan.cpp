@@ -99,20 +99,18 @@ void judge(const Settings& settings, PlanResult& result) {
   }
   for (const FarBezier& bezier : v.ribs.far) result.refusals.push_back(refusal_of(bezier));
   if (v.bound_mm > settings.design.tolerance_mm) {
-    const auto worst = std::max_element(v.strip_bound_mm.begin(), v.strip_bound_mm.end());
-    const std::string strip =
-        worst == v.strip_bound_mm.end()
-            ? "design"
-            : result.strips[static_cast<std::size_t>(worst - v.strip_bound_mm.begin())].id;
+    const auto number = static_cast<std::size_t>(
+        std::max_element(v.strip_bound_mm.begin(), v.strip_bound_mm.end()) - v.strip_bound_mm.begin());
+    const std::string strip = number < result.strips.size() ? result.strips[number].id : "design";
+    const double told_mm = number < v.branches.size() ? v.branches[number].told_off_mm : 0;
     const Eigen::Vector3d& at = v.deviation.at;
-    result.refusals.push_back({say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation,
-                               v.bound_mm, settings.design.tolerance_mm});
-    result.refusals.back().capped = v.capped;
-    result.refusals.back().at = at;
-    const auto number = static_cast<std::size_t>(worst - v.strip_bound_mm.begin());
-    const double told = number < v.branches.size() ? v.branches[number].told_off_mm : 0;
-    if (v.bound_mm - told <= settings.design.tolerance_mm)
-      result.refusals.back().note = say(Saying::kByRegisters, {told});
+    Refusal refusal{say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation, v.bound_mm,
+                    settings.design.tolerance_mm};
+    if (v.bound_mm - told_mm <= settings.design.tolerance_mm)
+      refusal.note = say(Saying::kByRegisters, {told_mm});
+    refusal.capped = v.capped;
+    refusal.at = at;
+    result.refusals.push_back(std::move(refusal));
   }
   // Without strips all is uncut: what stands before says why.
   if (v.uncut_share() > settings.design.max_uncut_share &&
