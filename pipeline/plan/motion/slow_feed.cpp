@@ -57,6 +57,7 @@ Held most_used_jerk(const std::vector<BladePose>& poses, const MotionSettings& m
   Held place{0, 3, "limit of jerk", "motion.jerk_mm_s3", "mm/s3", motion.jerk_mm_s3},
       turn{0, 3, "limit of angular jerk", "motion.angular_jerk_rad_s3", "rad/s3", motion.angular_jerk_rad_s3};
   std::vector<double> t;
+  t.reserve(poses.size());
   for (const BladePose& pose : poses) t.push_back(pose.t);
   const std::vector<LimitedWay> clamps = moving_clamps(poses, motion);
   for (std::size_t i = 0; i < clamps.size(); ++i) {
