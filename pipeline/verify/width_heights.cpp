@@ -7,7 +7,7 @@ namespace hotblade::pipeline {
 
 namespace {
 
-// A hollow of radius r between two of them is w^2 / 512 r lower: a thousandth of a millimetre for 20 mm at
+// A crest of radius r between two of them is w^2 / 512 r nearer: a thousandth of a millimetre for 20 mm at
 // 780 mm.
 constexpr std::size_t kAcross = 9;
 // Of the design's points as many as a query answers well at once.

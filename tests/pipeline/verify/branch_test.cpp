@@ -35,6 +35,16 @@ BladePose pose_of(const elastica::Elastica& blade, double t) {
   return pose;
 }
 
+// A strip of a blade of 500 mm that begins flat.
+Strip begun(const elastica::Elastica& flat) {
+  Strip strip;
+  strip.id = "S001";
+  strip.blade_length_mm = flat.length;
+  strip.poses.push_back(pose_of(flat, 0));
+  return strip;
+}
+constexpr elastica::Elastica kFlat{0, 0, 0.13, -0.26 / 500, 0, 0, 500};
+
 TEST(FollowBranch, FindsTheShapesOfAPlanFromItsClampsAlone) {
   const BranchReport report = follow_branch(cylinder_strip(), kSpring);
   EXPECT_EQ(report.limit, Limit::kNone);
@@ -88,11 +98,8 @@ TEST(FollowBranch, RefusesYieldAndASmallMarginWithTheirAmounts) {
 
 TEST(FollowBranch, SeesASnapBetweenWaypoints) {
   // An arch whose end tangents are turned down: it holds for a while, then snaps to the other side.
-  Strip strip;
-  strip.id = "S001";
-  strip.blade_length_mm = 500;
-  elastica::Elastica blade{0, 0, 0.13, -0.26 / 500, 0, 0, 500};
-  strip.poses.push_back(pose_of(blade, 0));
+  Strip strip = begun(kFlat);
+  elastica::Elastica blade = kFlat;
   const elastica::ClampPair arc = elastica::clamps_of(blade);
   std::size_t held = 0;
   for (int i = 1; i <= 120; ++i) {
@@ -126,15 +133,12 @@ TEST(FollowBranch, SeesASnapBetweenWaypoints) {
 // A blade of 500 mm is let out until its chord is shorter by `slack_mm`; then both ends are turned one way,
 // which makes an S of the arc, until its margin is `margin` and the arc is about to snap.
 Strip pressed_strip(double slack_mm, double margin, double turn_rad) {
-  Strip strip;
-  strip.id = "S001";
-  strip.blade_length_mm = 500;
+  Strip strip = begun(kFlat);
   const double c = std::cos(turn_rad), s = std::sin(turn_rad);
   strip.design_to_cell.q =
       Eigen::Quaterniond(Eigen::AngleAxisd(turn_rad, Eigen::Vector3d(s, c, 1).normalized()));
   strip.design_to_cell.p = {100 * c, 77 * s, 300 + c};
-  elastica::Elastica blade{0, 0, 0.13, -0.26 / 500, 0, 0, 500};
-  strip.poses.push_back(pose_of(blade, 0));
+  elastica::Elastica blade = kFlat;
   const elastica::ClampPair arc = elastica::clamps_of(blade);
   elastica::ClampPair to = arc;
   const auto go = [&] {
@@ -200,11 +204,8 @@ TEST(FollowBranch, JudgesPressedBladesByTheMicrometresThatAControllerIsTold) {
 // An arch whose clamps are then turned about its middle all at once: between two such waypoints they come
 // closer, as each moves along a straight line.
 Strip turned_arch(double turn_rad) {
-  Strip strip;
-  strip.id = "S001";
-  strip.blade_length_mm = 500;
-  elastica::Elastica blade{0, 0, 0.13, -0.26 / 500, 0, 0, 500};
-  strip.poses.push_back(pose_of(blade, 0));
+  Strip strip = begun(kFlat);
+  elastica::Elastica blade = kFlat;
   const elastica::ClampPair arc = elastica::clamps_of(blade);
   constexpr int kSteps = 40;
   for (int i = 1; i <= kSteps; ++i) {
