@@ -60,14 +60,16 @@ std::string verdict_section(const PlanResult& result, const Words& w) {
                                  escaped(headline_text(verdict, w)));
   if (result.verification.cut_samples == 0) {
     html += w("Nothing is cut: no deviation could be measured.");
+  } else if (result.verification.capped) {
+    html += w.format(
+        "The surface the program cuts deviates from the design by at least <strong>{:.3f} mm</strong> "
+        "(tolerance {:g} mm); worst at {}.",
+        v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
   } else {
     html += w.format(
-        result.verification.capped
-            ? "The surface the program cuts deviates from the design by at least <strong>{:.3f} mm</strong> "
-              "(tolerance {:g} mm); worst at {}."
-            : "The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
-              "(tolerance {:g} mm); worst at {}.",
-        v.deviation_mm.max, v.tolerance_mm, place(v.deviation_mm.at));
+        "The largest deviation measured of the surface the program cuts is <strong>{:.3f} mm</strong>, and "
+        "nowhere is it more than {:.3f} mm (tolerance {:g} mm); worst at {}.",
+        v.deviation_mm.max, result.verification.bound_mm, v.tolerance_mm, place(v.deviation_mm.at));
   }
   html += " " + w.format("{:.2f} % of the design is left uncut.", 100 * result.verification.uncut_share());
   if (verdict.over_budget() && result.verification.cut_samples > 0) {

@@ -134,10 +134,11 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
      "(tolerance {:g} mm); worst at {}.",
      "Die Fläche, die das Programm schneidet, weicht vom Entwurf um mindestens <strong>{:.3f} mm</strong> "
      "ab (Toleranz {:g} mm); am meisten bei {}."},
-    {"The surface the program cuts deviates from the design by at most <strong>{:.3f} mm</strong> "
-     "(tolerance {:g} mm); worst at {}.",
-     "Die Fläche, die das Programm schneidet, weicht vom Entwurf um höchstens <strong>{:.3f} mm</strong> "
-     "ab (Toleranz {:g} mm); am meisten bei {}."},
+    {"The largest deviation measured of the surface the program cuts is <strong>{:.3f} mm</strong>, and "
+     "nowhere is it more than {:.3f} mm (tolerance {:g} mm); worst at {}.",
+     "Die größte gemessene Abweichung der Fläche, die das Programm schneidet, ist <strong>{:.3f} "
+     "mm</strong>, "
+     "und nirgends ist sie mehr als {:.3f} mm (Toleranz {:g} mm); am meisten bei {}."},
     {"{:.2f} % of the design is left uncut.", "{:.2f} % des Entwurfs bleiben ungeschnitten."},
     {"Together with the errors of clamps, weight and mesh that no measurement of the plan can see, the "
      "error budget comes to <strong>{:.3f} mm</strong>, more than the tolerance; {:.3f} mm of it are the "
