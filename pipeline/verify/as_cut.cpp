@@ -179,24 +179,36 @@ std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at) {
   return id;
 }
 
-// Hot poses in the order of the path, without what was gone over again after a retraction. Their times are
-// those of the motion that forms: where it was interrupted, the path's.
-std::vector<BladePose> forming_poses(const ExecutedStrip& strip) {
+// Poses that form the design, or all that are hot, in the order of the path, without what was gone over again
+// after a retraction. Their times are those of the motion: where it was interrupted, the path's.
+enum class Which { kForming, kHot };
+std::vector<BladePose> along_path(const ExecutedStrip& strip, Which which) {
   std::vector<BladePose> poses;
   double reached = -1, clock = 0;
   bool going = false;
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
-    const bool forms = strip.poses[i].foam && strip.path_s[i] > reached;
+    const BladePose& pose = strip.poses[i];
+    const bool forms =
+        (which == Which::kHot ? pose.heat : pose.foam.has_value()) && strip.path_s[i] > reached;
     if (forms) {
       if (!poses.empty())
         clock += going ? strip.poses[i].t - strip.poses[i - 1].t : strip.path_s[i] - reached;
       reached = strip.path_s[i];
-      poses.push_back(strip.poses[i]);
+      poses.push_back(pose);
       poses.back().t = clock;
     }
     going = forms;
   }
   return poses;
+}
+
+Program executed_program(const Program& program, const std::vector<ExecutedStrip>& executed, Which which) {
+  Program cut = program;
+  for (std::size_t i = 0; i < executed.size(); ++i) {
+    cut.strips[i].poses = along_path(executed[i], which);
+    cut.strips[i].joints.clear();
+  }
+  return cut;
 }
 
 // By how much half the melted band differs where the blade went at another speed than planned, at most.
@@ -243,18 +255,17 @@ double AsCutReport::budget_sum_mm() const {
 }
 
 Program as_executed(const Program& program, const std::vector<ExecutedStrip>& executed) {
-  Program cut = program;
-  for (std::size_t i = 0; i < executed.size(); ++i) {
-    cut.strips[i].poses = forming_poses(executed[i]);
-    cut.strips[i].joints.clear();
-  }
-  return cut;
+  return executed_program(program, executed, Which::kForming);
 }
 
 AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& executed,
                    const surface::DesignSurface& design, const VerifyOptions& options) {
   AsCutReport report;
-  const Program cut = as_executed(program, executed);
+  // What is hot beside the part in foam melts there as well: over its first and last places the width passes
+  // from outside.
+  const Program cut = executed_program(program, executed, Which::kHot);
+  VerifyOptions by_every_pose = options;
+  by_every_pose.by_every_pose = true;
   BladeTouches touches;
   for (std::size_t i = 0; i < executed.size(); ++i) {
     add_touches(program.strips[i], executed[i], static_cast<int>(i), options.sample_mm, touches);
@@ -262,7 +273,7 @@ AsCutReport as_cut(const Program& program, const std::vector<ExecutedStrip>& exe
     for (const BladePose& pose : executed[i].poses) report.hot_poses += pose.heat ? 1 : 0;
   }
   report.touch_samples = touches.points.size();
-  report.cut = measure(cut, touches, design, options);
+  report.cut = measure(cut, touches, design, by_every_pose);
   if (report.cut.worst_strip >= 0) {
     const Strip& worst = program.strips[static_cast<std::size_t>(report.cut.worst_strip)];
     report.strip = worst.id;

@@ -16,6 +16,7 @@
 #include "pipeline/verify/blade_speeds.hpp"
 #include "pipeline/verify/hanging.hpp"
 #include "pipeline/verify/row_way.hpp"
+#include "pipeline/verify/width_pass.hpp"
 #include "robot/blade/band_edge.hpp"
 
 namespace hotblade::pipeline {
@@ -400,6 +401,35 @@ void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, Sw
   }
 }
 
+// Whether poses before the first row or behind the last one reach a row with their width.
+bool beside_ends(const StripGrid& grid, std::size_t row, double width_mm, const SweptSurface& out) {
+  const GridOf points(grid, out.vertices);
+  for (const std::size_t end : {std::size_t{0}, grid.rows.size() - 1}) {
+    for (const std::size_t j : {std::size_t{0}, grid.columns / 2, grid.columns - 1}) {
+      if ((points.at(row, j) - points.at(end, j)).squaredNorm() < 0.25 * width_mm * width_mm) return true;
+    }
+  }
+  return false;
+}
+
+// How far the edge of the melted band is from the blade's middle line along a row.
+void place_half_bands(const Program& program, const Strip& strip, const StripGrid& grid, std::size_t row,
+                      bool by_every_pose, SweptSurface& out) {
+  const std::size_t first = grid.first_vertex + row * grid.columns;
+  std::optional<std::vector<double>> passes;
+  if (by_every_pose || beside_ends(grid, row, program.blade.width_mm, out))
+    passes =
+        width_passes_mm(strip.poses, static_cast<std::size_t>(grid.rows[row] - strip.poses.data()),
+                        std::span(out.normals).subspan(first, grid.columns),
+                        std::span(out.plane_normals).subspan(first, grid.columns), program.blade.width_mm);
+  for (std::size_t j = 0; j < grid.columns; ++j) {
+    const std::size_t v = first + j;
+    out.half_bands_mm[v] = passes ? 0.5 * program.blade.band_mm(out.speeds_mm_s[v]) + (*passes)[j]
+                                  : half_band_mm(program.blade, out.normals[v], out.plane_normals[v],
+                                                 out.speeds_mm_s[v], out.width_bends_per_mm[v]);
+  }
+}
+
 unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t column) {
   const int bits = (row == 0 ? 1 : 0) | (row + 1 == grid.rows.size() ? 2 : 0) | (column == 0 ? 4 : 0) |
                    (column + 1 == grid.columns ? 8 : 0);
@@ -440,11 +470,13 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
     }
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i)
+      place_half_bands(program, strip, grid, i, steps.by_every_pose, out);
+  });
+  for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t v = grid.first_vertex + from * grid.columns; v < grid.first_vertex + to * grid.columns;
          ++v)
-      out.vertices[v] -= half_band_mm(program.blade, out.normals[v], out.plane_normals[v], out.speeds_mm_s[v],
-                                      out.width_bends_per_mm[v]) *
-                         out.normals[v];
+      out.vertices[v] -= out.half_bands_mm[v] * out.normals[v];
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     place_triangles(grid, from, to, out);
@@ -472,7 +504,7 @@ GridSteps coarser(const GridSteps& steps, std::size_t vertices) {
   const double times =
       std::max(kLeast, std::sqrt(static_cast<double>(vertices) / static_cast<double>(steps.most_vertices)));
   return {times * steps.finest_mm, times * steps.widest_mm, times * times * steps.chord_mm,
-          steps.most_vertices};
+          steps.most_vertices, steps.by_every_pose};
 }
 
 SweptSurface surface_of(const Counts& counts) {
@@ -488,6 +520,7 @@ SweptSurface surface_of(const Counts& counts) {
   out.areas_mm2.resize(counts.vertices);
   out.bends_per_mm.resize(counts.vertices);
   out.width_bends_per_mm.resize(counts.vertices);
+  out.half_bands_mm.resize(counts.vertices);
   out.triangles.resize(counts.triangles);
   return out;
 }
@@ -525,7 +558,7 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
 }
 
 SweptSurface swept_surface(const Program& program, double sample_mm) {
-  return swept_surface(program, {sample_mm, sample_mm, 0, std::numeric_limits<std::size_t>::max()});
+  return swept_surface(program, {sample_mm, sample_mm, 0, std::numeric_limits<std::size_t>::max(), false});
 }
 
 }  // namespace hotblade::pipeline

@@ -33,7 +33,8 @@ struct SweptSurface {
   std::vector<double> areas_mm2;     // of the surface that a vertex stands for
   std::vector<double> bends_per_mm;  // the most that the surface curves there in any direction
   std::vector<double>
-      width_bends_per_mm;  // of what is left, over the blade's width, as half_band_mm() takes it
+      width_bends_per_mm;             // of what is left, over the blade's width, as half_band_mm() takes it
+  std::vector<double> half_bands_mm;  // from the blade's middle line to a vertex
 };
 
 // How far the points of a grid lie apart.
@@ -44,6 +45,10 @@ struct GridSteps {
   // Of more vertices than this all steps are wider, and chords with them, until they are fewer: memory, 600
   // bytes a vertex with a search tree over the facets.
   std::size_t most_vertices = std::size_t{1} << 18;
+  // Whether the band's edge is everywhere where the width of every hot pose about a place passes, one by one
+  // (width_pass.hpp), as it is beside the ends of a strip, where poses that form no design pass as well.
+  // Elsewhere slope and bend of the cut put it: a motion that is planned is smooth.
+  bool by_every_pose = false;
 };
 
 // Returns a grid over the poses that form the design (those with a foam interval). Rows follow the poses:

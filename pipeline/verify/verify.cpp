@@ -102,6 +102,7 @@ GridSteps grid_steps(const VerifyOptions& options, const robot::Blade& blade) {
   // Where the band depends on the speed, it may change within one wide step.
   steps.widest_mm = (blade.melt.by_speed() ? 1 : options.widest) * options.sample_mm;
   steps.chord_mm = kSettledShare * options.tolerance_mm;
+  steps.by_every_pose = options.by_every_pose;
   return steps;
 }
 
@@ -233,9 +234,8 @@ class CutMeasurement {
     }
     const double speed = cut_.speeds_mm_s[i];
     const double bend = cut_.width_bends_per_mm[i];
-    const double by_cut = half_band_mm(program_.blade, cut_.normals[i], cut_.plane_normals[i], speed, bend);
     const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed, bend);
-    c.half_band = std::abs(by_cut - by_design);
+    c.half_band = std::abs(cut_.half_bands_mm[i] - by_design);
     return c;
   }
 

@@ -42,6 +42,7 @@ struct VerifyOptions {
   // Only what is cut against the design, of which no more than the corners of large facets are asked for:
   // nothing is said of what of it is left uncut.
   bool cut_only = false;
+  bool by_every_pose = false;  // where the band's edge is: GridSteps
 };
 
 // Where a hot blade is in foam without forming the design: points of its centre line.

@@ -159,5 +159,101 @@ TEST(SweptSurface, IsNoFartherOffWherePartsInFoamSlideAlongTheBlade) {
   }
 }
 
+// Every pose of the path hot, and off across the blade by up to `jitter_mm`.
+Program executed(const Path& path, double jitter_mm) {
+  Program program = swept(path);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> any(-jitter_mm, jitter_mm);
+  for (BladePose& pose : program.strips.front().poses) {
+    pose.heat = true;
+    pose.frame = SharedFrame(Frame{pose.frame.point(0, any(random)), pose.frame.x(), pose.frame.y()});
+  }
+  return program;
+}
+
+// How far a surface lies off the edge of what a smooth motion along the path melts, on the kept side of it
+// and on the waste's.
+struct Off {
+  double kept_mm = 0, waste_mm = 0;
+};
+
+Off off_smooth_mm(const Path& path, const Program& program, bool by_every_pose, double ends_mm) {
+  GridSteps steps;
+  steps.by_every_pose = by_every_pose;
+  const SweptSurface cut = swept_surface(program, steps);
+  const auto [low, high] = std::minmax({path.at(-kHalfTurn_rad).x(), path.at(kHalfTurn_rad).x()});
+  Off off;
+  int seen = 0;
+  for (const Vector3d& p : cut.vertices) {
+    if (p.x() < low + ends_mm || p.x() > high - ends_mm) continue;
+    ++seen;
+    const double deeper = distance_mm(path, program.blade.width_mm, p) - 0.5;
+    off.kept_mm = std::max(off.kept_mm, deeper);
+    off.waste_mm = std::max(off.waste_mm, -deeper);
+  }
+  EXPECT_GT(seen, 100);
+  return off;
+}
+
+TEST(SweptSurface, ByEveryPoseIsTheSameOfASmoothMotion) {
+  for (const Path& path : {Path{40, true, 0.3, 0}, Path{40, false, 0.3, 0}, Path{90, true, 0.2, 600}}) {
+    const Program program = executed(path, 0);
+    const double ends_mm = 1.5 * program.blade.width_mm;
+    const Off one = off_smooth_mm(path, program, true, ends_mm),
+              by_bend = off_smooth_mm(path, program, false, ends_mm);
+    EXPECT_LT(one.kept_mm, 0.004);
+    EXPECT_LT(one.waste_mm, 0.004);
+    EXPECT_LT(by_bend.kept_mm, 0.004);
+    EXPECT_LT(by_bend.waste_mm, 0.004);
+  }
+}
+
+TEST(SweptSurface, ByEveryPoseIsOffByNoMoreThanPosesAre) {
+  constexpr double kJitter_mm = 0.1;
+  for (const Path& path : {Path{142, false, 0.2, 0}, Path{60, true, 0.1, 0}}) {
+    const Program program = executed(path, kJitter_mm);
+    const double ends_mm = 1.5 * program.blade.width_mm;
+    const Off one = off_smooth_mm(path, program, true, ends_mm);
+    EXPECT_LT(one.kept_mm, kJitter_mm + 0.005);
+    EXPECT_GT(one.kept_mm, 0.7 * kJitter_mm);
+    // The slopes between poses are none that the width has.
+    EXPECT_GT(off_smooth_mm(path, program, false, ends_mm).kept_mm, 1.2 * kJitter_mm);
+  }
+}
+
+// Poses beyond the ends form no design, but their width passes over its border.
+TEST(SweptSurface, HasAtItsEndsWhatPosesBeyondThemMelt) {
+  for (const Path& path : {Path{60, true, 0.3, 0}, Path{60, false, 0.3, 0}}) {
+    Program program = executed(path, 0);
+    std::vector<BladePose>& poses = program.strips.front().poses;
+    const std::size_t beyond = poses.size() / 4;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (i < beyond || i + beyond >= poses.size()) poses[i].foam.reset();
+    }
+    // They go down by 0.2 mm there.
+    const auto lower = [&](BladePose& pose) {
+      pose.frame =
+          SharedFrame(Frame{pose.frame.point(0, 0) - Vector3d(0, 0, 0.2), pose.frame.x(), pose.frame.y()});
+    };
+    const Off as_planned = off_smooth_mm(path, program, false, 0);
+    EXPECT_LT(as_planned.kept_mm, 0.004);
+    for (std::size_t i = 0; i < beyond; ++i) lower(poses[i]);
+    const Off lowered = off_smooth_mm(path, program, false, 0);
+    EXPECT_GT(lowered.kept_mm, 0.1);
+    EXPECT_LT(lowered.kept_mm, 0.21);
+  }
+}
+
+TEST(SweptSurface, GoesBySlopesWhereNoHotPosesReachAcross) {
+  const Path path{142, false, 0.2, 0};
+  Program cold = executed(path, 0.05);
+  for (BladePose& pose : cold.strips.front().poses) pose.heat = false;
+  GridSteps every;
+  every.by_every_pose = true;
+  const SweptSurface by_slope = swept_surface(cold, GridSteps{}), asked = swept_surface(cold, every);
+  ASSERT_EQ(by_slope.vertices.size(), asked.vertices.size());
+  for (std::size_t v = 0; v < asked.vertices.size(); ++v) EXPECT_EQ(by_slope.vertices[v], asked.vertices[v]);
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
