@@ -15,6 +15,7 @@
 #include "pipeline/plan/arms/strip_clearance.hpp"
 #include "pipeline/preview/drawing.hpp"
 #include "pipeline/program/atomic_file.hpp"
+#include "pipeline/program/design_file.hpp"
 #include "pipeline/program/gzip.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/program/read_design.hpp"
@@ -70,13 +71,7 @@ std::optional<DesignSurface> design_of(const Program& program, const PreviewOpti
   const fs::path beside = fs::path(options.input.file).parent_path() / program.design.file;
   if (options.design.empty() && !fs::exists(beside)) return std::nullopt;
   const fs::path file = options.design.empty() ? beside : fs::path(options.design);
-  DesignSurface design = read_design(file, program);
-  if (design.sha256 != program.design.sha256) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}: is not the design the program was made from (SHA-256 {}..., {}...)",
-                            file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
-  }
-  return design;
+  return read_design_of(program, file);
 }
 
 // A cell and what of it is shown; the second refers to the first.

@@ -1,6 +1,7 @@
 #include "pipeline/cli/settings_options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/settings/error.hpp"
@@ -46,6 +47,8 @@ Settings resolve_design(const DesignOptions& options) {
   expect_facing(settings.design);
   take_format(options.file, !options.up.empty(), settings.design);
   if (settings.design.units.empty()) {
+    if (std::error_code unknown; !std::filesystem::exists(options.file, unknown))
+      throw Error(ErrorKind::kFile, options.file + ": no such file: check the path");
     throw Error(ErrorKind::kBadSettings,
                 options.file +
                     ": no unit given: the file carries none: say --units mm, cm, m, in or ft, or "

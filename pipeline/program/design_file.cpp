@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/program/read_design.hpp"
+#include "pipeline/program/sha256.hpp"
 #include "pipeline/settings/error.hpp"
 
 namespace hotblade::pipeline {
@@ -29,6 +30,17 @@ std::optional<fs::path> path_in(const nlohmann::json& run) {
                                                 : std::nullopt;
 }
 
+std::string sha256_of_file(const fs::path& file) {
+  constexpr std::size_t kAtOnce = std::size_t{1} << 16;
+  std::string some(kAtOnce, '\0');
+  Sha256 sha256;
+  for (std::ifstream stream(file, std::ios::binary); stream;) {
+    stream.read(some.data(), static_cast<std::streamsize>(some.size()));
+    sha256.add(std::string_view(some).substr(0, static_cast<std::size_t>(stream.gcount())));
+  }
+  return sha256.hex();
+}
+
 }  // namespace
 
 std::optional<fs::path> design_at_hand(const fs::path& program_file, const Program& program) {
@@ -42,13 +54,23 @@ std::optional<fs::path> design_at_hand(const fs::path& program_file, const Progr
 }
 
 surface::DesignSurface read_design_of(const Program& program, const fs::path& file) {
-  surface::DesignSurface design = read_design(file, program);
-  if (design.sha256 == program.design.sha256) return design;
-  throw Error(
-      ErrorKind::kBadInput,
-      fmt::format("{}: not the design of this program (sha256 {}, limit {}): give {} as it was planned",
-                  file.string(), design.sha256.substr(0, 12), program.design.sha256.substr(0, 12),
-                  program.design.file));
+  const auto expect_design = [&](const std::string& sha256) {
+    if (sha256 == program.design.sha256) return;
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("{}: not the design of this program (sha256 {}, limit {}): give {} as it was planned",
+                    file.string(), sha256.substr(0, 12), program.design.sha256.substr(0, 12),
+                    program.design.file));
+  };
+  try {
+    surface::DesignSurface design = read_design(file, program);
+    expect_design(design.sha256);
+    return design;
+  } catch (const surface::MeshError&) {
+    // Another design may not even be of the format that the program's has.
+    expect_design(sha256_of_file(file));
+    throw;
+  }
 }
 
 }  // namespace hotblade::pipeline

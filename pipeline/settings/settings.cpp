@@ -247,6 +247,10 @@ struct RangeCheck {
 void check_together(const Settings& s, const Origins& origins) {
   const auto at_most = [&](const char* key, double value, const char* limit_key, double limit) {
     if (value <= limit) return;
+    // Where the limit alone was given, it is the one that is wrong.
+    if (!origins.contains(key) && origins.contains(limit_key))
+      fail_key(origins, limit_key,
+               "(" + number_text(limit) + ", must be at least " + key + ", " + number_text(value) + ")");
     fail_key(origins, key,
              "(" + number_text(value) + ", must be at most " + limit_key + ", " + number_text(limit) + ")");
   };
@@ -275,11 +279,8 @@ void check_together(const Settings& s, const Origins& origins) {
     }
   }
   at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.width_mm", s.blade.width_mm);
-  if (s.blade.kerf_mm < s.blade.thickness_mm) {
-    fail_key(origins, "blade.kerf_mm",
-             "(" + number_text(s.blade.kerf_mm) + ", must be at least blade.thickness_mm, " +
-                 number_text(s.blade.thickness_mm) + "): the melted band includes the blade");
-  }
+  // The melted band includes the blade.
+  at_most("blade.thickness_mm", s.blade.thickness_mm, "blade.kerf_mm", s.blade.kerf_mm);
   const auto zero_or_at_least = [&](const char* key, double value, double least, const char* hint) {
     if (value == 0 || value >= least) return;
     fail_key(origins, key,

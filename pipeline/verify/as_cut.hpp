@@ -48,6 +48,9 @@ struct AsCutReport {
   std::size_t hot_poses = 0, touch_samples = 0;
   double executed_s = 0;
   [[nodiscard]] double budget_sum_mm() const;
+  // The measured deviation with the lines of the budget that no execution log tells: the design's facets,
+  // the blade's weight and its clamps' errors. It is to the budget of a plan as what was cut is to the plan.
+  [[nodiscard]] double in_cell_mm() const;
 };
 
 // Returns the measure of an executed motion against the design, with its error budget.

@@ -32,6 +32,7 @@ struct OtherFormat {
   std::string_view word;                    // that stands among them; empty: any
   std::array<std::string_view, 4> endings;  // of names
   std::string_view conversion;
+  std::string_view then = "";  // options that what comes of it is read with
 };
 
 constexpr std::string_view kByGmsh = "gmsh IN -2 -clmax 20 -clcurv 200 -format stl -o out.stl",
@@ -46,7 +47,7 @@ constexpr std::string_view
         "python3 -c \"import vtk; r = vtk.vtkXMLPolyDataReader(); r.SetFileName('IN'); "
         "w = vtk.vtkPLYWriter(); w.SetFileName('out.ply'); "
         "w.SetInputConnection(r.GetOutputPort()); w.Write()\"";
-constexpr std::array<OtherFormat, 9> kOthers{{
+constexpr std::array<OtherFormat, 10> kOthers{{
     {"STEP", "ISO-10303-21", "", {".step", ".stp"}, kByGmsh},
     {"IGES", "", "", {".iges", ".igs"}, kByGmsh},
     {"BREP", "DBRep_DrawableShape", "", {".brep"}, kByGmsh},
@@ -56,14 +57,23 @@ constexpr std::array<OtherFormat, 9> kOthers{{
     {"MSH", "$MeshFormat", "", {".msh"}, kByMeshio},
     {"DAE, FBX, 3DS or 3MF", "", "", {".dae", ".fbx", ".3ds", ".3mf"}, kByAssimp},
     {"OFF", "", "", {".off"}, kByAssimp},
+    {"DXF", "", "", {".dxf"}, kByAssimp, "--up y"},
 }};
-constexpr std::string_view kRhino = ".3dm";
+// No converter at hand reads what these programs write: they export it themselves.
+struct OtherProgram {
+  std::string_view ending, name;
+};
+constexpr std::array<OtherProgram, 3> kPrograms{
+    {{".3dm", "Rhino"}, {".dwg", "AutoCAD"}, {".skp", "SketchUp"}}};
 
 void refuse_other_formats(std::string_view head, const std::filesystem::path& file) {
   const std::string ending = ending_of(file);
-  if (ending == kRhino)
-    throw MeshError(file.string() +
-                    ": a Rhino file, which is not read: export it from Rhino as OBJ, polygon mesh");
+  for (const OtherProgram& program : kPrograms) {
+    if (ending != program.ending) continue;
+    const std::string name(program.name);
+    throw MeshError(file.string() + ": a file of " + name + ", which is not read: export it from " + name +
+                    " as OBJ or STL, polygon mesh");
+  }
   for (const OtherFormat& other : kOthers) {
     const bool named = !ending.empty() &&
                        std::find(other.endings.begin(), other.endings.end(), ending) != other.endings.end();
@@ -73,7 +83,8 @@ void refuse_other_formats(std::string_view head, const std::filesystem::path& fi
     line.replace(line.find("IN"), 2, file.filename().string());
     throw MeshError(file.string() + ": of format " + std::string(other.name) + " by its " +
                     (named ? "name" : "first bytes") + ", which is not read: convert it, as by `" + line +
-                    "`, or say with --format what it is");
+                    "`" + (other.then.empty() ? "" : " and read that with " + std::string(other.then)) +
+                    ", or say with --format what it is");
   }
 }
 

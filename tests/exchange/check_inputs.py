@@ -29,6 +29,22 @@ def expect(holds, what):
         print("FAILED:", what)
 
 
+def dxf_faces(obj):
+    """An OBJ's faces as DXF, which has each with its own corners."""
+    lines = [words.split() for words in obj.read_text().splitlines()]
+    points = [words[1:4] for words in lines if words[:1] == ["v"]]
+    text = ["0", "SECTION", "2", "ENTITIES"]
+    for words in lines:
+        if words[:1] != ["f"]:
+            continue
+        corners = [points[int(w.split("/")[0]) - 1] for w in words[1:]]
+        text += ["0", "3DFACE", "8", "0"]
+        for i in range(4):
+            for axis, at in enumerate(corners[min(i, len(corners) - 1)]):
+                text += [str(10 * (axis + 1) + i), at]
+    return "\n".join([*text, "0", "ENDSEC", "0", "EOF", ""])
+
+
 def run(*words):
     return subprocess.run([hotblade, *map(str, words)], capture_output=True, text=True)
 
@@ -146,6 +162,11 @@ elif check == "convert":
         back = folder / f"{sample}_out.obj"
         subprocess.run(["assimp", "export", dae, back], check=True, stdout=subprocess.DEVNULL)
         expect_same(back, checked(back, "--units", "mm"), checked(obj, "--units", "mm"))
+        dxf = folder / f"{sample}.dxf"
+        dxf.write_text(dxf_faces(obj))
+        back = folder / f"{sample}_dxf.obj"
+        subprocess.run(["assimp", "export", dxf, back], check=True, stdout=subprocess.DEVNULL)
+        expect_same(back, checked(back, "--units", "mm", "--up", "y"), checked(obj, "--units", "mm"))
 elif check == "meshio":
     if shutil.which("meshio") is None:
         print("meshio is not installed")

@@ -367,7 +367,7 @@ TEST_F(PreviewCommand, KeepsAnExistingPictureWithoutForce) {
 
 TEST_F(PreviewCommand, RefusesAnotherDesign) {
   EXPECT_EQ(preview("job/program.json", {"--design", file("other.obj"), "--shot", file("a.png")}), 3);
-  EXPECT_THAT(message_, ::testing::HasSubstr("other.obj: is not the design the program was made from"));
+  EXPECT_THAT(message_, ::testing::HasSubstr("other.obj: not the design of this program"));
   EXPECT_FALSE(std::filesystem::exists(file("a.png")));
 }
 

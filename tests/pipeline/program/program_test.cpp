@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
         Breakage{"TooManySplits", [](Json& j) { j["settings"]["fit"]["max_splits"] = 1001; },
                  "settings.fit.max_splits: out of range (1001"},
         Breakage{"SettingsThatDoNotGoTogether", [](Json& j) { j["settings"]["blade"]["kerf_mm"] = 0.1; },
-                 "settings: do not go together: settings: blade.kerf_mm"},
+                 "settings: do not go together: settings: blade.thickness_mm (0.5, must be at most blade.kerf_mm, 0.1)"},
         Breakage{"NoBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"] = Json::array(); },
                  "(0, at least 1)"},
         Breakage{"FallingBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"][2] = 600; },

@@ -208,7 +208,12 @@ TEST(Settings, EveryNumberIsCheckedForRangeAndFiniteness) {
 
 TEST(Settings, PartsThatDoNotFitTogetherAreRefused) {
   EXPECT_THAT(set_error("blade.kerf_mm=0.4"), HasSubstr("must be at least blade.thickness_mm, 0.5"));
-  EXPECT_THAT(set_error("blade.thickness_mm=1.2"), HasSubstr("blade.kerf_mm (1, must be at least"));
+  EXPECT_THAT(set_error("blade.thickness_mm=1.2"),
+              HasSubstr("blade.thickness_mm (1.2, must be at most blade.kerf_mm, 1)"));
+  // The one that was given is blamed.
+  EXPECT_THAT(set_error("blade.width_mm=0.3"),
+              HasSubstr("--set: blade.width_mm (0.3, must be at least blade.thickness_mm, 0.5)"));
+  EXPECT_THAT(set_error("motion.approach_mm=5"), HasSubstr("--set: motion.approach_mm (5, must be at least"));
   EXPECT_THAT(set_error("blade.free_lengths_mm=[600, 400]"), HasSubstr("not ascending"));
   EXPECT_THAT(set_error("blade.free_lengths_mm=[400, 400]"), HasSubstr("not ascending"));
   EXPECT_THAT(set_error("blade.free_lengths_mm=[]"), HasSubstr("0 numbers"));

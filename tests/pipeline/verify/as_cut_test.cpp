@@ -9,6 +9,7 @@
 #include "pipeline/plan/plan.hpp"
 #include "pipeline/run/dryrun.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/verify/budget.hpp"
 #include "tests/pipeline/executed.hpp"
 #include "tests/pipeline/plan_design.hpp"
 
@@ -49,6 +50,11 @@ TEST(AsCut, TheBudgetIsNoLessThanTheWhole) {
   const AsCutReport report = measured(cylinder(), read_executed(cylinder().work, cylinder().log));
   EXPECT_GE(report.budget_sum_mm(), report.cut.deviation.max);
   EXPECT_TRUE(report.not_in_budget.empty());
+  // What was cut is as far off as planned, and with what no log tells as the plan's budget says, which has
+  // lines for what was measured now.
+  const double planned_mm = budget_sum_mm(cylinder_program().verification.budget_mm);
+  EXPECT_LT(report.in_cell_mm(), planned_mm + 0.005);
+  EXPECT_GT(report.in_cell_mm(), planned_mm - 0.06);
   EXPECT_EQ(report.budget_mm.size(), 11u);
   for (const auto& [name, mm] : report.budget_mm) EXPECT_TRUE(mm >= 0 && mm < 1) << name << " " << mm;
 }

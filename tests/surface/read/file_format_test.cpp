@@ -65,6 +65,9 @@ TEST(FileFormat, ThoseOfOtherProgramsAreRefusedWithTheLineThatConvertsThem) {
   EXPECT_THAT(refusal("PK", "a.3mf"), HasSubstr("`assimp export a.3mf out.obj`"));
   EXPECT_THAT(refusal("", "a.igs"), HasSubstr("of format IGES by its name"));
   EXPECT_THAT(refusal("", "a.3dm"), HasSubstr("export it from Rhino as OBJ"));
+  EXPECT_THAT(refusal("", "a.dwg"), HasSubstr("export it from AutoCAD as OBJ"));
+  EXPECT_THAT(refusal("0\nSECTION\n", "a.DXF"),
+              HasSubstr("`assimp export a.DXF out.obj` and read that with --up y"));
   EXPECT_EQ(refusal(kObj, "a.txt"), "");
   // What bytes or a format's own name say holds.
   EXPECT_EQ(refusal(binary_ply(std::endian::big), "a.off"), "");
