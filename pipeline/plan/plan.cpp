@@ -102,7 +102,7 @@ void judge(const Settings& settings, PlanResult& result) {
     const auto number = static_cast<std::size_t>(
         std::max_element(v.strip_bound_mm.begin(), v.strip_bound_mm.end()) - v.strip_bound_mm.begin());
     const std::string strip = number < result.strips.size() ? result.strips[number].id : "design";
-    const double told_mm = number < v.branches.size() ? v.branches[number].told_off_mm : 0;
+    const double told_mm = number < v.strip_told_mm.size() ? v.strip_told_mm[number] : 0;
     const Eigen::Vector3d& at = v.deviation.at;
     Refusal refusal{say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation, v.bound_mm,
                     settings.design.tolerance_mm};

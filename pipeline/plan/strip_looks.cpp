@@ -188,7 +188,8 @@ void StripLooks::measure_fresh(const Program& like, const surface::DesignSurface
     }
     const BranchReport branch =
         follow_branch(looked.planned.strip, {sharpest, options.min_margin, program.settings.machine.clamps});
-    looked.bound_mm += branch.told_off_mm;
+    looked.bound_mm = std::max(
+        looked.bound_mm, report.rows.with(branch.told_off, looked.planned.strip, i, program.blade.width_mm));
     if (!branch.held()) looked.branch = {branch_refusal(looked.planned.strip, branch)};
   });
   gpu::stop_point();

@@ -1,6 +1,7 @@
 #include "pipeline/verify/branch.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -36,34 +37,76 @@ bool wild(const Elastica& e) {
   return !(elastica::taylor_rate(e.theta, e.kappa, e.lambda1, e.lambda2) * e.length <= kMostRate);
 }
 
-// Of a pose that forms the design how far the blade is from the planned one in foam, across itself; by points
-// `every` so many of which stand beside one of the planned.
-double across_in_foam_mm(const elastica::PartPoints& is, const elastica::PartPlaces& should, std::size_t i,
-                         std::size_t every, const BladePose& pose) {
-  if (!pose.foam || wild(pose.blade)) return 0;
+// How far a blade is off across itself, mm: the most at the points of what is in foam, and in each of its
+// parts.
+struct Off {
+  double most_mm = 0;
+  std::array<float, kBladeParts> parts_mm{};
+};
+
+// Of the blade against the planned one; a part is off by the more of both its ends. By points `every` so many
+// of which stand beside one of the planned.
+Off across_in_foam_mm(const elastica::PartPoints& is, const elastica::PartPlaces& should, std::size_t i,
+                      std::size_t every, const BladePose& pose,
+                      const std::optional<std::array<double, 2>>& foam) {
+  Off off{};
+  if (!foam || wild(pose.blade)) return off;
   const double apart = pose.blade.length / static_cast<double>(should.points - 1);
-  double largest = 0;
   for (std::size_t k = 0; k < should.points; ++k) {
     const double s = apart * static_cast<double>(k);
-    if (s < (*pose.foam)[0] - 0.5 * apart || s > (*pose.foam)[1] + 0.5 * apart) continue;
+    if (s < (*foam)[0] - apart || s > (*foam)[1] + apart) continue;
     const std::size_t at = i * is.points + every * k;
-    const Eigen::Vector2d off = is.at(i, every * k) - should.at(i, k);
-    largest = std::max(largest, std::abs(is.cos[at] * off.y() - is.sin[at] * off.x()));
+    const Eigen::Vector2d away = is.at(i, every * k) - should.at(i, k);
+    const double across = std::abs(is.cos[at] * away.y() - is.sin[at] * away.x());
+    if (s >= (*foam)[0] - 0.5 * apart && s <= (*foam)[1] + 0.5 * apart)
+      off.most_mm = std::max(off.most_mm, across);
+    for (const std::size_t part : {k - 1, k}) {
+      if (part < kBladeParts) off.parts_mm[part] = std::max(off.parts_mm[part], static_cast<float>(across));
+    }
   }
-  return largest;
+  return off;
 }
 
 // Margins are computed at every so many poses, many at once: what could bring the blade to its limit in
 // between is looked at while it is followed (robot/blade/blade_branch.hpp).
 constexpr std::size_t kMarginEvery = 16;
 
+// What of the blade forms the design: a pose's own part, or that of the first or last pose in foam, whose
+// border the width of a hot one before or behind it passes over.
+class FormedParts {
+ public:
+  explicit FormedParts(const Strip& strip) {
+    const auto in_foam = [](const BladePose& pose) { return pose.foam.has_value(); };
+    const auto first = std::find_if(strip.poses.begin(), strip.poses.end(), in_foam);
+    if (first == strip.poses.end()) return;
+    const auto last = std::find_if(strip.poses.rbegin(), strip.poses.rend(), in_foam);
+    first_ = {first->t, first->foam};
+    last_ = {last->t, last->foam};
+  }
+
+  [[nodiscard]] std::optional<std::array<double, 2>> of(const BladePose& pose) const {
+    if (pose.foam || !pose.heat) return pose.foam;
+    if (pose.t < first_.t) return first_.part;
+    return pose.t > last_.t ? last_.part : std::nullopt;
+  }
+
+ private:
+  struct At {
+    double t = 0;
+    std::optional<std::array<double, 2>> part;
+  };
+  At first_, last_;
+};
+
 // Of some poses: how far the blade is from where the program says, and what forms the design across itself by
 // registers alone; its largest curvature, and the margins of every so many of them.
 struct FollowedBlock {
-  std::vector<double> off_mm, told_off_mm, curvature_per_mm, margin;
+  std::vector<double> off_mm, curvature_per_mm, margin;
+  std::vector<Off> told_off_mm;
 
-  FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses) {
-    constexpr std::size_t kPoints = 9, kMost = 65;
+  FollowedBlock(std::span<const FollowedPose> followed, std::span<const BladePose> poses,
+                const FormedParts& formed) {
+    constexpr std::size_t kPoints = kBladeParts + 1, kMost = 65;
     std::vector<Elastica> found, planned, some;
     std::vector<elastica::Part> whole;
     for (std::size_t i = 0; i < followed.size(); ++i) {
@@ -93,7 +136,8 @@ struct FollowedBlock {
     const elastica::PartPoints told =
         same ? elastica::PartPoints{} : elastica::sample_parts(found, whole, fine);
     for (std::size_t i = 0; i < followed.size(); ++i)
-      told_off_mm.push_back(across_in_foam_mm(same ? is : told, should, i, every, poses[i]));
+      told_off_mm.push_back(
+          across_in_foam_mm(same ? is : told, should, i, every, poses[i], formed.of(poses[i])));
     margin.resize(some.size());
     elastica::stability_margins(some, margin);
   }
@@ -153,16 +197,20 @@ void compare(const Strip& strip, std::span<const FollowedPose> followed, const B
     report.value = value;
     report.bound = bound;
   };
+  const FormedParts formed(strip);
   for (std::size_t from = 0; from < followed.size(); from += kBlock) {
     const std::size_t count = std::min(kBlock, followed.size() - from);
-    const FollowedBlock block(followed.subspan(from, count), std::span(strip.poses).subspan(from, count));
+    const FollowedBlock block(followed.subspan(from, count), std::span(strip.poses).subspan(from, count),
+                              formed);
     for (std::size_t i = 0; i < count; ++i) {
       const FollowedPose& pose = followed[from + i];
       report.largest_curvature_per_mm = std::max(report.largest_curvature_per_mm, block.curvature_per_mm[i]);
       report.smallest_margin = std::min(report.smallest_margin, pose.margin);
       // The pose of a finding is the last one, and is not compared.
       if (!report.held() && from + i == report.pose) return;
-      report.told_off_mm = std::max(report.told_off_mm, block.told_off_mm[i]);
+      const Off& told_off = block.told_off_mm[i];
+      report.told_off.add(told_off.parts_mm);
+      if (strip.poses[from + i].foam) report.told_off_mm = std::max(report.told_off_mm, told_off.most_mm);
       if (i % kMarginEvery == 0) {
         const double margin = block.margin[i / kMarginEvery];
         report.smallest_margin = std::min(report.smallest_margin, margin);

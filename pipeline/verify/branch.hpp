@@ -14,6 +14,7 @@
 
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/refusal.hpp"
+#include "pipeline/verify/row_bounds.hpp"
 
 namespace hotblade::pipeline {
 
@@ -36,6 +37,9 @@ struct BranchReport {
   // The same of what is in foam and forms the design, across the blade, taut ones too: what the controller's
   // micrometres add to the cut.
   double told_off_mm = 0;
+  // That of each pose in each part of the blade, as far as followed; of hot poses that form no design, of
+  // what the nearest in foam forms.
+  PartsOff told_off;
   double smallest_margin = 0;  // of the shapes found, as often as robot/blade/blade_branch.hpp computes it
   double largest_curvature_per_mm = 0;
   [[nodiscard]] bool held() const { return limit == Limit::kNone; }

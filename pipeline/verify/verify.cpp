@@ -1,6 +1,5 @@
 #include "pipeline/verify/verify.hpp"
 
-#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -22,7 +21,6 @@
 #include "pipeline/verify/design_border.hpp"
 #include "pipeline/verify/design_cells.hpp"
 #include "pipeline/verify/design_faces.hpp"
-#include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/mesh_view.hpp"
 #include "pipeline/verify/near_cells.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -137,6 +135,7 @@ class CutMeasurement {
     report_.strip_max_mm.assign(program.strips.size(), 0.0);
     report_.strip_bound_mm.assign(program.strips.size(), 0.0);
     report_.strip_max_at.assign(program.strips.size(), Eigen::Vector3d::Zero());
+    report_.rows = RowBounds(cut, program);
   }
 
   VerifyReport take(const BladeTouches& touches) {
@@ -178,7 +177,8 @@ class CutMeasurement {
         report_.bound_mm <= options_.tolerance_mm && report_.uncut_share() <= options_.max_uncut_share;
   }
 
-  void add(double distance, const Eigen::Vector3d& at, double area_mm2, int strip) {
+  // `vertex` is the nearest of the cut, none of what is no part of it.
+  void add(double distance, const Eigen::Vector3d& at, double area_mm2, int strip, int vertex = -1) {
     if (report_.worst_strip < 0 || distance > worst_) {
       worst_ = distance;
       report_.worst_strip = strip;
@@ -189,14 +189,16 @@ class CutMeasurement {
       report_.strip_max_mm[of] = distance;
       report_.strip_max_at[of] = at;
     }
-    add_bound(distance, strip);
+    const auto nearest = static_cast<std::size_t>(vertex);
+    add_bound(distance, strip, vertex < 0 ? std::span<const std::size_t>{} : std::span(&nearest, 1));
   }
 
-  // Of all places that a sample stands for.
-  void add_bound(double bound, int strip) {
+  // Of all places that a sample stands for, nearest to some vertices of the cut.
+  void add_bound(double bound, int strip, std::span<const std::size_t> nearest) {
     double& largest = report_.strip_bound_mm[static_cast<std::size_t>(strip)];
     largest = std::max(largest, bound);
     report_.bound_mm = std::max(report_.bound_mm, bound);
+    if (!nearest.empty()) report_.rows.add(nearest, bound);
   }
 
   // A sample of the cut against the design.
@@ -246,7 +248,7 @@ class CutMeasurement {
       return;
     }
     report_.half_band_mm = std::max(report_.half_band_mm, c.half_band);
-    add(c.distance, cut_.vertices[i], cut_.areas_mm2[i], cut_.strip_of_vertex[i]);
+    add(c.distance, cut_.vertices[i], cut_.areas_mm2[i], cut_.strip_of_vertex[i], static_cast<int>(i));
   }
 
   // What of the cut is nearest to a design sample.
@@ -269,7 +271,7 @@ class CutMeasurement {
     find_nearest(search, corners, nearest);
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       if (!nearest[i].uncut && !nearest[i].on_edge)
-        add(nearest[i].distance, corners[i], 0, strip_of(nearest[i]));
+        add(nearest[i].distance, corners[i], 0, strip_of(nearest[i]), nearest[i].vertex);
     }
   }
 
@@ -329,7 +331,8 @@ class CutMeasurement {
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       gpu::stop_point();
       if (stands_for_mm2[i] > 0)
-        add(nearest[i].distance, cells.points()[i], stands_for_mm2[i], strip_of(nearest[i]));
+        add(nearest[i].distance, cells.points()[i], stands_for_mm2[i], strip_of(nearest[i]),
+            nearest[i].vertex);
     }
   }
 
@@ -428,7 +431,13 @@ class CutMeasurement {
         strip = strip_of(at);
       }
     }
-    if (std::isfinite(known.bound_mm)) add_bound(known.bound_mm, strip);
+    if (!std::isfinite(known.bound_mm)) return;
+    std::array<std::size_t, 3> of{};
+    std::size_t count = 0;
+    for (const std::uint32_t corner : cell.corners) {
+      if (strip_of(nearest[corner]) == strip) of[count++] = static_cast<std::size_t>(nearest[corner].vertex);
+    }
+    add_bound(known.bound_mm, strip, std::span(of).first(count));
   }
 
   // Of the points that `nearest` does not hold yet.
@@ -541,6 +550,16 @@ VerifyReport measure(const Program& cut, const BladeTouches& touches, const surf
   return measure(swept_surface(cut, grid_steps(options, cut.blade)), touches, cut, design, options);
 }
 
+void add_told(VerifyReport& report, std::size_t index, const Strip& strip, const BranchReport& branch,
+              double width_mm) {
+  double& bound = report.strip_bound_mm[index];
+  const double with = report.rows.with(branch.told_off, strip, index, width_mm);
+  report.strip_told_mm.resize(report.strip_bound_mm.size(), 0.0);
+  report.strip_told_mm[index] = std::max(0.0, with - bound);
+  bound = std::max(bound, with);
+  report.bound_mm = std::max(report.bound_mm, bound);
+}
+
 VerifyReport verify(const Program& program, const surface::DesignSurface& design,
                     const VerifyOptions& options) {
   std::vector<BranchReport> branches;
@@ -557,21 +576,13 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   report.ribs = std::move(ribs);
   report.clamp_mismatch_mm = mismatch_mm;
   for (std::size_t i = 0; i < report.branches.size(); ++i) {
-    report.strip_bound_mm[i] += report.branches[i].told_off_mm;
-    report.bound_mm = std::max(report.bound_mm, report.strip_bound_mm[i]);
+    add_told(report, i, program.strips[i], report.branches[i], program.blade.width_mm);
+    report.branches[i].told_off = {};
   }
+  report.rows = {};
   report.within_tolerance = report.within_tolerance && report.bound_mm <= options.tolerance_mm &&
                             report.clamp_mismatch_mm <= kClampMismatchMm;
   return report;
-}
-
-std::string largest_text(const VerifyReport& report) {
-  return fmt::format("{}{:.3f} mm", report.capped ? ">= " : "", report.deviation.max);
-}
-
-std::string largest_and_bound_text(const VerifyReport& report) {
-  if (report.capped) return largest_text(report);
-  return fmt::format("{} (nowhere over {:.3f} mm)", largest_text(report), report.bound_mm);
 }
 
 std::vector<std::string> not_checked(const robot::Blade& blade) {

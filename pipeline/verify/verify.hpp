@@ -25,6 +25,7 @@
 #include "pipeline/verify/branch.hpp"
 #include "pipeline/verify/deviation_statistics.hpp"
 #include "pipeline/verify/rib_measures.hpp"
+#include "pipeline/verify/row_bounds.hpp"
 #include "pipeline/verify/swept_surface.hpp"
 #include "surface/read/design_surface.hpp"
 
@@ -36,7 +37,8 @@ struct VerifyOptions {
   double sample_mm = 2.5;      // spacing of samples on both surfaces, where they lie close
   double widest = 4;           // times that: where nothing asks for close ones; 1: a dense grid everywhere
   double reach = 3, far = 20;  // tolerances
-  double edge_mm = 1;          // samples of the cut farther past the design's edge are left out
+  double edge_mm = 0.1;        // samples of the cut farther past the design's edge are left out: a border counts as
+                               // the design, whose every place is compared with the cut
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
   // Only what is cut against the design, of which no more than the corners of large facets are asked for:
@@ -68,6 +70,9 @@ struct VerifyReport {
   // cells.
   std::vector<double> strip_max_mm, strip_bound_mm;
   std::vector<Eigen::Vector3d> strip_max_at;  // where the samples deviate the most
+  // By strip: how much of its bound the registers' micrometres are; none of a cut that was only measured.
+  std::vector<double> strip_told_mm;
+  RowBounds rows;  // of a cut that was only measured
   double uncut_mm2 = 0, area_mm2 = 0;
   double clamp_mismatch_mm = 0;  // clamp poses against the ends of the planned blade
   std::size_t cut_samples = 0, design_samples = 0;
@@ -84,6 +89,10 @@ struct VerifyReport {
   [[nodiscard]] bool holds() const;
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
 };
+
+// Adds to a strip's bound what its branch says of the registers' micrometres, where they move the blade.
+void add_told(VerifyReport& report, std::size_t index, const Strip& strip, const BranchReport& branch,
+              double width_mm);
 
 // More is a program whose clamps and blade do not belong together; less is rounding.
 inline constexpr double kClampMismatchMm = 1e-3;

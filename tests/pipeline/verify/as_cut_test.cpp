@@ -188,7 +188,10 @@ TEST(AsCut, IsNowhereFartherOffThanAPlanOfNearlyStraightBladesSays) {
   EXPECT_GT(report.cut.deviation.max, deviation_mm + 0.02) << "the case does not show it";
   for (const auto& [line, mm] : planned.program.verification.budget_mm) {
     if (line != "quantisation") continue;
-    EXPECT_NEAR(mm, bound_mm - deviation_mm, 0.03);
+    // Registers move the blade the most where it is not the farthest off: the bound takes both place by
+    // place.
+    EXPECT_LT(bound_mm, deviation_mm + mm + 0.03);
+    EXPECT_GT(bound_mm, deviation_mm + 0.02);
   }
 }
 
