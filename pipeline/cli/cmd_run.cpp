@@ -120,10 +120,12 @@ void refuse_open_job(const std::vector<Job>& jobs, const robot::protocol::Status
   const auto open =
       std::find_if(jobs.begin(), jobs.end(), [&](const Job& job) { return job.id == status.job_id; });
   if (open == jobs.end()) return;
+  const bool may_end = status.state == State::kHeld || status.state == State::kRunning;
   throw Error(
       ErrorKind::kController,
-      fmt::format("{}: strip {} is under way ({}, {} of {} waypoints executed): --resume takes it over",
-                  place, open->strip, robot::protocol::name(status.state), status.executed, open->size()));
+      fmt::format("{}: strip {} is under way ({}, {} of {} waypoints executed): --resume takes it over{}",
+                  place, open->strip, robot::protocol::name(status.state), status.executed, open->size(),
+                  may_end ? ", --recover withdraw or give-up ends it" : ""));
 }
 
 Plan make_plan(const RunArguments& arguments, const std::vector<Job>& jobs,
@@ -202,7 +204,8 @@ class Runner {
   Plan plan_with(const StripJobs& work, const robot::ControllerSnapshot& now);
   std::optional<Recovery> choose_recovery(const std::string& text);
   Plan recover(const StripJobs& work, const robot::ControllerSnapshot& now);
-  Plan end_left_strip(Recovery recovery, const Strip& strip, const Job& job);
+  void refuse_nothing_left(const robot::protocol::Status& status) const;
+  Plan end_left_strip(Recovery recovery, const Strip& strip, const Job& job, std::uint32_t run);
   bool may_go_on(const Job& job, const robot::protocol::Status& status);
   Exit run_strip(const StripJobs& work, std::size_t index, const Plan& plan, std::size_t total,
                  std::size_t done);
@@ -224,7 +227,7 @@ robot::ControllerSnapshot Runner::meet() {
   }
   auto now = robot::look(link_);
   if (!now.reached) throw Error(ErrorKind::kController, now.message);
-  if (arguments_.resume) wait_for_rest(now);
+  if (arguments_.resume || !arguments_.recover.empty()) wait_for_rest(now);
   const auto capabilities = now.ident.capabilities;
   if ((capabilities & robot::protocol::kCapSimulator) != 0)
     console_.note("controller: a simulator, nothing moves");
@@ -254,10 +257,22 @@ void Runner::wait_for_rest(robot::ControllerSnapshot& now) const {
 }
 
 Plan Runner::plan_with(const StripJobs& work, const robot::ControllerSnapshot& now) {
-  if (now.status.left_in_cut) return recover(work, now);
+  const bool told = !arguments_.recover.empty();
+  if (told) refuse_latched(work, now.status, arguments_.connect);
+  if (now.status.left_in_cut || (told && now.status.state == State::kHeld)) return recover(work, now);
+  if (told) refuse_nothing_left(now.status);
   if (const auto ours = journal_.read(); arguments_.resume && ours)
     check_journal(work.jobs, *ours, now.status, arguments_.connect);
   return make_plan(arguments_, work.jobs, now);
+}
+
+// Who wants a blade out of a block does not want one to be driven into it.
+void Runner::refuse_nothing_left(const robot::protocol::Status& status) const {
+  if (recovery_named(arguments_.recover) == Recovery::kRestart) return;
+  throw Error(ErrorKind::kController,
+              fmt::format("{}: --recover {}: no strip of this program is held or left half cut there (the "
+                          "controller is {}); nothing was moved",
+                          arguments_.connect, arguments_.recover, robot::protocol::name(status.state)));
 }
 
 // By --recover with a typed yes, or by a typed word; nothing chosen is nothing done.
@@ -279,25 +294,36 @@ std::optional<Recovery> Runner::choose_recovery(const std::string& text) {
 }
 
 // A blade that stands in the foam of a job that was lost to RESET: nothing else starts before it is dealt
-// with.
+// with. Or a job that is held, which --recover ends or goes on with.
 Plan Runner::recover(const StripJobs& work, const robot::ControllerSnapshot& now) {
   const auto found = std::find_if(work.jobs.begin(), work.jobs.end(),
                                   [&](const Job& job) { return job.id == now.status.job_id; });
   if (found == work.jobs.end()) {
     throw Error(ErrorKind::kController,
-                fmt::format("{}: the blade stands in the cut of another program's job ({}, {} waypoints "
-                            "executed): run that program, it says how to go on",
-                            arguments_.connect, robot::to_hex(now.status.job_id), now.status.executed));
+                fmt::format("{}: {} ({}, {} waypoints executed): run that program, {}", arguments_.connect,
+                            now.status.left_in_cut ? "the blade stands in the cut of another program's job"
+                                                   : "another program's job is held there",
+                            robot::to_hex(now.status.job_id), now.status.executed,
+                            now.status.left_in_cut ? "it says how to go on" : "with --resume or --recover"));
   }
   const auto index = static_cast<std::size_t>(found - work.jobs.begin());
   const Strip& strip = work.program.strips[index];
+  if (!arguments_.recover.empty() && !arguments_.strip.empty() && arguments_.strip != found->strip) {
+    throw Error(
+        ErrorKind::kController,
+        fmt::format("{}: strip {} is {}, not {}: recover that one first", arguments_.connect, found->strip,
+                    now.status.left_in_cut ? "left half cut" : "held", arguments_.strip));
+  }
+  const bool goes_on = !now.status.left_in_cut && recovery_named(arguments_.recover) == Recovery::kRestart;
+  if (const auto ours = journal_.read(); goes_on && ours)
+    check_journal(work.jobs, *ours, now.status, arguments_.connect);
   const auto chosen = choose_recovery(recovery_text(strip, *found, now.status));
   if (!chosen) {
     console_.warn("nothing was moved");
     stopped_ = Exit::kInterrupted;
     return {};
   }
-  if (*chosen != Recovery::kRestart) return end_left_strip(*chosen, strip, *found);
+  if (*chosen != Recovery::kRestart) return end_left_strip(*chosen, strip, *found, now.status.run);
   Plan plan;
   plan.first = index;
   plan.end = arguments_.strip.empty() ? work.jobs.size() : index + 1;
@@ -306,13 +332,14 @@ Plan Runner::recover(const StripJobs& work, const robot::ControllerSnapshot& now
   return plan;
 }
 
-Plan Runner::end_left_strip(Recovery recovery, const Strip& strip, const Job& job) {
+Plan Runner::end_left_strip(Recovery recovery, const Strip& strip, const Job& job, std::uint32_t run) {
   stopped_ = Exit::kInterrupted;
   const std::string anew =
       fmt::format("strip {} is not cut: start it anew on a new block with --strip {}", strip.id, strip.id);
   if (recovery == Recovery::kGiveUp) {
-    const auto released = robot::release(link_);
-    if (released.outcome != StreamOutcome::kDone) throw Error(kind_of(released.outcome), released.message);
+    const auto given_up = robot::give_up(job.id, run, link_);
+    if (given_up.outcome != StreamOutcome::kDone) throw Error(kind_of(given_up.outcome), given_up.message);
+    journal_.remove();
     console_.warn("given up: free the blade and take the block out; " + anew);
     return {};
   }
@@ -324,6 +351,7 @@ Plan Runner::end_left_strip(Recovery recovery, const Strip& strip, const Job& jo
   console_.end_progress();
   if (report.outcome != StreamOutcome::kDone)
     throw Error(kind_of(report.outcome), report.message + place_of(strip, report.at));
+  journal_.remove();
   console_.warn("withdrawn: the blade stands where the strip began, cold; " + anew);
   return {};
 }
@@ -431,7 +459,8 @@ void add_run(CLI::App& app, const Console& console, Action& action) {
   command->add_flag("--reset", arguments->reset, "Clear a FAULT or a latched ESTOP first");
   command
       ->add_option("--recover", arguments->recover,
-                   "What becomes of a strip left half cut in the foam; asked where it is left out")
+                   "What becomes of a strip that is held, or left half cut in the foam (asked where it is "
+                   "left out)")
       ->check(CLI::IsMember({"withdraw", "restart", "give-up"}))
       ->type_name("withdraw|restart|give-up");
   command->add_flag("--yes", arguments->yes, "Start every strip without asking");

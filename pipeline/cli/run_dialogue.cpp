@@ -96,14 +96,19 @@ std::optional<Recovery> recovery_named(std::string_view word) {
 
 std::string recovery_text(const Strip& strip, const robot::Job& job,
                           const robot::protocol::Status& controller) {
+  const std::string stands = controller.left_in_cut ? "was left half cut" : "is held under way";
   return fmt::format(
-      "strip {} was left half cut: {} of {} waypoints executed{}, the blade cold in the foam; nothing moves\n"
+      "strip {} {}: {} of {} waypoints executed{}{}; nothing moves\n"
       "  withdraw  draws the blade back along the path it has cut, cold, to where the strip began; the strip "
       "is over\n"
-      "  restart   goes on with the same block: back along the kerf, heated, forward again and on from "
-      "there\n"
+      "  restart   goes on with the same block: {}\n"
       "  give up   moves nothing: you free the blade and take the block out by hand; the strip is over\n",
-      strip.id, controller.executed, job.size(), place_of(strip, controller.executed - 1));
+      strip.id, stands, controller.executed, job.size(), place_of(strip, controller.executed - 1),
+      controller.left_in_cut ? ", the blade cold in the foam" : "",
+      controller.left_in_cut
+          ? "back along the kerf, heated, forward again and on from there"
+          : "on from there, where the blade is cold in the foam back along the kerf first, heated, and "
+            "forward again");
 }
 
 std::string progress_text(const robot::Job& job, const robot::StreamProgress& p) {

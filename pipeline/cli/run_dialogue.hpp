@@ -22,7 +22,7 @@ namespace hotblade::pipeline {
 // Returns " [S003 S003R012, cut, 12.350 s]": the strip's rib that a waypoint belongs to, its phase and time.
 [[nodiscard]] std::string place_of(const Strip& strip, std::optional<std::uint32_t> waypoint);
 
-// What becomes of a strip that was left half cut with the blade in the foam.
+// What becomes of a strip that is held, or was left half cut with the blade in the foam.
 enum class Recovery { kWithdraw, kRestart, kGiveUp };
 // Returns what a typed word chooses: withdraw, restart, give up (or give-up); nothing else does.
 [[nodiscard]] std::optional<Recovery> recovery_named(std::string_view word);

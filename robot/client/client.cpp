@@ -5,6 +5,7 @@
 #include <random>
 #include <thread>
 
+#include "robot/client/fault_text.hpp"
 #include "robot/client/patience.hpp"
 #include "robot/wire/modbus_link.hpp"
 
@@ -26,22 +27,6 @@ constexpr int kMaxFruitless = 100;       // answers without progress, one after 
 // One after the other: a request that was spoilt on the way earns one, a controller of another kind nothing
 // else.
 constexpr int kMaxExceptions = 10;
-
-std::string limit_text(Limit code, const MotionLimits& l) {
-  const auto number = [](double value) {
-    std::string text = std::to_string(value);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return text;
-  };
-  std::string text = info(code).fault;
-  if (code == Limit::kSpeed) text += " (limit " + number(l.speed_mm_s) + " mm/s)";
-  if (code == Limit::kAcceleration) text += " (limit " + number(l.accel_mm_s2) + " mm/s^2)";
-  if (code == Limit::kAngularSpeed) text += " (limit " + number(l.angular_rad_s) + " rad/s)";
-  if (code == Limit::kAngularAcceleration) text += " (limit " + number(l.angular_accel_rad_s2) + " rad/s^2)";
-  if (code == Limit::kMinDt) text += " (limit " + std::to_string(l.min_dt_us) + " us)";
-  return text;
-}
 
 std::uint32_t prefix_crc(const Job& job, std::uint32_t count) {
   std::uint32_t crc = 0;
@@ -315,7 +300,8 @@ bool Streamer::choose_run() {
   if (there && !options_.resume && status_.state != State::kFault && status_.state != State::kEstop) {
     return settle(StreamOutcome::kRefused,
                   "already open on the controller (" + std::to_string(status_.executed) + " of " +
-                      std::to_string(job_.size()) + " waypoints executed): --resume takes it over");
+                      std::to_string(job_.size()) +
+                      " waypoints executed): --resume takes it over, --recover withdraw or give-up ends it");
   }
   run_ = options_.run;
   if (run_ == 0) run_ = there && options_.resume ? status_.run : status_.run + 1;
@@ -376,10 +362,13 @@ bool Streamer::refused_open() {
                         std::to_string(job_.size()) + " waypoints, at most " +
                         std::to_string(ident_.max_waypoints) + "): check the program's blade");
     default:
-      return settle(StreamOutcome::kRefused, std::string(protocol::name(status_.last_result)) +
-                                                 ": OPEN refused in state " + protocol::name(status_.state) +
-                                                 " (job " + to_hex(status_.job_id) +
-                                                 " is open): finish or abort it first");
+      if (status_.state == State::kFault || status_.state == State::kEstop) return stopped_by_fault();
+      return settle(StreamOutcome::kRefused,
+                    std::string(protocol::name(status_.last_result)) + ": OPEN refused in state " +
+                        protocol::name(status_.state) + " (job " + to_hex(status_.job_id) + " is open, " +
+                        std::to_string(status_.executed) +
+                        " waypoints executed): run that job's program with --resume to go on, or with "
+                        "--recover withdraw or give-up");
   }
 }
 

@@ -98,7 +98,9 @@ struct ResetReport {
 };
 [[nodiscard]] ResetReport reset(const StreamOptions& options);
 
-// Tells a controller that the blade of a job that was lost to RESET has been freed by hand.
-[[nodiscard]] ResetReport release(const StreamOptions& options);
+// Gives a job up that is HELD, or was lost to RESET with the blade in the cut: ABORT and RESET, once the
+// lease of the job's owner has run out, and RELEASE, as the blade is freed by hand. Nothing moves. The
+// message is empty when the controller is IDLE and nothing is left in the cut.
+[[nodiscard]] ResetReport give_up(std::uint64_t job, std::uint32_t run, const StreamOptions& options);
 
 }  // namespace hotblade::robot

@@ -1,5 +1,7 @@
-// Single questions and orders to a controller, outside of a stream: a look, RESET, RELEASE.
+// Single questions and orders to a controller, outside of a stream: a look, RESET, and what a job is given up
+// with.
 #include <chrono>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -15,6 +17,50 @@ using protocol::State;
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+// Orders to a controller, each for the job that its last status speaks of.
+class Orders {
+ public:
+  Orders(const StreamOptions& options, const protocol::Status& status)
+      : status_(status),
+        link_(options.host, options.port, options.response_ms),
+        nonce_(std::random_device{}()) {}
+
+  // Sends one, and takes the status that is its answer.
+  void send(Op op) {
+    const auto block = protocol::encode_command({++nonce_, op, status_.job_id, status_.run, 0, 0, {}});
+    std::array<std::uint16_t, protocol::kStatusSize> status{};
+    answered_ =
+        link_.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk;
+    if (answered_) {
+      status_ = protocol::decode_status(status);
+    } else {
+      link_.connect();
+    }
+  }
+  [[nodiscard]] const protocol::Status& status() const { return status_; }
+  // Why the last one was not carried out in all the time there was for it.
+  [[nodiscard]] ResetReport refused(Op op, const std::string& place) const {
+    const std::string what = place + protocol::name(op);
+    if (!answered_) return {StreamOutcome::kLinkLost, what + " is never answered (" + link_.error() + ")"};
+    return {StreamOutcome::kRefused, what + " refused (" + protocol::name(status_.last_result) +
+                                         "): the owner of the job is still there; stop it first"};
+  }
+
+ private:
+  protocol::Status status_;
+  ModbusLink link_;
+  std::uint32_t nonce_;
+  bool answered_ = false;
+};
+
+// What a job that stands is given up with, one order after the other; nothing where it is.
+std::optional<Op> next_to_give_up(const protocol::Status& status) {
+  if (status.state == State::kHeld) return Op::kAbort;
+  if (status.state == State::kFault && status.fault == protocol::Fault::kAborted) return Op::kReset;
+  if (status.state == State::kIdle && status.left_in_cut) return Op::kRelease;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -41,50 +87,40 @@ ControllerSnapshot look(const StreamOptions& options) {
 
 ResetReport reset(const StreamOptions& options) {
   const auto place = options.host + ":" + std::to_string(options.port) + ": ";
-  ControllerSnapshot now = look(options);
+  const ControllerSnapshot now = look(options);
   if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
   const auto patience = Clock::now() + lease_patience(now.ident.lease_ms);
-  ModbusLink link(options.host, options.port, options.response_ms);
-  std::uint32_t nonce = std::random_device{}();
-  while (now.status.state == State::kFault || now.status.state == State::kEstop) {
+  Orders orders(options, now.status);
+  while (orders.status().state == State::kFault || orders.status().state == State::kEstop) {
     if (options.interrupted && options.interrupted())
       return {StreamOutcome::kInterrupted, place + "interrupted"};
-    if (Clock::now() > patience) {
-      return {StreamOutcome::kRefused, place + "RESET refused (" + protocol::name(now.status.last_result) +
-                                           "): the owner of the job is still there; stop it first"};
-    }
-    const auto block =
-        protocol::encode_command({++nonce, Op::kReset, now.status.job_id, now.status.run, 0, 0, {}});
-    std::array<std::uint16_t, protocol::kStatusSize> status{};
-    if (link.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk) {
-      now.status = protocol::decode_status(status);
-    } else {
-      link.connect();
-    }
-    if (now.status.state != State::kIdle) std::this_thread::sleep_for(kRetry);
+    if (Clock::now() > patience) return orders.refused(Op::kReset, place);
+    orders.send(Op::kReset);
+    if (orders.status().state != State::kIdle) std::this_thread::sleep_for(kRetry);
   }
   return {};
 }
 
-ResetReport release(const StreamOptions& options) {
+ResetReport give_up(std::uint64_t job, std::uint32_t run, const StreamOptions& options) {
   const auto place = options.host + ":" + std::to_string(options.port) + ": ";
   const ControllerSnapshot now = look(options);
   if (!now.reached) return {StreamOutcome::kLinkLost, now.message};
-  ModbusLink link(options.host, options.port, options.response_ms);
-  const auto block = protocol::encode_command(
-      {std::random_device{}(), Op::kRelease, now.status.job_id, now.status.run, 0, 0, {}});
-  std::array<std::uint16_t, protocol::kStatusSize> status{};
-  constexpr int kAttempts = 5;  // of the same command: it is carried out once
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    if (link.connect() &&
-        link.write_read(protocol::kCommandBase, block, protocol::kStatusBase, status) == LinkOutcome::kOk) {
-      const protocol::Status after = protocol::decode_status(status);
-      if (!after.left_in_cut) return {};
-      return {StreamOutcome::kRefused, place + "RELEASE refused (" + protocol::name(after.last_result) + ")"};
-    }
-    std::this_thread::sleep_for(kRetry);
+  const auto patience = Clock::now() + lease_patience(now.ident.lease_ms);
+  Orders orders(options, now.status);
+  const auto& status = orders.status();
+  while (status.job_id == job && status.run == run) {
+    const auto op = next_to_give_up(status);
+    if (!op && status.state == State::kIdle) return {};
+    if (!op) break;
+    if (options.interrupted && options.interrupted())
+      return {StreamOutcome::kInterrupted, place + "interrupted"};
+    if (Clock::now() > patience) return orders.refused(*op, place);
+    orders.send(*op);
+    if (next_to_give_up(status) == op) std::this_thread::sleep_for(kRetry);
   }
-  return {StreamOutcome::kLinkLost, place + "RELEASE is never answered (" + link.error() + ")"};
+  return {StreamOutcome::kRefused, place + "not given up: the controller is in " +
+                                       protocol::name(status.state) + " with job " + to_hex(status.job_id) +
+                                       " by now"};
 }
 
 }  // namespace hotblade::robot
