@@ -17,6 +17,7 @@
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/run/run_journal.hpp"
 #include "robot/client/client.hpp"
+#include "robot/client/fault_text.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -161,11 +162,10 @@ void refuse_latched(const StripJobs& work, const robot::protocol::Status& status
     if (work.jobs[i].id == status.job_id && status.executed > 0)
       at = place_of(work.program.strips[i], status.executed - 1);
   }
-  const bool fault = status.state == State::kFault;
+  const std::string log = robot::log_fault_text(status);
   throw Error(ErrorKind::kController,
-              fmt::format("{}: the controller is in {}{}{}: see to the cell, then reset with --reset", place,
-                          robot::protocol::name(status.state),
-                          fault ? std::string(" ") + robot::protocol::name(status.fault) : "", at));
+              fmt::format("{}: the controller is in {}{}: {}, then reset with --reset", place,
+                          robot::state_text(status), at, log.empty() ? "see to the cell" : log));
 }
 
 // Asks the operator before a strip; true only for a typed `yes` or the strip's own id. What was typed before

@@ -120,8 +120,11 @@ robot::SimulatedFaults simulated_faults(const SimArguments& arguments) {
 bool serve(const SimArguments& arguments, robot::ControllerOptions& options,
            robot::ServerOptions& server_options, const Console& console, bool first) {
   std::unique_ptr<robot::ExecutionLog> log;
-  if (!arguments.log.empty())
-    log = std::make_unique<robot::ExecutionLog>(arguments.log, robot::ExecutionLog::Options{});
+  if (!arguments.log.empty()) {
+    robot::ExecutionLog::Options of_log;
+    of_log.tell = [&](const std::string& what) { console.warn(what); };
+    log = std::make_unique<robot::ExecutionLog>(arguments.log, of_log);
+  }
   robot::Controller controller(options, log.get());
   take_up_journal(arguments, controller, console);
   robot::ControllerServer server(server_options, controller);

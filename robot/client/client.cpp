@@ -506,13 +506,15 @@ bool Streamer::stopped_by_fault() {
     if (status_.job_id == job_.id && status_.executed > 0) report_.at = status_.executed - 1;
     return settle(StreamOutcome::kFault, "ESTOP is latched: clear the cell, then reset with --reset");
   }
-  std::string what = std::string("FAULT ") + protocol::name(status_.fault);
+  std::string what = state_text(status_);
   report_.at = status_.fault_sequence;
   if (status_.fault == Fault::kExecutionLimit) {
     what += ": " + told_limit(status_, ident_.limits);
   }
-  return settle(StreamOutcome::kFault,
-                what + " at waypoint " + std::to_string(status_.fault_sequence) + ": reset with --reset");
+  const std::string log = log_fault_text(status_);
+  return settle(StreamOutcome::kFault, what + " at waypoint " + std::to_string(status_.fault_sequence) +
+                                           (log.empty() ? ": " : ": " + log + ", then ") +
+                                           "reset with --reset");
 }
 
 // Backwards to the first waypoint. The next waypoint is sent first: a controller that was restarted knows

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "robot/client/client.hpp"
+#include "robot/client/fault_text.hpp"
 #include "robot/client/patience.hpp"
 #include "robot/wire/modbus_link.hpp"
 
@@ -43,8 +44,11 @@ class Orders {
   [[nodiscard]] ResetReport refused(Op op, const std::string& place) const {
     const std::string what = place + protocol::name(op);
     if (!answered_) return {StreamOutcome::kLinkLost, what + " is never answered (" + link_.error() + ")"};
-    return {StreamOutcome::kRefused, what + " refused (" + protocol::name(status_.last_result) +
-                                         "): the owner of the job is still there; stop it first"};
+    const std::string log = log_fault_text(status_);
+    const bool of_log = status_.last_result == protocol::Result::kState && !log.empty();
+    return {StreamOutcome::kRefused,
+            what + " refused (" + protocol::name(status_.last_result) + "): " +
+                (of_log ? log + ", then reset again" : "the owner of the job is still there; stop it first")};
   }
 
  private:
@@ -118,9 +122,10 @@ ResetReport give_up(std::uint64_t job, std::uint32_t run, const StreamOptions& o
     orders.send(*op);
     if (next_to_give_up(status) == op) std::this_thread::sleep_for(kRetry);
   }
-  return {StreamOutcome::kRefused, place + "not given up: the controller is in " +
-                                       protocol::name(status.state) + " with job " + to_hex(status.job_id) +
-                                       " by now"};
+  const std::string log = log_fault_text(status);
+  return {StreamOutcome::kRefused, place + "not given up: the controller is in " + state_text(status) +
+                                       " with job " + to_hex(status.job_id) + " by now" +
+                                       (log.empty() ? "" : ": " + log + ", then reset with --reset")};
 }
 
 }  // namespace hotblade::robot

@@ -18,4 +18,15 @@ std::string limit_text(Limit code, const MotionLimits& l) {
   return text;
 }
 
+std::string state_text(const protocol::Status& status) {
+  std::string text = protocol::name(status.state);
+  if (status.state == protocol::State::kFault) text += std::string(" ") + protocol::name(status.fault);
+  return text;
+}
+
+std::string log_fault_text(const protocol::Status& status) {
+  if (status.fault != protocol::Fault::kLog) return "";
+  return "the controller cannot write its execution log: see to its disk";
+}
+
 }  // namespace hotblade::robot

@@ -261,6 +261,10 @@ Result Controller::abort() {
 Result Controller::reset() {
   if (state_ != State::kFault && state_ != State::kEstop) return Result::kState;
   if (!path_.at_rest()) return Result::kState;
+  if (!record()) {
+    fault_ = Fault::kLog;  // in ESTOP, too, it says why
+    return Result::kState;
+  }
   report("reset");
   left_in_cut_ = in_cut();
   state_ = State::kIdle;
@@ -376,12 +380,16 @@ void Controller::report(const char* what) {
 void Controller::commit() {
   if (!uncommitted_) return;
   uncommitted_ = false;
-  if (sink_ != nullptr && !sink_->commit()) {
-    if (loaded_ && state_ != State::kEstop && fault_ != Fault::kLog) fail(Fault::kLog, {}, job_.executed);
-    return;  // what is not on record has not been executed, for anybody who asks
-  }
+  if (!record() && loaded_ && state_ != State::kEstop && fault_ != Fault::kLog)
+    fail(Fault::kLog, {}, job_.executed);
+}
+
+// What is not on record has not been executed, for anybody who asks.
+bool Controller::record() {
+  if (sink_ != nullptr && !sink_->commit()) return false;
   published_executed_ = job_.executed;
   published_crc_ = job_.executed_crc;
+  return true;
 }
 
 }  // namespace hotblade::robot

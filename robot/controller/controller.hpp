@@ -178,6 +178,7 @@ class Controller {
   void replay(const ControllerJournal& journal);
   [[nodiscard]] bool agrees_with_held_pose(const Waypoint& from, const Waypoint& to) const;
   void report(const char* what);
+  bool record();
   [[nodiscard]] std::uint64_t motion_us() const;
 
   ControllerOptions options_;

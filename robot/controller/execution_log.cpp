@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <span>
+#include <utility>
 
 namespace hotblade::robot {
 namespace {
@@ -178,15 +179,17 @@ void drop_torn_line(int fd) {
 
 }  // namespace
 
-ExecutionLog::ExecutionLog(std::filesystem::path file, const Options& options) : options_(options) {
-  fd_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+ExecutionLog::ExecutionLog(std::filesystem::path file, const Options& options)
+    : file_(std::move(file)), options_(options) {
+  fd_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (fd_ < 0) {
-    throw LogError(file.string() + ": cannot be opened for appending (" + std::strerror(errno) +
+    throw LogError(file_.string() + ": cannot be opened for appending (" + std::strerror(errno) +
                    "): choose a writable place");
   }
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
     ::close(fd_);
-    throw LogError(file.string() + ": is written by another controller: stop that one or choose another log");
+    throw LogError(file_.string() +
+                   ": is written by another controller: stop that one or choose another log");
   }
   drop_torn_line(fd_);
   buffer_.reserve(kFlushBytes + kSpareBytes);
@@ -198,11 +201,12 @@ ExecutionLog::~ExecutionLog() {
 }
 
 void ExecutionLog::make_room() {
-  if (buffer_.size() > kFlushBytes) write_out();
+  if (buffer_.size() > kFlushBytes && error_ == 0) write_out();
 }
 
 void ExecutionLog::write_out() {
   std::size_t done = 0;
+  error_ = 0;
   while (done < buffer_.size() && error_ == 0) {
     const ssize_t n = ::write(fd_, buffer_.data() + done, buffer_.size() - done);
     if (n > 0) {
@@ -211,14 +215,42 @@ void ExecutionLog::write_out() {
       error_ = errno;
     }
   }
+  if (error_ != 0) return keep_from(done);
   buffer_.clear();
 }
 
+// Of a line that was written in part the file keeps nothing.
+void ExecutionLog::keep_from(std::size_t written) {
+  const std::size_t end = buffer_.rfind('\n', written - 1);
+  const std::size_t whole = written == 0 || end == std::string::npos ? 0 : end + 1;
+  const off_t size = ::lseek(fd_, 0, SEEK_CUR) - static_cast<off_t>(written - whole);
+  const bool cut = written > whole && ::ftruncate(fd_, size) == 0 && ::lseek(fd_, size, SEEK_SET) == size;
+  buffer_.erase(0, cut ? whole : written);
+}
+
 bool ExecutionLog::commit() {
-  write_out();
-  if (options_.durable && dirty_ && ::fdatasync(fd_) != 0 && errno != EINVAL) error_ = errno;
-  dirty_ = false;
+  if (!unsynced_) write_out();
+  if (error_ == 0 && options_.durable && dirty_) {
+    while (::fdatasync(fd_) != 0 && errno != EINVAL) {
+      if (errno == EINTR) continue;
+      error_ = errno;
+      unsynced_ = true;
+      break;
+    }
+  }
+  if (error_ == 0) dirty_ = false;
+  tell();
   return error_ == 0;
+}
+
+void ExecutionLog::tell() {
+  if (!options_.tell || (error_ == 0) == (told_ == 0)) return;
+  told_ = error_;
+  const std::string text = file_.string() + ": the log ";
+  if (error_ == 0) return options_.tell(text + "is written again");
+  options_.tell(text + "cannot be written (" + std::strerror(error_) + "): " +
+                (unsynced_ ? "what it lacks may be lost: start again with another log"
+                           : "make room, then reset the controller"));
 }
 
 void ExecutionLog::executed(const ExecutedWaypoint& w) {

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ class ExecutionLog final : public ExecutionSink {
   struct Options {
     bool durable = true;  // fsync on commit
     bool poses = true;
+    // Told once that lines cannot be written and why, and again once they are; by the thread that writes.
+    std::function<void(const std::string&)> tell = {};
   };
   // Appends to the file, which nobody else may be writing; a torn last line, left by a crash, is dropped.
   // Throws LogError.
@@ -35,20 +38,25 @@ class ExecutionLog final : public ExecutionSink {
   void executed(const ExecutedWaypoint& waypoint) override;
   void pose(const PoseSample& sample) override;
   void event(const JobEvent& event) override;
+  // Lines that found no room are kept and tried again by the next commit; until then the file ends with the
+  // last whole line before them. What could not be synced may be lost: nothing is written any more.
   bool commit() override;
 
-  // Why a line could not be written (errno); 0: all were. For the thread that writes, or after it.
+  // Why lines are not written (errno); 0: all are. For the thread that writes, or after it.
   [[nodiscard]] int error() const { return error_; }
 
  private:
   void write_out();
+  void keep_from(std::size_t written);
   void make_room();
+  void tell();
 
+  std::filesystem::path file_;
   int fd_ = -1;
   Options options_;
-  std::string buffer_;  // capacity reserved once
-  int error_ = 0;
-  bool dirty_ = false;
+  std::string buffer_;  // capacity reserved once; begins with a line that the file does not have yet
+  int error_ = 0, told_ = 0;
+  bool dirty_ = false, unsynced_ = false;
 };
 
 // What a log says about one job in one run.

@@ -63,11 +63,12 @@ class ExecutionSink {
   ExecutionSink& operator=(const ExecutionSink&) = delete;
   virtual ~ExecutionSink() = default;
 
-  // None of these may throw, and the first two may not allocate.
+  // None of these may throw, and the first two may not allocate while commits succeed.
   virtual void executed(const ExecutedWaypoint& waypoint) = 0;
   virtual void pose(const PoseSample& sample) = 0;
   virtual void event(const JobEvent& event) = 0;
-  // Makes everything reported so far durable; returns false when it could not be.
+  // Makes everything reported so far durable, what an earlier commit could not included; returns false when
+  // it could not be.
   virtual bool commit() = 0;
 };
 

@@ -1,5 +1,7 @@
 // sim, run and dryrun as a user calls them.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
+
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -291,6 +293,58 @@ TEST_F(ControllerCommands, AFaultIsToldWithItsStripRibAndPhase) {
   EXPECT_THAT(unsaid.err, HasSubstr("--recover withdraw, restart or give-up"));
   const Ended again = hotblade(run_arguments({"--recover", "restart"}));
   EXPECT_EQ(again.code, 0) << "it happens once: " << again.err;
+}
+
+// A limit on the size of the simulator's files stands for its full disk.
+TEST_F(ControllerCommands, ALogWithoutRoomIsSaidAndGoesOnWhenThereIsRoom) {
+  write(testing::motion_program(2, 400));
+  const auto before = ::signal(SIGXFSZ, SIG_IGN);  // handed on to the simulator
+  start_sim("max");
+  ::signal(SIGXFSZ, before);
+  const auto room = [&](rlim_t bytes) {
+    const rlimit limited{bytes, RLIM_INFINITY};
+    ASSERT_EQ(::prlimit(cell_.pid(), RLIMIT_FSIZE, &limited, nullptr), 0);
+  };
+  const auto cause = "the controller cannot write its execution log: see to its disk";
+  room(400000);
+  const Ended stopped = hotblade(run_arguments());
+  EXPECT_EQ(stopped.code, 6);
+  EXPECT_THAT(stopped.err, ::testing::ContainsRegex("FAULT LOG at waypoint [0-9]+: " + std::string(cause)));
+  EXPECT_TRUE(cell_.said("execution.jsonl: the log cannot be written (File too large): make room"));
+  const Ended refused = hotblade(run_arguments({"--reset"}));
+  EXPECT_EQ(refused.code, 6);
+  EXPECT_THAT(refused.err, HasSubstr("RESET refused (STATE): " + std::string(cause)));
+  EXPECT_EQ(status().state, State::kFault);
+  EXPECT_THAT(hotblade(run_arguments({"--recover", "give-up"})).err,
+              HasSubstr("the controller is in FAULT LOG"));
+  // Whole lines, and more of them than anybody was told of.
+  EXPECT_GT(robot::read_controller_journal(log_).executed.size(), status().executed);
+  room(RLIM_INFINITY);
+  const Ended ended = hotblade(run_arguments({"--reset", "--recover", "restart"}));
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(cell_.said("the log is written again"));
+  cell_.stop();
+  EXPECT_EQ(testing::events(log_, "exec"), 800) << "each waypoint once";
+  expect_log_holds();
+}
+
+// Nothing of it was executed, and the next RESET goes on.
+TEST_F(ControllerCommands, AJobThatFindsNoRoomInTheLogIsNotOpened) {
+  write(testing::motion_program(1, 100));
+  const auto before = ::signal(SIGXFSZ, SIG_IGN);
+  start_sim("max");
+  ::signal(SIGXFSZ, before);
+  rlimit limited{10, RLIM_INFINITY};
+  ASSERT_EQ(::prlimit(cell_.pid(), RLIMIT_FSIZE, &limited, nullptr), 0);
+  const Ended refused = hotblade(run_arguments());
+  EXPECT_EQ(refused.code, 6);
+  EXPECT_THAT(refused.err, HasSubstr("FAULT LOG at waypoint 0: the controller cannot write"));
+  EXPECT_EQ(std::filesystem::file_size(log_), 0u);
+  limited.rlim_cur = RLIM_INFINITY;
+  ASSERT_EQ(::prlimit(cell_.pid(), RLIMIT_FSIZE, &limited, nullptr), 0);
+  EXPECT_EQ(hotblade(run_arguments({"--reset"})).code, 0);
+  cell_.stop();
+  expect_log_holds();
 }
 
 TEST_F(ControllerCommands, FaultsAreCheckedBeforeAnythingIsServed) {

@@ -59,6 +59,9 @@ class SimulatedCell {
   // Ended as by an operator: SIGTERM.
   Ended stop() { return process_->stop(); }
 
+  [[nodiscard]] pid_t pid() const { return process_->pid(); }
+  // Whether the text is on its stderr by now.
+  [[nodiscard]] bool said(const std::string& text) const { return process_->printed_to_stderr(text); }
   [[nodiscard]] std::uint16_t port() const { return port_; }
   [[nodiscard]] std::string place() const { return "127.0.0.1:" + std::to_string(port_); }
   [[nodiscard]] robot::ControllerSnapshot now() const {

@@ -475,6 +475,30 @@ TEST_F(ControllerTest, NothingIsPublishedThatIsNotOnRecord) {
   EXPECT_EQ(status().state, State::kFault);
   EXPECT_EQ(status().fault, Fault::kLog);
   EXPECT_EQ(status().executed, executed);
+  // RESET tries again, and then what had no room is on record, too.
+  EXPECT_EQ(send(Op::kReset), Result::kState);
+  EXPECT_EQ(status().state, State::kFault);
+  EXPECT_EQ(status().fault, Fault::kLog);
+  EXPECT_EQ(status().executed, executed);
+  log.healthy = true;
+  EXPECT_EQ(send(Op::kReset), Result::kOk);
+  EXPECT_EQ(status().state, State::kIdle);
+  EXPECT_EQ(status().fault, Fault::kNone);
+  EXPECT_EQ(status().executed, log.waypoints.size());
+  EXPECT_EQ(log.events.back(), "reset");
+}
+
+TEST_F(ControllerTest, AfterAnEstopNothingIsClearedWhileTheLogCannotBeWritten) {
+  start_with(job.size());
+  wait(1000);
+  controller->estop(now_ms * 1000);
+  log.healthy = false;
+  EXPECT_EQ(send(Op::kReset), Result::kState);
+  EXPECT_EQ(status().state, State::kEstop);
+  EXPECT_EQ(status().fault, Fault::kLog);
+  log.healthy = true;
+  EXPECT_EQ(send(Op::kReset), Result::kOk);
+  EXPECT_EQ(status().fault, Fault::kNone);
 }
 
 TEST_F(ControllerTest, AJobThatSnapsBetweenTwoWaypointsIsRefusedThere) {

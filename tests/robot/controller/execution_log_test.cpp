@@ -1,8 +1,11 @@
 #include "robot/controller/execution_log.hpp"
 
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
 #include <iterator>
 
@@ -98,6 +101,62 @@ TEST_F(ExecutionLogTest, ATornLastLineIsDroppedAndTheLogGoesOn) {
   EXPECT_EQ(text(), whole);
   write({}, false);
   EXPECT_EQ(text(), whole) << "nothing is written over";
+}
+
+// No file may grow over a size: as on a full disk.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) : before_(::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &room_);
+    const rlimit limited{bytes, room_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limited);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &room_);
+    ::signal(SIGXFSZ, before_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit room_{};
+  void (*before_)(int);
+};
+
+TEST_F(ExecutionLogTest, OnAFullDiskItEndsWithAWholeLineAndGoesOnWhenThereIsRoom) {
+  write(all());
+  const std::string whole = text();
+  for (const std::size_t room : {std::size_t{0}, std::size_t{1}, whole.find('\n'), whole.find('\n') + 1,
+                                 whole.size() / 2, whole.size() - 1}) {
+    std::filesystem::remove(file_);
+    std::vector<std::string> told;
+    ExecutionLog log(file_, {true, true, [&](const std::string& what) { told.push_back(what); }});
+    log.event({"open", job_.id, 1, 1, 0, job_.size(), 0, protocol::Fault::kNone});
+    Chain chain(job_.id);
+    {
+      const FullDisk full(room);
+      for (std::uint32_t k = 0; k < job_.size(); ++k) {
+        log.executed({job_.id, 1, k, protocol::time_us(job_.raw[k]), k * 50000ull, job_.raw[k],
+                      chain.add(job_.raw[k])});
+        if (k % 3 == 2) (void)log.commit();
+      }
+      EXPECT_FALSE(log.commit());
+      EXPECT_FALSE(log.commit()) << "still";
+      EXPECT_EQ(log.error(), EFBIG);
+      const std::string there = text();
+      EXPECT_LE(there.size(), room);
+      EXPECT_TRUE(whole.starts_with(there));
+      EXPECT_TRUE(there.empty() || there.ends_with('\n')) << room;
+    }
+    EXPECT_TRUE(log.commit());
+    EXPECT_EQ(log.error(), 0);
+    EXPECT_EQ(text(), whole) << "nothing is lost or written twice";
+    ASSERT_EQ(told.size(), 2u) << "once each";
+    EXPECT_EQ(told[0],
+              file_.string() +
+                  ": the log cannot be written (File too large): make room, then reset the controller");
+    EXPECT_EQ(told[1], file_.string() + ": the log is written again");
+  }
 }
 
 TEST_F(ExecutionLogTest, WhatIsNoLogIsRefusedWithItsLine) {
