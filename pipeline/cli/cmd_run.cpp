@@ -10,10 +10,12 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/operator_answer.hpp"
 #include "pipeline/cli/run_dialogue.hpp"
+#include "pipeline/cli/shell_word.hpp"
 #include "pipeline/program/strip_jobs.hpp"
 #include "pipeline/run/run_journal.hpp"
 #include "robot/client/client.hpp"
@@ -168,6 +170,15 @@ void refuse_latched(const StripJobs& work, const robot::protocol::Status& status
                           robot::state_text(status), at, log.empty() ? "see to the cell" : log));
 }
 
+// The command that runs the program again there, for a shell.
+std::string run_line(const RunArguments& arguments, const std::vector<std::string>& more) {
+  std::vector<std::string> words{"hotblade", "run", arguments.program, "--connect", arguments.connect};
+  words.insert(words.end(), more.begin(), more.end());
+  if (arguments.overridden) words.emplace_back("--override");
+  if (arguments.allow_remote) words.emplace_back("--allow-remote");
+  return shell_line(words);
+}
+
 // Asks the operator before a strip; true only for a typed `yes` or the strip's own id. What was typed before
 // the question is thrown away: it answered something else.
 bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Job& job,
@@ -182,8 +193,9 @@ bool operator_agrees(const RunArguments& arguments, const Strip& strip, const Jo
   }
   const auto line = ask(start_question(strip, job, controller.status, resumes));
   if (line && agrees_to_start(*line, strip.id)) return true;
-  console.warn(fmt::format("strip {} not started; to go on: hotblade run {} --connect {} --strip {}",
-                           strip.id, arguments.program, arguments.connect, strip.id));
+  std::vector<std::string> more{"--strip", strip.id};
+  if (resumes) more.insert(more.begin(), "--resume");
+  console.warn(fmt::format("strip {} not started; to go on: {}", strip.id, run_line(arguments, more)));
   return false;
 }
 
@@ -211,8 +223,6 @@ class Runner {
                  std::size_t done);
 
   const RunArguments& arguments_;
-  void tell_how_to_go_on() const;
-
   const Console& console_;
   RunJournalFile journal_;
   robot::StreamOptions link_;
@@ -418,18 +428,13 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
   const Exit code = report.outcome == StreamOutcome::kDone ? Exit::kOk : exit_of(kind_of(report.outcome));
   if (code == Exit::kOk) journal_.remove();
   if (code != Exit::kOk) console_.warn(report.message + place_of(work.program.strips[index], report.at));
-  if (code == Exit::kInterrupted || report.outcome == StreamOutcome::kLinkLost) tell_how_to_go_on();
+  if (code == Exit::kInterrupted || report.outcome == StreamOutcome::kLinkLost)
+    console_.warn("to go on: " + run_line(arguments_, {"--resume"}));
   if (code == Exit::kInterrupted) return code;
   std::cout << fmt::format("{} {} of {} waypoints executed, run {}, job {}, {} reconnects\n", job.strip,
                            report.executed, job.size(), report.run, robot::to_hex(job.id), report.reconnects)
             << std::flush;
   return code;
-}
-
-void Runner::tell_how_to_go_on() const {
-  console_.warn(fmt::format("to go on: hotblade run {} --connect {} --resume{}{}", arguments_.program,
-                            arguments_.connect, arguments_.overridden ? " --override" : "",
-                            arguments_.allow_remote ? " --allow-remote" : ""));
 }
 
 Exit run(const RunArguments& arguments, const Console& console) {

@@ -210,7 +210,8 @@ TEST_F(ControllerCommands, CtrlCHoldsAndSaysHowToGoOn) {
   ::kill(first.pid(), SIGINT);
   const Ended ended = first.wait();
   EXPECT_EQ(ended.code, 130);
-  EXPECT_THAT(ended.err, HasSubstr("--resume"));
+  EXPECT_THAT(ended.err, HasSubstr("to go on: hotblade run " + file_.string() + " --connect " + place() +
+                                   " --resume\n"));
   EXPECT_EQ(status().state, State::kHeld);
   EXPECT_EQ(hotblade(run_arguments({"--resume"})).code, 0);
   cell_.stop();

@@ -9,6 +9,7 @@
 
 #include "pipeline/cli/operator_answer.hpp"
 #include "pipeline/cli/run_dialogue.hpp"
+#include "pipeline/cli/shell_word.hpp"
 #include "tests/pipeline/cli/simulated_cell.hpp"
 #include "tests/pipeline/cli/terminal.hpp"
 #include "tests/pipeline/motion_program.hpp"
@@ -44,6 +45,36 @@ TEST(OperatorQuestions, AreThoseThatAreTestedBelow) {
   }
   // Before a strip; a recovery chosen by option, and by word; after a restart of the controller.
   EXPECT_THAT(asked, ::testing::ElementsAre("cmd_run.cpp", "cmd_run.cpp", "cmd_run.cpp", "cmd_run.cpp"));
+}
+
+// By a shell itself.
+TEST(ShellWords, ComeBackAsTheyWere) {
+  EXPECT_EQ(shell_word("out/program.json"), "out/program.json");
+  EXPECT_EQ(shell_word("127.0.0.1:1502"), "127.0.0.1:1502");
+  EXPECT_EQ(shell_word("a b"), "'a b'");
+  EXPECT_EQ(shell_word(""), "''");
+  const std::vector<std::string> words{"out \xc3\xbc x/program.json",
+                                       "it's",
+                                       "$HOME",
+                                       "`id`",
+                                       "a;b&c|d",
+                                       "*",
+                                       "~",
+                                       "#no",
+                                       "\"q\"",
+                                       "back\\slash",
+                                       "two\nlines",
+                                       "",
+                                       "v\xff",
+                                       "-x"};
+  testing::TemporaryDirectory directory;
+  const auto said = directory / "said";
+  const std::string line = "printf '%s\\0' " + shell_line(words) + " > " + shell_word(said.string());
+  Terminal shell("/bin/sh", {"-c", line});
+  ASSERT_EQ(shell.wait(), 0) << shell.shown();
+  std::string wanted;
+  for (const std::string& word : words) wanted += word + '\0';
+  EXPECT_EQ(testing::read_bytes(said), wanted);
 }
 
 class OperatorAtATerminal : public ::testing::Test {
@@ -104,6 +135,19 @@ TEST_F(OperatorAtATerminal, AYesThatWasBegunBeforeTheQuestionDoesNotStart) {
   ASSERT_TRUE(terminal.type("\n"));
   EXPECT_EQ(terminal.wait(), 130) << terminal.shown();
   EXPECT_EQ(status().executed, 0u);
+}
+
+TEST_F(OperatorAtATerminal, HowToGoOnIsSaidForAShell) {
+  const auto odd = directory_ / "out \xc3\xbc x";
+  std::filesystem::create_directory(odd);
+  std::filesystem::rename(file_, odd / "program.json");
+  file_ = odd / "program.json";
+  Terminal terminal(run());
+  ASSERT_TRUE(terminal.shows("to start, anything else stops: ")) << terminal.shown();
+  ASSERT_TRUE(terminal.type("n\n"));
+  EXPECT_EQ(terminal.wait(), 130);
+  EXPECT_THAT(terminal.shown(), HasSubstr("to go on: hotblade run '" + file_.string() + "' --connect " +
+                                          cell_.place() + " --strip S001"));
 }
 
 TEST_F(OperatorAtATerminal, ATerminalThatIsGoneDoesNotStart) {
