@@ -1,13 +1,16 @@
 // hotblade dryrun: simulator and streaming in one, and the proof that what was executed is what was planned.
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <chrono>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/controller_cell.hpp"
@@ -24,14 +27,15 @@ struct DryRunArguments {
   bool overridden = false, json = false;
 };
 
-// The log of a dry run: where the user wants it, or a temporary file that goes again.
+// The log of a dry run: a new file where the user wants it, which stays once it is written whole, or a
+// temporary one that goes again.
 class LogFile {
  public:
-  explicit LogFile(const std::string& wanted) : path_(wanted), temporary_(wanted.empty()) {
-    if (!temporary_ && std::filesystem::exists(path_)) {
-      throw Error(ErrorKind::kFile, wanted + ": is already there: choose another --log");
+  explicit LogFile(const std::string& wanted) : path_(wanted), stays_(false), wanted_(!wanted.empty()) {
+    if (wanted_) {
+      make_new();
+      return;
     }
-    if (!temporary_) return;
     std::string name = (std::filesystem::temp_directory_path() / "hotblade-dryrun-XXXXXX").string();
     const int fd = ::mkstemp(name.data());
     if (fd < 0)
@@ -41,15 +45,29 @@ class LogFile {
   }
   ~LogFile() {
     std::error_code ignored;
-    if (temporary_) std::filesystem::remove(path_, ignored);
+    if (!stays_) std::filesystem::remove(path_, ignored);
   }
+  void written_whole() { stays_ = wanted_; }
   LogFile(const LogFile&) = delete;
   LogFile& operator=(const LogFile&) = delete;
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
  private:
+  // So that what is removed where it fails is its own.
+  void make_new() const {
+    const int fd = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
+    if (fd >= 0) {
+      ::close(fd);
+      return;
+    }
+    if (errno == EEXIST)
+      throw Error(ErrorKind::kFile, path_.string() + ": is already there: choose another --log");
+    throw Error(ErrorKind::kFile, path_.string() + ": the log cannot be written (" +
+                                      std::generic_category().message(errno) + "): choose a writable place");
+  }
+
   std::filesystem::path path_;
-  bool temporary_;
+  bool stays_, wanted_;
 };
 
 // The design, when it is at hand.
@@ -122,7 +140,7 @@ Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log
 Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   const StripJobs work = read_strip_jobs(arguments.program, arguments.overridden);
   const auto design = find_design(arguments, work.program);
-  const LogFile log(arguments.log);
+  LogFile log(arguments.log);
   DryRunOptions options;
   options.log_file = log.path();
   options.limits = planned_limits(work.program);
@@ -134,6 +152,7 @@ Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   options.interrupted = [] { return interrupted(); };
   const auto began = std::chrono::steady_clock::now();
   const DryRunReport report = dry_run(work.jobs, options);
+  log.written_whole();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   console.end_progress();
   std::size_t waypoints = 0;

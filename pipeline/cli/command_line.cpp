@@ -85,14 +85,18 @@ void check_simd() {
   }
 }
 
+void expect_printed() {
+  std::cout.flush();
+  if (!std::cout) throw Error(ErrorKind::kFile, "stdout: cannot write the result: is the disk full?");
+}
+
 Exit run_action(const Action& action, const Console& console) {
   try {
     check_log_file(console);
     check_simd();
     const Exit code = action();
     console.end_progress();
-    std::cout.flush();
-    if (!std::cout) throw Error(ErrorKind::kFile, "stdout: cannot write the result: is the disk full?");
+    expect_printed();
     return code;
   } catch (const Error& error) {
     console.warn(error.what());
@@ -112,11 +116,19 @@ Exit run_action(const Action& action, const Console& console) {
 }
 
 // The parser has codes of its own (105 and up) for what is one thing to the caller: wrong usage.
-Exit report_usage(const CLI::App& app, const CLI::Error& error) {
-  if (error.get_exit_code() == 0)
-    return app.exit(error) == 0 ? Exit::kOk : Exit::kUsage;  // --help, --version
-  std::cerr << usage_message(app, error);
-  return Exit::kUsage;
+Exit report_usage(const CLI::App& app, const CLI::Error& error, const Console& console) {
+  if (error.get_exit_code() != 0) {
+    std::cerr << usage_message(app, error);
+    return Exit::kUsage;
+  }
+  const bool told = app.exit(error) == 0;  // --help, --version
+  try {
+    expect_printed();
+  } catch (const Error& unprinted) {
+    console.warn(unprinted.what());
+    return exit_of(unprinted.kind);
+  }
+  return told ? Exit::kOk : Exit::kUsage;
 }
 
 }  // namespace
@@ -154,7 +166,7 @@ int run_command_line(int argc, char** argv) {
       app.parse(argc, argv);
     }
   } catch (const CLI::Error& error) {
-    return static_cast<int>(report_usage(app, error));
+    return static_cast<int>(report_usage(app, error, console));
   }
   return static_cast<int>(run_action(action, console));
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# full_disk_test.sh PROGRAM DESIGN.obj CONFIG.toml: a dry run whose log cannot be written says so, and `run` opens no job
+# full_disk_test.sh PROGRAM DESIGN.obj CONFIG.toml: a dry run whose log cannot be written says so and leaves none, help that
+# cannot be written is no success, and `run` opens no job
 # unless its journal and its log can be written. A limit on the size of files stands for a full disk.
 set -euo pipefail
 program=$1 design=$2 config=$3
@@ -22,6 +23,12 @@ code=$(ended limited 64 "$program" dryrun "$work/cut/program.json" --log "$work/
 [[ $code == 7 ]] || fail "dryrun ended with $code"
 grep -q 'execution.jsonl: the log cannot be written (File too large)' "$work/said.txt" ||
   fail "dryrun says: $(tail -1 "$work/said.txt")"
+[[ ! -e $work/execution.jsonl ]] || fail "dryrun left a part of its log"
+for words in --help --version "help run" "run --help" "completion bash"; do
+  code=$("$program" $words > /dev/full 2> "$work/said.txt" && echo 0 || echo $?)
+  [[ $code == 7 ]] || fail "$words ended with $code"
+  grep -q 'stdout: cannot write the result' "$work/said.txt" || fail "$words says: $(cat "$work/said.txt")"
+done
 
 # A port that somebody else holds already is given up for another one.
 answers() { (exec 3<> "/dev/tcp/127.0.0.1/$port") 2> /dev/null; }
