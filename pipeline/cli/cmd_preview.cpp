@@ -245,6 +245,18 @@ bool is_program(const PreviewOptions& options) {
   return file.extension() == ".json" || is_gzip_name(file);
 }
 
+// A program has its design's units and settings.
+void refuse_design_options(const DesignOptions& input) {
+  const auto refuse = [](const char* option) {
+    throw Error(ErrorKind::kBadSettings, fmt::format("{}: goes with a design, not with a program", option));
+  };
+  if (!input.units.empty()) refuse("--units");
+  if (!input.up.empty()) refuse("--up");
+  if (!input.format.empty()) refuse("--format");
+  if (!input.sources.files.empty()) refuse("--config");
+  if (!input.sources.assignments.empty()) refuse("--set");
+}
+
 Viewed viewed(const PreviewOptions& options, preview::View view) {
   Viewed out;
   if (is_program(options)) {
@@ -285,6 +297,7 @@ Exit run_preview(PreviewOptions options, const Console& console) {
   const preview::PictureSize size = picture_size(options.size);
   const preview::View view = preview::view_named(options.view).value_or(preview::View::kBest);
   options.scene.color = color_of(options.color);
+  if (is_program(options)) refuse_design_options(options.input);
   check_outputs(options);
   for (const std::string& key : options.keys) {
     if (!preview::is_key(key))

@@ -451,6 +451,12 @@ TEST_F(CommandLine, SlipsAreAnsweredWithWhatWasMeant) {
       {{"config", "show", "--set", "blade.kerf_mm=1,25"}, "did you mean 1.25?"},
       {{"preview", obj, "--units", "mm", "--keys", "foo", "--shot", "a.png"}, "unknown key (foo)"},
       {{"preview", obj, "--units", "mm", "--shot", (files_ / "q.jpg").string()}, "write .png"},
+      {{"preview", obj, "--units", "furlong", "--shot", "a.png"}, "furlong"},
+      {{"preview", "program.json", "--units", "furlong", "--shot", "a.png"}, "--units: goes with a design"},
+      {{"preview", "program.json", "--up", "y", "--shot", "a.png"}, "--up: goes with a design"},
+      {{"preview", "program.json", "--format", "obj"}, "--format: goes with a design"},
+      {{"preview", "program.json.gz", "--config", "a.toml"}, "--config: goes with a design"},
+      {{"preview", "refused.json", "--set", "a=b"}, "--set: goes with a design, not with a program"},
   };
   for (const auto& slip : slips) {
     const Ended ended = hotblade(slip.words);
