@@ -165,8 +165,7 @@ std::optional<Points> planned_points(const Strip& strip, std::size_t k, double t
 // time.
 Points unrounded_points(const BladePose& from, const BladePose& to, double share, const BladePose& executed,
                         const robot::ClampOffsets& offsets) {
-  const ClampPoses holding = robot::held(
-      {robot::interpolate(from.a, to.a, share), robot::interpolate(from.b, to.b, share)}, offsets);
+  const ClampPoses holding = robot::held(robot::interpolate({from.a, from.b}, {to.a, to.b}, share), offsets);
   const Pose& a = holding.a;
   const elastica::PlanarPose b = robot::seen_from_a(holding, elastica::clamps_of(executed.blade).b.theta).b;
   if (std::hypot(b.x, b.y) < (1 - elastica::kNearlyTautSlack) * executed.blade.length) {

@@ -163,11 +163,6 @@ robot::BladeFinding move_on(robot::BladeBranch& blade, const ClampPoses& halfway
   return blade.move_to(to.a, to.b);
 }
 
-ClampPoses between(const ClampPoses& from, const ClampPoses& to) {
-  constexpr double kHalfway = 0.5;
-  return {robot::interpolate(from.a, to.a, kHalfway), robot::interpolate(from.b, to.b, kHalfway)};
-}
-
 // How far the blade is from where the program says, were its clamps where they were computed, near to a shape
 // that micrometres gave it. It is infinite where no shape is found.
 double off_as_computed_mm(const Elastica& as_told, const BladePose& pose,
@@ -254,6 +249,7 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
   std::optional<robot::BladeBranch> nearly_straight;
   const std::vector<robot::Waypoint> told = waypoints(strip);
   std::vector<FollowedPose> followed;
+  constexpr double kHalfway = 0.5;
   ClampPoses last;
   for (std::size_t i = 0; i < strip.poses.size() && report.held(); ++i) {
     gpu::stop_point();
@@ -263,8 +259,9 @@ BranchReport follow_branch(const Strip& strip, const BranchOptions& options) {
     const ClampPoses to = robot::held(as_told, options.offsets);
     const Elastica before = blade.shape();
     robot::BladeFinding finding =
-        i == 0 ? blade.move_to(to.a, to.b)
-               : move_on(blade, robot::held(between(last, as_told), options.offsets), to);
+        i == 0
+            ? blade.move_to(to.a, to.b)
+            : move_on(blade, robot::held(robot::interpolate(last, as_told, kHalfway), options.offsets), to);
     last = as_told;
     if (finding.held() && !(blade.off_plane_mm() <= kShapeMismatchMm))
       finding = {Limit::kBladePlane, blade.off_plane_mm(), kShapeMismatchMm};

@@ -24,18 +24,18 @@ Limit BladeCheck::next(const Waypoint& w) {
   if (!on_) return Limit::kNone;
   if (started_) {
     constexpr double kHalfway = 0.5;
-    const Limit between = move_to(interpolate(last_a_, w.a, kHalfway), interpolate(last_b_, w.b, kHalfway));
+    const Limit between = move_to(interpolate(last_, {w.a, w.b}, kHalfway));
     if (between != Limit::kNone) return between;
   }
   started_ = true;
-  last_a_ = w.a;
-  last_b_ = w.b;
-  return move_to(w.a, w.b);
+  last_ = {w.a, w.b};
+  return move_to(last_);
 }
 
-Limit BladeCheck::move_to(const Pose& a, const Pose& b) {
+Limit BladeCheck::move_to(const ClampPoses& clamps) {
   if (!on_) return Limit::kNone;
-  return branch_.move_to(held(a, offsets_.a), held(b, offsets_.b)).limit;
+  const ClampPoses holding = held(clamps, offsets_);
+  return branch_.move_to(holding.a, holding.b).limit;
 }
 
 std::optional<elastica::Elastica> BladeCheck::shape() const {

@@ -41,7 +41,7 @@ class BladeCheck {
   // way in between is followed for snaps.
   [[nodiscard]] Limit next(const Waypoint& waypoint);
   // Moves to any pose on the way, forwards or backwards, and returns the limit that breaks.
-  [[nodiscard]] Limit move_to(const Pose& a, const Pose& b);
+  [[nodiscard]] Limit move_to(const ClampPoses& clamps);
 
   // Returns the blade at the last pose, clamp A to clamp B, in the axes of clamp A as it holds the blade;
   // absent when it is not known.
@@ -53,7 +53,7 @@ class BladeCheck {
   bool on_ = false, started_ = false;
   BladeBranch branch_;
   ClampOffsets offsets_;
-  Pose last_a_, last_b_;
+  ClampPoses last_;
 };
 
 }  // namespace hotblade::robot

@@ -172,7 +172,7 @@ void Controller::execute_next() {
   const auto decoded = protocol::decode_waypoint(raw);
   Breach broken{decoded.error != Limit::kNone ? decoded.error : job_.execution.next(decoded.waypoint)};
   if (broken.limit == Limit::kNone)
-    broken.limit = job_.moved_blade.move_to(decoded.waypoint.a, decoded.waypoint.b);
+    broken.limit = job_.moved_blade.move_to({decoded.waypoint.a, decoded.waypoint.b});
   if (broken.limit == Limit::kNone)
     broken = job_.moved_arms.arrive(decoded.waypoint, job_.moved_blade.shape());
   if (broken.limit != Limit::kNone) {
@@ -215,7 +215,7 @@ Breach Controller::write_pose() {
   const bool asked_for = sink_ != nullptr || job_.moved_blade.checks() || job_.moved_arms.checks();
   if (job_.executed == 0 || !asked_for) return {};
   const ClampPoses now = held_ ? *held_ : pose_on(from_, to_, path_.path_s());
-  Breach broken{job_.moved_blade.move_to(now.a, now.b)};
+  Breach broken{job_.moved_blade.move_to(now)};
   const Breach of_arms =
       job_.moved_arms.move_to(now.a, now.b, job_.moved_blade.shape(), time_s(to_) - time_s(from_));
   if (broken.limit == Limit::kNone) broken = of_arms;
@@ -229,7 +229,7 @@ Breach Controller::write_pose() {
 ClampPoses Controller::pose_on(const Waypoint& from, const Waypoint& to, double path_s) {
   const double length = time_s(to) - time_s(from);
   const double share = length > 0 ? std::clamp((path_s - time_s(from)) / length, 0.0, 1.0) : 0;
-  return {interpolate(from.a, to.a, share), interpolate(from.b, to.b, share)};
+  return interpolate({from.a, from.b}, {to.a, to.b}, share);
 }
 
 void Controller::stop(StopReason reason) {

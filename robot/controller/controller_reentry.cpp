@@ -211,7 +211,7 @@ void Controller::replay(const ControllerJournal& journal) {
   // The blade went back the way it came.
   for (std::uint32_t i = job_.executed; i-- > step;) {
     const Waypoint passed = protocol::decode_waypoint(job_.raw[i]).waypoint;
-    (void)job_.moved_blade.move_to(passed.a, passed.b);
+    (void)job_.moved_blade.move_to({passed.a, passed.b});
     (void)job_.moved_arms.move_to(passed.a, passed.b, job_.moved_blade.shape(), 0);
   }
   load_step(step);

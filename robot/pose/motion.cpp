@@ -10,6 +10,10 @@ Pose interpolate(const Pose& from, const Pose& to, double share) {
   return {from.p + share * (to.p - from.p), from.q.slerp(share, to.q)};
 }
 
+ClampPoses interpolate(const ClampPoses& from, const ClampPoses& to, double share) {
+  return {interpolate(from.a, to.a, share), interpolate(from.b, to.b, share)};
+}
+
 void PathClock::speed_up() {
   target_ = 1;
   if (instant_) rate_ = 1;

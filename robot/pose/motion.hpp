@@ -11,6 +11,8 @@ namespace hotblade::robot {
 // Returns the pose at a share in [0, 1] of the way: positions are linear, orientations a slerp by the shorter
 // arc.
 [[nodiscard]] Pose interpolate(const Pose& from, const Pose& to, double share);
+// The same of both clamps.
+[[nodiscard]] ClampPoses interpolate(const ClampPoses& from, const ClampPoses& to, double share);
 
 // Turns the motion clock into the path parameter (s, the strip's own time): both clamps follow this one
 // parameter, so slowing down keeps them on the path. The rate is 1 in normal motion and ramps linearly to and

@@ -106,7 +106,8 @@ void lower_all(LawShares& shares, double factor) {
 
 // How far the clamps leave a common plane half-way to the next waypoint, where that is most.
 double off_plane_between(const ClampPoses& p, const ClampPoses& q) {
-  return off_plane_mm(robot::interpolate(p.a, q.a, 0.5), robot::interpolate(p.b, q.b, 0.5));
+  const ClampPoses halfway = robot::interpolate(p, q, 0.5);
+  return off_plane_mm(halfway.a, halfway.b);
 }
 
 }  // namespace

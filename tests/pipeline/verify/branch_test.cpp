@@ -177,7 +177,7 @@ robot::Limit as_checked(const Strip& strip, const BranchOptions& options, bool b
   for (robot::Waypoint waypoint : waypoints(strip)) {
     if (by_registers)
       waypoint = robot::protocol::decode_waypoint(*robot::protocol::encode_waypoint(waypoint)).waypoint;
-    const robot::Limit limit = halfway ? check.next(waypoint) : check.move_to(waypoint.a, waypoint.b);
+    const robot::Limit limit = halfway ? check.next(waypoint) : check.move_to({waypoint.a, waypoint.b});
     if (limit != robot::Limit::kNone) return limit;
   }
   return robot::Limit::kNone;
