@@ -12,6 +12,7 @@
 #include <optional>
 #include <system_error>
 
+#include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/controller_cell.hpp"
 #include "pipeline/program/design_file.hpp"
@@ -122,7 +123,7 @@ Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log
            const std::optional<surface::DesignSurface>& design, const DryRunArguments& arguments) {
   const bool json = arguments.json, arms_unchecked = work.program.cell && arguments.cell.empty();
   if (!json && arms_unchecked && report.holds())
-    std::cout << "arms: not checked, give --cell " + work.program.cell->name + "\n";
+    std::cout << "arms: not checked, give " + cell_word(arguments.program, work.program) + "\n";
   if (!report.holds() || !design) {
     std::cout << (json ? to_json(report, "", arms_unchecked) : table(report));
     if (!json && report.holds())

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/export/robot_jobs.hpp"
 #include "pipeline/export/robot_programs.hpp"
@@ -30,7 +31,8 @@ std::optional<robot::Cell> cell_of(const Program& program, const ExportArguments
   }
   if (arguments.cell.empty()) {
     throw Error(ErrorKind::kBadSettings, "--cell: the program's joints are those of the cell \"" +
-                                             program.cell->name + "\": say which file that is");
+                                             program.cell->name + "\": give " +
+                                             cell_word(arguments.program, program));
   }
   robot::Cell cell = read_cell(arguments.cell);
   if (cell_sha256(cell) != program.cell->sha256) {

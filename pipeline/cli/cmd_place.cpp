@@ -1,14 +1,21 @@
 // hotblade place: the arms of a cell for a finished program.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/info.h>
+
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/plan/arms/arms.hpp"
-#include "pipeline/program/atomic_file.hpp"
-#include "pipeline/program/gzip.hpp"
-#include "pipeline/report/output_set.hpp"
+#include "pipeline/program/design_file.hpp"
+#include "pipeline/report/emit.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -25,8 +32,17 @@ void expect_passed(const Program& program, const std::string& file) {
                                            ": plan again before arms are looked for");
 }
 
+// What was told of the program before and cannot be made without its plan.
+void tell_left_out(const Emitted& emitted, const std::filesystem::path& directory, const Console& console) {
+  if (emitted.left_out.empty()) return;
+  console.warn(fmt::format(
+      "warning: {}: of the program before, and gone: {}: `hotblade plan --cell` writes them of a new one",
+      directory.string(), fmt::join(emitted.left_out, ", ")));
+}
+
 Exit place(const PlaceArguments& arguments, const Console& console) {
-  const std::filesystem::path output = std::filesystem::path(arguments.output) / program_name(arguments.gzip);
+  const auto start = std::chrono::steady_clock::now();
+  const std::filesystem::path directory = arguments.output;
   robot::Cell cell = read_cell(arguments.cell);
   if (arguments.how == "fixed") cell.place.how = robot::Placing::kFixed;
   if (arguments.how == "raise") cell.place.how = robot::Placing::kRaise;
@@ -34,9 +50,10 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   const Program program = read_program(arguments.program);
   expect_passed(program, arguments.program);
   // A directory that is not there yet is made for a result alone.
-  if (std::error_code code; std::filesystem::exists(arguments.output, code))
-    expect_writable(output, arguments.force);
-  const ArmedProgram armed = with_arms(program, cell);
+  OutputSet output(directory, arguments.force);
+  const EndsOnSignal ends(console, "interrupted: nothing was written",
+                          [&output] { return output.abandon(); });
+  ArmedProgram armed = with_arms(program, cell);
   for (const std::string& line : armed.report.warnings) console.warn("warning: " + line);
   for (const Refusal& refusal : armed.report.refusals) console.warn("refused: " + describe(refusal));
   if (!armed.report.refusals.empty()) return Exit::kNotCuttable;
@@ -45,10 +62,17 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
         "warning: the arms may have made the blade slower, and it melts more then: measure the new program "
         "with "
         "`hotblade verify`, or plan with --cell");
-  ensure_directory(arguments.output);
-  const std::string text = to_json(armed.program);
-  write_file_atomically(output, arguments.gzip ? packed(text) : text, arguments.force);
-  std::cout << describe_arms(armed.program) << "program " << output.string() << "\n";
+  RunFacts facts;
+  facts.design_path = design_path(arguments.program, program).value_or("");
+  if (!facts.design_path.empty()) facts.design_path = std::filesystem::absolute(facts.design_path);
+  facts.cell = kept_cell(arguments.cell);
+  facts.threads = tbb::info::default_concurrency();
+  facts.total_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::string arms = describe_arms(armed.program);
+  const Emitted emitted = emit_placed(std::move(armed.program), output, facts, arguments.gzip);
+  tell_left_out(emitted, directory, console);
+  std::cout << arms << "program " << (directory / program_name(arguments.gzip)).string() << "\nsheets "
+            << (directory / "sheets.html").string() << "\n";
   return Exit::kOk;
 }
 
@@ -61,7 +85,7 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--cell", arguments->cell, "The two arms: a TOML file, two_irb4600 or two_kr50")
       ->required()
       ->type_name("CELL");
-  command->add_option("-o,--output", arguments->output, "Directory for the new program.json")
+  command->add_option("-o,--output", arguments->output, "Directory for the new program and its sheets")
       ->required()
       ->type_name("DIR");
   command
@@ -70,7 +94,7 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
       ->check(CLI::IsMember({"fixed", "raise", "search"}))
       ->type_name("fixed|raise|search");
   command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
-  command->add_flag("--force", arguments->force, "Overwrite a program that is there");
+  command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->footer(
       "Cuts stay as they are, waypoints are met later where joints ask for it. Exit code 4 when a strip's "
       "arms cannot do it: which, when and by how "

@@ -17,6 +17,7 @@
 #include "pipeline/advice/design_trials.hpp"
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/backend_option.hpp"
+#include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/cli/settings_options.hpp"
@@ -224,8 +225,8 @@ Exit plan_design(const PlanArguments& arguments, const Console& console) {
   console.report_progress("draw", kPlanned);
 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const RunFacts facts{fs::absolute(design_options.file), backend_text(result.verification), threads,
-                       seconds};
+  const RunFacts facts{fs::absolute(design_options.file), kept_cell(arguments.cell),
+                       backend_text(result.verification), threads, seconds};
   const auto pictures_of = [&](const PlanResult& planned) {
     const Viewer viewer =
         viewer_named(arguments.viewer).value_or(asked == Pictures::kFull ? Viewer::kFull : Viewer::kNone);

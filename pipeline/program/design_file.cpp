@@ -15,9 +15,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Where run.json says that the design was; its bytes where they are no UTF-8.
-std::optional<fs::path> path_in(const nlohmann::json& run) {
-  const auto bytes = run.find("design_path_bytes"), text = run.find("design_path");
+// A path that run.json beside the program has, its bytes where they are no UTF-8.
+std::optional<fs::path> path_in_run(const fs::path& program_file, const std::string& key) {
+  std::ifstream stream(program_file.parent_path() / "run.json");
+  const auto run = nlohmann::json::parse(stream, nullptr, false);
+  if (!run.is_object()) return std::nullopt;
+  const auto bytes = run.find(key + "_bytes"), text = run.find(key);
   if (bytes != run.end() && bytes->is_array()) {
     std::string path;
     for (const auto& byte : *bytes) {
@@ -43,14 +46,21 @@ std::string sha256_of_file(const fs::path& file) {
 
 }  // namespace
 
-std::optional<fs::path> design_at_hand(const fs::path& program_file, const Program& program) {
-  const fs::path directory = program_file.parent_path();
+std::optional<fs::path> design_path(const fs::path& program_file, const Program& program) {
   std::error_code ignored;
-  if (const fs::path beside = directory / program.design.file; fs::exists(beside, ignored)) return beside;
-  std::ifstream stream(directory / "run.json");
-  const auto run = nlohmann::json::parse(stream, nullptr, false);
-  const std::optional<fs::path> planned = run.is_object() ? path_in(run) : std::nullopt;
-  return planned && fs::exists(*planned, ignored) ? planned : std::nullopt;
+  if (const fs::path beside = program_file.parent_path() / program.design.file; fs::exists(beside, ignored))
+    return beside;
+  return path_in_run(program_file, "design_path");
+}
+
+std::optional<fs::path> design_at_hand(const fs::path& program_file, const Program& program) {
+  std::error_code ignored;
+  const std::optional<fs::path> path = design_path(program_file, program);
+  return path && fs::exists(*path, ignored) ? path : std::nullopt;
+}
+
+std::optional<fs::path> cell_given(const fs::path& program_file) {
+  return path_in_run(program_file, "cell");
 }
 
 surface::DesignSurface read_design_of(const Program& program, const fs::path& file) {

@@ -14,6 +14,15 @@ namespace hotblade::pipeline {
 [[nodiscard]] std::optional<std::filesystem::path> design_at_hand(const std::filesystem::path& program_file,
                                                                   const Program& program);
 
+// Returns where the design is, or was when the program was planned: beside the program, or as run.json says;
+// nothing when neither is known.
+[[nodiscard]] std::optional<std::filesystem::path> design_path(const std::filesystem::path& program_file,
+                                                               const Program& program);
+
+// Returns what run.json beside the program says was given as its cell, a file or a name; nothing when it says
+// none.
+[[nodiscard]] std::optional<std::filesystem::path> cell_given(const std::filesystem::path& program_file);
+
 // Returns the design read as the program's plan read it. Throws Error: kFile when it cannot be read,
 // kBadInput when it is no design or another one than the program's.
 [[nodiscard]] surface::DesignSurface read_design_of(const Program& program,

@@ -15,6 +15,7 @@
 
 #include "elastica/kernels/simd_pin.hpp"
 #include "pipeline/export/rib_files.hpp"
+#include "pipeline/plan/motion/motion.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/freed_memory.hpp"
 #include "pipeline/program/gzip.hpp"
@@ -25,6 +26,7 @@
 #include "pipeline/report/sheets.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/json_text.hpp"
+#include "pipeline/stock/foam_to_buy.hpp"
 
 namespace hotblade::pipeline {
 
@@ -122,13 +124,22 @@ std::string run_json(const PlanResult& result, const RunFacts& facts) {
     times[t.stage] = t.seconds;
     processor[t.stage] = t.processor_s;
   }
-  const std::string path = facts.design_path.string();
-  Json run{{"design_path", path},           {"backend", facts.backend},
-           {"threads", facts.threads},      {"simd", elastica::name(elastica::best_simd())},
-           {"total_s", facts.total_s},      {"stage_s", times},
-           {"stage_processor_s", processor}};
+  Json run = Json::object();
   // The text of a path that is no UTF-8 leads nowhere: its bytes do (pipeline/program/design_file.hpp).
-  if (!is_utf8(path)) run["design_path_bytes"] = std::vector<std::uint8_t>(path.begin(), path.end());
+  const auto put_path = [&run](const char* key, const std::string& path) {
+    if (path.empty()) return;
+    run[key] = path;
+    if (!is_utf8(path))
+      run[key + std::string("_bytes")] = std::vector<std::uint8_t>(path.begin(), path.end());
+  };
+  put_path("design_path", facts.design_path.string());
+  put_path("cell", facts.cell.string());
+  if (!facts.backend.empty()) run["backend"] = facts.backend;
+  run["threads"] = facts.threads;
+  run["simd"] = elastica::name(elastica::best_simd());
+  run["total_s"] = facts.total_s;
+  run["stage_s"] = times;
+  run["stage_processor_s"] = processor;
   return json_text(run, 2) + "\n";
 }
 
@@ -153,10 +164,6 @@ void write_reports(const PlanResult& result, const fs::path& directory, const Ru
   }
   write_file_atomically(directory / "run.json", run_json(result, facts), false);
 }
-
-}  // namespace
-
-namespace {
 
 Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
                    const TakePictures& take_pictures) {
@@ -190,16 +197,41 @@ Emitted emit_draft(PlanResult& result, OutputSet& output, const RunFacts& facts,
   write_reports(result, draft, facts, pictures, emitted.program_sha256);
   sheets.wait();
   if (program) program->place();
+  emitted.left_out = output.left_out();
   output.commit();
   return emitted;
 }
 
-}  // namespace
+// What sheets ask of a plan that a program can tell.
+PlanResult told_by(Program program) {
+  PlanResult result;
+  result.program = std::move(program);
+  result.foam = foam_to_buy(result.program);
+  for (const Strip& strip : result.program.strips) {
+    StripFacts& facts = result.strips.emplace_back();
+    facts.id = strip.id;
+    time_facts(strip.poses, facts.motion);
+  }
+  return result;
+}
 
-Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
-             const TakePictures& take_pictures) {
+Emitted emit_placed_draft(const PlanResult& result, OutputSet& output, const RunFacts& facts, bool gzip) {
+  const fs::path& draft = output.draft();
+  ProgramWriter writer(result.program, draft / program_name(gzip));
+  write_ribs(result.program, draft / "ribs");
+  Emitted emitted{true, writer.sha256()};
+  write_file_atomically(draft / "sheets.html", sheets_html(result, emitted.program_sha256), false);
+  write_file_atomically(draft / "run.json", run_json(result, facts), false);
+  writer.place();
+  emitted.left_out = output.left_out();
+  output.commit();
+  return emitted;
+}
+
+// Writes a set; what is said of a file that cannot be written names its place in the directory.
+Emitted written(OutputSet& output, const std::function<Emitted()>& write) {
   try {
-    return emit_draft(result, output, facts, options, take_pictures);
+    return write();
   } catch (const Error& error) {
     if (error.kind != ErrorKind::kFile) throw;
     // The draft is gone when this is read: the place that it was for is what a user knows.
@@ -209,6 +241,18 @@ Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const
       what.replace(at, draft.size(), output.directory().string());
     throw Error(ErrorKind::kFile, what + ": what was there is as it was");
   }
+}
+
+}  // namespace
+
+Emitted emit(PlanResult& result, OutputSet& output, const RunFacts& facts, const EmitOptions& options,
+             const TakePictures& take_pictures) {
+  return written(output, [&] { return emit_draft(result, output, facts, options, take_pictures); });
+}
+
+Emitted emit_placed(Program program, OutputSet& output, const RunFacts& facts, bool gzip) {
+  const PlanResult result = told_by(std::move(program));
+  return written(output, [&] { return emit_placed_draft(result, output, facts, gzip); });
 }
 
 }  // namespace hotblade::pipeline

@@ -255,6 +255,13 @@ void OutputSet::link_others() const {
   }
 }
 
+std::vector<std::string> OutputSet::left_out() const {
+  std::vector<std::string> names;
+  for (const char* name : kFiles)
+    if (is_there(place_ / name) && !is_there(draft_ / name)) names.emplace_back(name);
+  return names;
+}
+
 bool OutputSet::abandon() {
   const std::scoped_lock lock(mutex_);
   if (begun_) return false;

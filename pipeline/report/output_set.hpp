@@ -9,6 +9,8 @@
 
 #include <filesystem>
 #include <mutex>
+#include <string>
+#include <vector>
 
 namespace hotblade::pipeline {
 
@@ -31,6 +33,9 @@ class OutputSet {
   // when it is first asked for.
   [[nodiscard]] const std::filesystem::path& directory() const { return directory_; }
   [[nodiscard]] const std::filesystem::path& draft();
+
+  // Returns the names of the files of an older set that the draft does not have: `commit` removes them.
+  [[nodiscard]] std::vector<std::string> left_out() const;
 
   // Puts the draft in the directory's place. Outputs of an older plan that the draft does not have go.
   // Without it, nothing of the directory has changed. Throws Error (kFile), and the older set stays.
