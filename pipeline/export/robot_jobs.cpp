@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "pipeline/program/block_place.hpp"
 #include "pipeline/program/straight_start.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/arm/arm.hpp"
@@ -193,13 +194,21 @@ void append_strip(RobotJob& job, const Strip& strip, const Holder& holder) {
 }
 
 std::vector<std::string> texts_of(const Strip& strip) {
-  const Eigen::Vector3d& size = strip.block.size_mm;
-  const Pose corner = robot::transformed(strip.design_to_cell, {strip.block.frame.origin, {}});
-  return {ascii(fmt::format("{}: block {:.0f} x {:.0f} x {:.0f} mm, blade {:g} mm", strip.id, size.x(),
-                            size.y(), size.z(), strip.blade_length_mm)),
-          ascii(fmt::format("block {:.0f} mm above the table, corner at x {:.0f}, y {:.0f}",
-                            strip.block.height_above_table_mm(strip.design_to_cell), corner.p.x(),
-                            corner.p.y()))};
+  const BlockPlace place = standing_place(strip.block, strip.design_to_cell);
+  const Eigen::Vector3d size = place.box.sizes();
+  // Adding zero takes the sign off a zero.
+  const Eigen::Vector3d corner = place.corner.array().round() + 0.0;
+  std::vector<std::string> texts{
+      ascii(fmt::format("{}: block {:.0f} x {:.0f} x {:.0f} mm, blade {:g} mm", strip.id, size.x(), size.y(),
+                        size.z(), strip.blade_length_mm)),
+      fmt::format("block {:.0f} mm above the table, left front lower corner at x {:.0f}, y {:.0f}",
+                  corner.z(), corner.x(), corner.y())};
+  if (place.turned_rad != 0) {
+    texts.push_back(fmt::format("turned about it by {:.1f} degrees, {} as seen from above",
+                                std::abs(place.turned_rad) / kDegree_rad,
+                                place.turned_rad > 0 ? "counter-clockwise" : "clockwise"));
+  }
+  return texts;
 }
 
 RobotJob job_of(const Strip& strip, const robot::Cell* cell, std::size_t arm) {

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "pipeline/program/block_place.hpp"
 
 namespace hotblade::pipeline {
 
@@ -29,8 +30,8 @@ std::vector<const BladePose*> cutting_poses(const Strip& strip) {
   return some;
 }
 
-// Returns the lines of some blades in the cell.
-std::vector<Points> in_cell(const Strip& strip, std::span<const BladePose* const> poses) {
+// Returns the lines of some blades in the axes of the block as it stands.
+std::vector<Points> in_axes(const Pose& design_to_axes, std::span<const BladePose* const> poses) {
   constexpr std::size_t kPoints = 161;  // a blade of 1500 mm in steps under 10 mm
   std::vector<elastica::Elastica> blades;
   std::vector<elastica::Part> whole;
@@ -39,12 +40,12 @@ std::vector<Points> in_cell(const Strip& strip, std::span<const BladePose* const
     whole.push_back({0, pose->blade.length});
   }
   const elastica::PartPlaces on = elastica::sample_places(blades, whole, kPoints);
-  const Eigen::Matrix3d turn = strip.design_to_cell.q.toRotationMatrix();
+  const Eigen::Matrix3d turn = design_to_axes.q.toRotationMatrix();
   std::vector<Points> lines(poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     for (std::size_t k = 0; k < kPoints; ++k) {
       const Eigen::Vector2d p = on.at(i, k);
-      lines[i].push_back(turn * poses[i]->frame.point(p.x(), p.y()) + strip.design_to_cell.p);
+      lines[i].push_back(turn * poses[i]->frame.point(p.x(), p.y()) + design_to_axes.p);
     }
   }
   return lines;
@@ -125,9 +126,9 @@ EdgePlace place_of(const BlockStand& stand, const Eigen::Vector3d& p) {
 }
 
 // The lines that each place of the blade draws, from the left end to the right: kPlaces of them, or none.
-std::vector<Points> columns_of(const Strip& strip, const BlockStand& stand) {
+std::vector<Points> columns_of(const Strip& strip, const Pose& design_to_axes, const BlockStand& stand) {
   std::vector<Points> columns;
-  for (const Points& blade : in_cell(strip, cutting_poses(strip))) {
+  for (const Points& blade : in_axes(design_to_axes, cutting_poses(strip))) {
     Points line = within(blade, stand.box);
     if (line.empty()) continue;
     if (!stand.clamp_a_left) std::reverse(line.begin(), line.end());
@@ -142,17 +143,20 @@ std::vector<Points> columns_of(const Strip& strip, const BlockStand& stand) {
 
 BlockStand stand_of(const Strip& strip) {
   BlockStand stand;
-  const Eigen::Matrix3d turn = strip.design_to_cell.q.toRotationMatrix();
-  for (const Eigen::Vector3d& corner : strip.block.corners())
-    stand.box.extend(Eigen::Vector3d(turn * corner + strip.design_to_cell.p));
+  const BlockPlace place = standing_place(strip.block, strip.design_to_cell);
+  const Pose design_to_axes = place.in_box(strip.design_to_cell);
+  const Eigen::Matrix3d turn = design_to_axes.q.toRotationMatrix();
+  stand.box = place.box;
+  stand.turned_rad = place.turned_rad;
+  stand.corner = place.corner;
   // Foam is added under the kept part, at the low end of the block's second axis (stock.base_mm).
   stand.base_at_back = (turn * strip.block.frame.y).y() < 0;
   if (!strip.poses.empty()) {
     const BladePose* const middle = &strip.poses[strip.poses.size() / 2];
-    const Points line = in_cell(strip, {&middle, 1}).front();
+    const Points line = in_axes(design_to_axes, {&middle, 1}).front();
     stand.clamp_a_left = line.front().x() < line.back().x();
   }
-  const std::vector<Points> columns = columns_of(strip, stand);
+  const std::vector<Points> columns = columns_of(strip, design_to_axes, stand);
   if (columns.empty()) return stand;
   const double top = stand.box.max().z(), bottom = stand.box.min().z();
   for (const Points& column : columns) {

@@ -20,11 +20,14 @@ struct EdgePlace {
   double mm = 0;  // from the base face along the left or right edge, else from the left edge
 };
 
-// The cell's frame: x to the right and y to the back as seen from the front of the table, z up, mm.
+// In axes that the block's edges run along (pipeline/program/block_place.hpp): x to the right and y to the back as
+// seen from the front of the table, z up, mm; where the block is not turned, the cell's.
 struct BlockStand {
-  Eigen::AlignedBox3d box;    // the block on the table; its edges run along the axes
-  bool base_at_back = false;  // the face that foam was added at is the one at high y
-  bool base_cut = false;      // the blade comes through the base face
+  Eigen::AlignedBox3d box;          // the block on the table
+  double turned_rad = 0;            // of the axes, counter-clockwise as seen from above
+  Eigen::Vector3d corner{0, 0, 0};  // the left front lower one, in the cell's axes
+  bool base_at_back = false;        // the face that foam was added at is the one at high y
+  bool base_cut = false;            // the blade comes through the base face
   bool clamp_a_left = true;
   // What the blade's left and right end draw on the block's sides, from the top down.
   std::array<std::vector<Eigen::Vector3d>, 2> sides;

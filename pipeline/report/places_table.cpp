@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
-#include "pipeline/report/block_stand.hpp"
 #include "pipeline/report/report_plots.hpp"
 
 namespace hotblade::pipeline {
@@ -23,6 +23,15 @@ std::string size_text(const Eigen::Vector3d& mm) {
   return fmt::format("{:.0f} x {:.0f} x {:.0f}", mm.x(), mm.y(), mm.z());
 }
 
+std::string corner_text(const BlockStand& stand, const Words& w) {
+  std::string text = place_text(stand.corner);
+  if (stand.turned_rad == 0) return text;
+  return text + fmt::format(", {} {:.1f}°, {}", w("turned about it by"),
+                            std::abs(stand.turned_rad) * 180 / std::numbers::pi,
+                            w(stand.turned_rad > 0 ? "counter-clockwise as seen from above"
+                                                   : "clockwise as seen from above"));
+}
+
 std::string places_section(const PlanResult& result, const Words& w, bool with_sheets) {
   if (result.strips.empty()) return "";
   std::string html = "<h2>" + w("Which block goes where") +
@@ -38,7 +47,7 @@ std::string places_section(const PlanResult& result, const Words& w, bool with_s
     html += fmt::format(
         "<tr data-strip=\"{0}\"><td class=\"l\">{0}</td><td class=\"n\">{1}</td><td class=\"n\">{2}</td><td "
         "class=\"n\">{3}</td>",
-        id, place_text(middle_of(strip.block)), size_text(stand.box.sizes()), place_text(stand.box.min()));
+        id, place_text(middle_of(strip.block)), size_text(stand.box.sizes()), corner_text(stand, w));
     if (with_sheets)
       html += fmt::format("<td><a id=\"sheet-{0}\" href=\"sheets.html#sheet-{0}\">{0}</a></td>", id);
     html += "</tr>\n";

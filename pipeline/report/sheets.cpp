@@ -146,7 +146,7 @@ class Sheets {
           "<tr><td>{}</td><td "
           "class=\"l\"><b>{}</b></td><td>{}</td><td>{:.0f}</td><td>{:.1f}</td><td>{}</td><td>{}</td></tr>\n",
           k + 1, escaped(strip.id), size_text(size), strip.blade_length_mm, facts.motion.duration_s / 60,
-          place_text(middle_of(strip.block)), place_text(stands_[k].box.min()));
+          place_text(middle_of(strip.block)), corner_text(stands_[k], w_));
     }
     std::string blade_text;
     for (const auto& [length, number] : blades)
@@ -232,10 +232,14 @@ class Sheets {
                     w_("depth (y)"), w_("height, along the cut (z)")));
     row("Stands", fmt::format("{} <b>{:.0f} x {:.0f} mm</b>, {:.0f} mm {}", w_("on its face of"), size.x(),
                               size.y(), low.z(), w_("above the table")));
-    row("Datum",
-        fmt::format("{} <b>{}</b>, {} <b>{}</b>, {} <b>{}</b> mm ({})",
-                    w_("bottom edges, bold: left edge at x"), whole(low.x()), w_("base face at y"), base_y,
-                    w_("underside at z"), whole(low.z()), w_("from the middle of the table")));
+    const std::string axes =
+        stand.turned_rad == 0
+            ? fmt::format("{} <b>{}</b>, {} <b>{}</b>, {} <b>{}</b> mm ({})",
+                          w_("bottom edges, bold: left edge at x"), whole(low.x()), w_("base face at y"),
+                          base_y, w_("underside at z"), whole(low.z()), w_("from the middle of the table"))
+            : fmt::format("{} <b>{}</b> mm ({})", w_("its left front lower corner on the table x, y, z"),
+                          corner_text(stand, w_), w_("from the middle of the table"));
+    row("Datum", axes);
     row("Base face", "<b>" + w_(stand.base_at_back ? "at the back" : "at the front") + "</b>; " +
                          w_("write the block's name there, arrow up") + "; " +
                          w_(stand.base_cut ? "the blade comes through it at its ends" : "it stays whole"));

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/export/robot_jobs.hpp"
 #include "pipeline/report/block_stand.hpp"
+#include "pipeline/report/places_table.hpp"
 #include "pipeline/report/sheet_drawings.hpp"
 #include "pipeline/report/strip_table.hpp"
 #include "pipeline/settings/settings.hpp"
@@ -276,6 +278,53 @@ TEST(Sheets, ChangeWithEachSettingOfTheJob) {
     result.program.settings.job =
         resolve({{}, {info.key + (info.key == "job.language" ? "=de" : "=other")}, {}}).job;
     EXPECT_NE(sheets_html(result, ""), before) << info.key;
+  }
+}
+
+// The block's corner that floor sheets, report and robot programs name is one.
+TEST(Sheets, NameTheCornerThatRobotProgramsName) {
+  PlanResult result = planned();
+  for (const double degrees : {0.0, 15.0, -75.0, 180.0}) {
+    result.program = planned().program;
+    for (Strip& strip : result.program.strips) {
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * M_PI / 180, Eigen::Vector3d::UnitZ()));
+      strip.design_to_cell = {turn * strip.design_to_cell.p + Eigen::Vector3d(90, -40, 100),
+                              turn * strip.design_to_cell.q};
+    }
+    const std::string sheets = sheets_html(result, ""), places = places_section(result, Words("en"), false);
+    const auto tasks = robot_tasks(result.program, nullptr);
+    for (std::size_t k = 0; k < result.program.strips.size(); ++k) {
+      const Strip& strip = result.program.strips[k];
+      const std::vector<std::string>& texts = tasks[0].jobs[k].texts;
+      const BlockStand stand = stand_of(strip);
+      const Eigen::Vector3d corner = stand.corner.array().round() + 0.0;
+      EXPECT_THAT(texts[1], HasSubstr(fmt::format("{:.0f} mm above the table, left front lower corner at x "
+                                                  "{:.0f}, y {:.0f}",
+                                                  corner.z(), corner.x(), corner.y())));
+      const std::string cell = fmt::format("{:.0f}, {:.0f}, {:.0f}", corner.x(), corner.y(), corner.z());
+      EXPECT_THAT(sheets, HasSubstr(cell));
+      EXPECT_THAT(places, HasSubstr(cell));
+      // A corner of the block, its size that of the block.
+      double nearest = 1e9;
+      for (const Eigen::Vector3d& p : strip.block.corners())
+        nearest =
+            std::min(nearest, (strip.design_to_cell.q * p + strip.design_to_cell.p - stand.corner).norm());
+      EXPECT_LT(nearest, 1e-6);
+      const Eigen::Vector3d& size = strip.block.size_mm;
+      EXPECT_THAT(sheets,
+                  HasSubstr(fmt::format("<b>{:.0f} x {:.0f} x {:.0f} mm</b>", size.x(), size.y(), size.z())));
+      EXPECT_THAT(texts[0],
+                  HasSubstr(fmt::format("block {:.0f} x {:.0f} x {:.0f} mm", size.x(), size.y(), size.z())));
+      const bool turned = degrees != 0 && degrees != 180;
+      EXPECT_EQ(texts.size(), turned ? 3u : 2u);
+      EXPECT_EQ(sheets.find("turned about it by") != std::string::npos, turned);
+      // The blade enters where it does in a block that is not turned.
+      const BlockStand straight = stand_of(planned().program.strips[k]);
+      ASSERT_TRUE(stand.enters_at[0] && straight.enters_at[0]);
+      if (degrees != 180) {
+        EXPECT_NEAR(stand.enters_at[0]->mm, straight.enters_at[0]->mm, 1e-6);
+      }
+    }
   }
 }
 
