@@ -8,6 +8,7 @@
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/export/robot_jobs.hpp"
 #include "pipeline/export/robot_programs.hpp"
 #include "pipeline/export/surface_files.hpp"
@@ -77,10 +78,15 @@ void expect_runnable(const Program& program, const ExportArguments& arguments) {
 }
 
 Exit run_export(const ExportArguments& arguments, const Console& console) {
-  const Program program = read_program(arguments.program);
-  expect_runnable(program, arguments);
-  const std::vector<ExportedFile> files = exported(program, arguments, console);
-  write_exported(files, arguments.output, arguments.force);
+  constexpr const char* kSaid = "interrupted: nothing was written";
+  std::vector<ExportedFile> files;
+  {
+    const EndsOnSignal ends(console, kSaid);
+    const Program program = read_program(arguments.program);
+    expect_runnable(program, arguments);
+    files = exported(program, arguments, console);
+  }
+  write_exported(files, arguments.output, arguments.force, [] { expect_not_interrupted(kSaid); });
   return Exit::kOk;
 }
 

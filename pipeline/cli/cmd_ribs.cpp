@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "pipeline/cli/command.hpp"
+#include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/export/rib_files.hpp"
 
 namespace hotblade::pipeline {
@@ -14,17 +15,21 @@ struct RibsArguments {
   bool force = false;
 };
 
-Exit run_ribs(const RibsArguments& arguments) {
-  const Program program = read_program(arguments.program);
-  const std::vector<ExportedFile> files = rib_files(program, arguments.format, arguments.options);
+Exit run_ribs(const RibsArguments& arguments, const Console& console) {
+  constexpr const char* kSaid = "interrupted: nothing was written";
+  std::vector<ExportedFile> files;
+  {
+    const EndsOnSignal ends(console, kSaid);
+    files = rib_files(read_program(arguments.program), arguments.format, arguments.options);
+  }
   if (files.empty()) throw Error(ErrorKind::kBadInput, arguments.program + ": has no ribs: plan it again");
-  write_exported(files, arguments.output, arguments.force);
+  write_exported(files, arguments.output, arguments.force, [] { expect_not_interrupted(kSaid); });
   return Exit::kOk;
 }
 
 }  // namespace
 
-void add_ribs(CLI::App& app, const Console&, Action& action) {
+void add_ribs(CLI::App& app, const Console& console, Action& action) {
   auto arguments = std::make_shared<RibsArguments>();
   auto* command = app.add_subcommand("ribs", "Write the rib curves with their ids, for templates and CAD");
   command->add_option("program", arguments->program, "A program.json")->required()->type_name("FILE");
@@ -41,7 +46,9 @@ void add_ribs(CLI::App& app, const Console&, Action& action) {
       ->type_name("MM");
   command->add_flag("--force", arguments->force, "Overwrite files that are there");
   command->footer("Example: hotblade ribs vault_cut/program.json --format dxf --arcs -o vault_ribs");
-  command->callback([arguments, &action] { action = [arguments] { return run_ribs(*arguments); }; });
+  command->callback([arguments, &console, &action] {
+    action = [arguments, &console] { return run_ribs(*arguments, console); };
+  });
 }
 
 }  // namespace hotblade::pipeline

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "pipeline/settings/error.hpp"
+
 namespace hotblade::pipeline {
 
 namespace {
@@ -41,6 +43,10 @@ EndsOnSignal::~EndsOnSignal() {
   }
   changed_.notify_all();
   watcher_.join();
+}
+
+void expect_not_interrupted(const std::string& said) {
+  if (interrupted()) throw Error(ErrorKind::kInterrupted, said);
 }
 
 // A handler may not wake a thread, so the thread looks.

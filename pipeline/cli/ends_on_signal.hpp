@@ -39,4 +39,7 @@ class EndsOnSignal {
   std::thread watcher_;
 };
 
+// Throws Error (kInterrupted) where a signal has come: for work that takes back itself what it has begun.
+void expect_not_interrupted(const std::string& said);
+
 }  // namespace hotblade::pipeline

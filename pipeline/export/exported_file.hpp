@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,10 @@ struct ExportedFile {
 };
 
 // Writes the files below `directory`, each whole or not there, and prints their paths. A file in the way
-// without `force` is found before the first one is written. Throws Error (kFile).
-void write_exported(const std::vector<ExportedFile>& files, const std::filesystem::path& directory,
-                    bool force);
+// without `force` is found before the first one is written. `watch` is called until all are written and take
+// their places; what it throws leaves everything as it was. Throws Error (kFile).
+void write_exported(
+    const std::vector<ExportedFile>& files, const std::filesystem::path& directory, bool force,
+    const std::function<void()>& watch = [] {});
 
 }  // namespace hotblade::pipeline

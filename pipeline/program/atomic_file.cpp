@@ -88,6 +88,7 @@ class FileDraft {
   }
 
   void finish(bool sync = true) {
+    if (descriptor_ < 0) return;
     if (sync && ::fsync(descriptor_) != 0) fail_with_errno(target_, "cannot be synced to disk", errno);
     if (::close(std::exchange(descriptor_, -1)) != 0) fail_with_errno(target_, "cannot be written", errno);
   }
@@ -130,6 +131,10 @@ StagedFile::StagedFile(const fs::path& path, const std::function<void(const Writ
 StagedFile::~StagedFile() = default;
 StagedFile::StagedFile(StagedFile&&) noexcept = default;
 StagedFile& StagedFile::operator=(StagedFile&&) noexcept = default;
+
+void StagedFile::finish() {
+  draft_->finish();
+}
 
 void StagedFile::place() {
   draft_->finish();

@@ -31,6 +31,8 @@ class StagedFile {
   StagedFile& operator=(StagedFile&&) noexcept;
 
   void place();
+  // Syncs and closes it before its turn, so that place() has no more to wait for and no file is open.
+  void finish();
 
  private:
   class Draft;

@@ -435,6 +435,22 @@ TEST_F(CommandLine, PlanThatIsInterruptedExitsWith130AndLeavesNoProgram) {
   EXPECT_FALSE(std::filesystem::exists(files_ / "cut" / "program.json"));
 }
 
+// At several moments, of its making as of its writing: it takes seconds.
+TEST_F(CommandLine, ExportThatIsInterruptedExitsWith130AndLeavesNothing) {
+  ASSERT_EQ(hotblade(plan_hypar(files_ / "cut")).code, 0);
+  const std::string program = (files_ / "cut" / "program.json").string();
+  for (const int ms : {100, 300, 600}) {
+    testing::Process exports(
+        {"export", program, "--format", "obj", "--sample", "0.25", "-o", (files_ / "as_cut").string()});
+    usleep(1000 * static_cast<useconds_t>(ms));
+    ::kill(exports.pid(), SIGINT);
+    const Ended ended = exports.wait();
+    EXPECT_EQ(ended.code, 130) << "after " << ms << " ms: " << ended.err;
+    EXPECT_EQ(ended.out, "");
+    EXPECT_FALSE(std::filesystem::exists(files_ / "as_cut"));
+  }
+}
+
 // ---- slips of the keyboard ----
 
 TEST_F(CommandLine, SlipsAreAnsweredWithWhatWasMeant) {
