@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "pipeline/batch/csv.hpp"
+#include "pipeline/batch/result.hpp"
 #include "pipeline/program/sha256.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -43,16 +44,21 @@ CutBlock block_of(const Job& job, const Cells& strip) {
   return block;
 }
 
-// The best case of every panel, in the order of their first jobs; empty where none has passed.
-std::vector<JobFacts> best_cases(const std::vector<JobFacts>& rows) {
+struct BestCase {
+  std::string panel;
+  JobFacts facts;  // without a job where none has passed
+};
+
+// The best case of every panel, in the order of their first jobs.
+std::vector<BestCase> best_cases(const std::vector<JobFacts>& rows) {
   static const std::size_t verdict = plan_column("verdict"), machine = plan_column("machine_s");
   std::map<std::string, std::size_t> places;
-  std::vector<JobFacts> best;
+  std::vector<BestCase> best;
   for (const JobFacts& row : rows) {
     const auto [found, fresh] = places.emplace(row.job->panel, best.size());
-    if (fresh) best.emplace_back();
-    if (row.facts->cells[verdict].text != "passed") continue;
-    JobFacts& kept = best[found->second];
+    if (fresh) best.push_back({row.job->panel, {}});
+    if (row.facts->cells[verdict].text != kPassed) continue;
+    JobFacts& kept = best[found->second].facts;
     if (kept.job == nullptr || number_in(row.facts->cells[machine]) < number_in(kept.facts->cells[machine]))
       kept = row;
   }
@@ -96,13 +102,19 @@ std::string block_id(const Job& job, const std::string& strip) {
 CutList cut_list(const std::vector<JobFacts>& rows, double step_mm) {
   if (!(step_mm > 0)) throw std::logic_error("cut_list: sizes in steps of nothing");
   CutList list;
-  for (const JobFacts& best : best_cases(rows)) {
+  for (const auto& [panel, best] : best_cases(rows)) {
     ++list.panels;
     if (best.job == nullptr) {
       ++list.not_cut;
+      list.not_cut_panels.push_back(panel);
       continue;
     }
-    for (const Cells& strip : best.facts->strips) list.blocks.push_back(block_of(*best.job, strip));
+    const bool amber = best.facts->cells[plan_column("color")].text == kAmber;
+    if (amber) list.amber_panels.push_back(panel);
+    for (const Cells& strip : best.facts->strips) {
+      list.blocks.push_back(block_of(*best.job, strip));
+      list.blocks.back().amber = amber;
+    }
   }
   std::stable_sort(list.blocks.begin(), list.blocks.end(),
                    [](const CutBlock& a, const CutBlock& b) { return a.blade < b.blade; });
@@ -117,7 +129,7 @@ CutList cut_list(const std::vector<JobFacts>& rows, double step_mm) {
 std::string cut_list_table(const CutList& list) {
   std::string text = csv_line({"order", "id", "job", "panel", "strip", "blade_width_mm", "blade_thickness_mm",
                                "blade_length_mm", "mount_blade", "stock_x_mm", "stock_y_mm", "stock_z_mm",
-                               "stock_m3", "machine_s", "cut_s"});
+                               "stock_m3", "machine_s", "cut_s", "amber"});
   const auto number = [](double value) { return fmt::format("{}", value); };
   for (std::size_t i = 0; i < list.blocks.size(); ++i) {
     const CutBlock& b = list.blocks[i];
@@ -125,7 +137,7 @@ std::string cut_list_table(const CutList& list) {
     text += csv_line({std::to_string(i + 1), b.id, std::to_string(b.job), b.panel, b.strip,
                       number(b.blade.width_mm), number(b.blade.thickness_mm), number(b.blade.length_mm),
                       mount ? "1" : "0", number(b.size_mm[0]), number(b.size_mm[1]), number(b.size_mm[2]),
-                      number(b.volume_m3()), number(b.machine_s), number(b.cut_s)});
+                      number(b.volume_m3()), number(b.machine_s), number(b.cut_s), b.amber ? "1" : "0"});
   }
   return text;
 }

@@ -23,6 +23,7 @@ struct CutBlock {
   std::string id;  // what is written on the foam: 12-3-KF
   std::size_t job = 0;
   std::string panel, strip;
+  bool amber = false;  // of a plan whose error budget is over its tolerance
   MountedBlade blade;
   std::array<double, 3> size_mm{};  // along x, y and z of its frame
   double machine_s = 0, cut_s = 0;
@@ -45,6 +46,7 @@ struct CutList {
   std::map<MountedBlade, BlockSum> blades;
   std::map<BlockSize, BlockSum> sizes;
   std::size_t panels = 0, not_cut = 0;  // panels of the batch; of them without a case that passed
+  std::vector<std::string> not_cut_panels, amber_panels;  // their names, and those whose best case is amber
 };
 
 // Returns what is written on a block of a strip: the numbers of the job and the strip, and two letters that

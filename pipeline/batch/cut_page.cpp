@@ -1,6 +1,7 @@
 #include "pipeline/batch/cut_page.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
@@ -19,7 +20,7 @@ h1{font-size:1.4em}h2{font-size:1.15em;margin:1.2em 0 .3em;break-after:avoid}
 table{border-collapse:collapse}th,td{padding:.15em .7em;border-bottom:1px solid #bbb;text-align:left}
 td.n,th.n{text-align:right}td.n{font-variant-numeric:tabular-nums;white-space:nowrap}
 td.id{font:700 1.2em ui-monospace,monospace;white-space:nowrap}td.done{font-size:1.3em;line-height:1}
-td.panel{overflow-wrap:anywhere}tr.blade th{border-top:3px solid #000;padding-top:.5em;break-after:avoid}
+td.panel{overflow-wrap:anywhere}.amber{border:1px solid;padding:0 .3em}tr.blade th{border-top:3px solid #000;padding-top:.5em;break-after:avoid}
 tr{break-inside:avoid}thead{display:table-header-group}
 @page{margin:12mm}
 </style>
@@ -44,12 +45,16 @@ BlockSize whole_mm(const CutBlock& block) {
   return size;
 }
 
+std::string names(const std::vector<std::string>& panels) {
+  return html_text(fmt::format("{}", fmt::join(panels, ", ")));
+}
+
 std::string block_row(const CutBlock& block) {
   return fmt::format(
-      "<tr><td class=\"done\">☐</td><td class=\"id\">{}</td><td class=\"panel\">{}</td><td>{}</td>"
+      "<tr><td class=\"done\">☐</td><td class=\"id\">{}</td><td class=\"panel\">{}{}</td><td>{}</td>"
       "<td class=\"n\">{}</td><td class=\"n\">{:.1f}</td></tr>\n",
-      html_text(block.id), html_text(block.panel), html_text(block.strip), size_text(whole_mm(block)),
-      block.machine_s / kMinuteS);
+      html_text(block.id), html_text(block.panel), block.amber ? " <b class=\"amber\">amber</b>" : "",
+      html_text(block.strip), size_text(whole_mm(block)), block.machine_s / kMinuteS);
 }
 
 std::string order_of_cutting(const CutList& list) {
@@ -78,7 +83,12 @@ std::string cut_page(const std::string& name, const CutList& list) {
                       list.all.blocks, list.panels - list.not_cut, list.all.foam_m3,
                       list.all.machine_s / kHourS, list.blades.size());
   if (list.not_cut > 0)
-    text += fmt::format(" <b>{} panels are not among them: no plan passed.</b>", list.not_cut);
+    text += fmt::format(" <b>{} panels are not among them, as no plan passed: {}.</b>", list.not_cut,
+                        names(list.not_cut_panels));
+  if (!list.amber_panels.empty())
+    text += fmt::format(
+        " <b>{} panels are amber, their error budget over the tolerance (see their reports): {}.</b>",
+        list.amber_panels.size(), names(list.amber_panels));
   text += "</p>\n<h2>Blades</h2>\n" + sum_head("free length (section) mm");
   for (const auto& [blade, sum] : list.blades) text += sum_row(blade_text(blade), sum);
   text += "</tbody></table>\n<h2>Blocks by size</h2>\n" + sum_head("mm");

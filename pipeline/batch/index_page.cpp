@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "pipeline/batch/html_text.hpp"
+#include "pipeline/batch/result.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -29,7 +31,7 @@ th button{font:inherit;font-weight:600;border:0;background:none;padding:0;cursor
 th[aria-sort=ascending] button::after{content:" \25B2"}th[aria-sort=descending] button::after{content:" \25BC"}
 td.n,th.n{text-align:right}td.n{font-variant-numeric:tabular-nums;white-space:nowrap}
 td img{display:block;width:160px;height:90px;background:#f6f8fa}
-.passed{color:#1a7f37}.refused,.over,.bad,.failed{color:#b3261e;font-weight:600}.missing{color:#57606a}
+.passed{color:#1a7f37}.amber{color:#8a5300;font-weight:600}.refused,.over,.bad,.failed{color:#b3261e;font-weight:600}.missing{color:#57606a}
 small{display:block;color:#57606a;max-width:40em;overflow-wrap:anywhere}
 @media print{form{display:none}th{position:static}}
 </style>
@@ -48,7 +50,7 @@ constexpr const char* kScript = R"(<script>
   const shown = document.getElementById("shown"), more = document.getElementById("more");
   let most = step;
   let rows = Array.from(body.rows).map(function (row) {
-    return {row: row, text: row.textContent.toLowerCase(), verdict: row.dataset.v};
+    return {row: row, text: row.textContent.toLowerCase(), verdict: row.dataset.v, color: row.dataset.c};
   });
   function value(row, column) {
     const cell = row.cells[column];
@@ -58,7 +60,7 @@ constexpr const char* kScript = R"(<script>
   function draw() {
     const wanted = words.value.toLowerCase().split(/\s+/).filter(Boolean);
     const kept = rows.filter(function (one) {
-      return (verdict.value === "" || one.verdict === verdict.value) &&
+      return (verdict.value === "" || one.verdict === verdict.value || one.color === verdict.value) &&
         wanted.every(function (word) { return one.text.includes(word); });
     });
     const some = document.createDocumentFragment();
@@ -111,6 +113,12 @@ const std::string& verdict_in(const PlanFacts& facts) {
   return facts.cells[column].text;
 }
 
+// Of a plan that passed, and that its error budget takes over the tolerance.
+bool is_amber(const PlanFacts& facts) {
+  static const std::size_t column = plan_column("color");
+  return facts.cells[column].text == kAmber && verdict_in(facts) == kPassed;
+}
+
 // What has to be looked at comes first.
 int rank(const std::string& verdict) {
   constexpr std::array kOrder{"failed", "bad input", "refused", "over tolerance", "missing"};
@@ -142,15 +150,18 @@ std::string row_text(const JobTable& table, const JobFacts& row) {
   const PlanFacts& facts = *row.facts;
   const std::string& verdict = verdict_in(facts);
   const std::string& message = facts.cells[plan_column("message")].text;
-  std::string text = fmt::format("<tr data-v=\"{}\"><td class=\"n\">{}</td><td>", verdict, row.job->number);
+  const bool amber = is_amber(facts);
+  std::string text = fmt::format("<tr data-v=\"{}\"{}><td class=\"n\">{}</td><td>", verdict,
+                                 amber ? " data-c=\"amber\"" : "", row.job->number);
   if (!facts.picture.empty())
     text += fmt::format("<img loading=\"lazy\" width=\"160\" height=\"90\" alt=\"\" src=\"{}\">",
                         html_text(facts.picture));
   const std::string panel = html_text(row.job->panel);
   text += "</td><td>";
   text += facts.page.empty() ? panel : fmt::format("<a href=\"{}\">{}</a>", html_text(facts.page), panel);
-  text += fmt::format("</td><td data-s=\"{}\"><span class=\"{}\">{}</span>", verdict,
-                      verdict.substr(0, verdict.find(' ')), verdict);
+  const std::string shown_verdict = amber ? verdict + ", amber" : verdict;
+  text += fmt::format("</td><td data-s=\"{}\"><span class=\"{}\">{}</span>", shown_verdict,
+                      amber ? kAmber : verdict.substr(0, verdict.find(' ')), shown_verdict);
   if (!message.empty()) text += "<small>" + html_text(message) + "</small>";
   text += "</td>";
   for (std::size_t i = 0; i < table.keys.size(); ++i) {
@@ -169,13 +180,15 @@ std::string totals(const std::vector<JobFacts>& rows) {
   std::map<int, std::pair<std::string, std::size_t>> verdicts;
   double blocks = 0, foam_m3 = 0, machine_s = 0, cpu_s = 0;
   std::set<const PlanFacts*> counted;
+  std::size_t amber = 0;
   for (const JobFacts& row : rows) {
     const std::string& verdict = verdict_in(*row.facts);
     auto& [name, count] = verdicts[rank(verdict)];
     name = verdict;
     ++count;
     if (counted.insert(row.facts).second) cpu_s += value_of(*row.facts, "cpu_s");
-    if (verdict != "passed") continue;  // nothing is cut
+    if (verdict != kPassed) continue;  // nothing is cut
+    amber += is_amber(*row.facts) ? 1U : 0U;
     blocks += value_of(*row.facts, "strips");
     foam_m3 += value_of(*row.facts, "stock_m3");
     machine_s += value_of(*row.facts, "machine_s");
@@ -185,6 +198,7 @@ std::string totals(const std::vector<JobFacts>& rows) {
     text += fmt::format("<div><dt>{0}</dt><dd class=\"{1}\">{2}</dd></div>\n", verdict.first,
                         verdict.first.substr(0, verdict.first.find(' ')), verdict.second);
   }
+  if (amber > 0) text += fmt::format("<div><dt>of them amber</dt><dd class=\"amber\">{}</dd></div>\n", amber);
   constexpr double kSecondsPerHour = 3600;
   return text + fmt::format(
                     "<div><dt>blocks of passed jobs</dt><dd>{:.0f}</dd></div>\n"
@@ -207,6 +221,8 @@ std::string controls(const std::vector<JobFacts>& rows) {
       "id=\"verdict\">"
       "<option value=\"\">all</option>";
   for (const auto& [order, verdict] : verdicts) text += "<option>" + verdict + "</option>";
+  if (std::any_of(rows.begin(), rows.end(), [](const JobFacts& row) { return is_amber(*row.facts); }))
+    text += "<option>amber</option>";
   return text + fmt::format("</select></label> <output id=\"shown\">{} jobs</output></form>\n", rows.size());
 }
 
@@ -215,7 +231,10 @@ std::string controls(const std::vector<JobFacts>& rows) {
 std::string index_page(const std::string& name, const JobTable& table, const std::vector<JobFacts>& rows) {
   std::vector<JobFacts> ordered = rows;
   std::stable_sort(ordered.begin(), ordered.end(), [](const JobFacts& a, const JobFacts& b) {
-    return rank(verdict_in(*a.facts)) < rank(verdict_in(*b.facts));
+    const auto order = [](const PlanFacts& facts) {
+      return std::pair(rank(verdict_in(facts)), is_amber(facts) ? 0 : 1);
+    };
+    return order(*a.facts) < order(*b.facts);
   });
   std::string text = kHead;
   text += "<title>" + html_text(name) + "</title></head>\n<body>\n<h1>" + html_text(name) + "</h1>\n" +

@@ -131,7 +131,8 @@ Cells cells_of(const Result& result, const Json& report, const std::string& page
           count_cell(static_cast<std::size_t>(result.attempts)),
           {result.node, false},
           {result.version, false},
-          {page, false}};
+          {page, false},
+          {result.color, false}};
 }
 
 std::size_t place_of(const std::vector<std::string>& columns, const std::string& name) {
@@ -143,18 +144,31 @@ std::size_t place_of(const std::vector<std::string>& columns, const std::string&
 }  // namespace
 
 const std::vector<std::string>& plan_columns() {
-  static const std::vector<std::string> columns{"verdict",         "exit",
-                                                "tolerance_mm",    "deviation_max_mm",
-                                                "p99_mm",          "uncut_share",
-                                                "strips",          "ribs",
-                                                "waypoints",       "machine_s",
-                                                "cut_s",           "stock_m3",
-                                                "foam_kept_share", "smallest_radius_mm",
-                                                "margin_mm_min",   "worst_refusal",
-                                                "message",         "plan_s",
-                                                "cpu_s",           "peak_mb",
-                                                "attempts",        "node",
-                                                "version",         "report"};
+  static const std::vector<std::string> columns{"verdict",
+                                                "exit",
+                                                "tolerance_mm",
+                                                "deviation_max_mm",
+                                                "p99_mm",
+                                                "uncut_share",
+                                                "strips",
+                                                "ribs",
+                                                "waypoints",
+                                                "machine_s",
+                                                "cut_s",
+                                                "stock_m3",
+                                                "foam_kept_share",
+                                                "smallest_radius_mm",
+                                                "margin_mm_min",
+                                                "worst_refusal",
+                                                "message",
+                                                "plan_s",
+                                                "cpu_s",
+                                                "peak_mb",
+                                                "attempts",
+                                                "node",
+                                                "version",
+                                                "report",
+                                                "color"};
   return columns;
 }
 

@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 std::optional<std::string> verdict_of_exit(int exit_code) {
   switch (exit_code) {
     case 0:
-      return "passed";
+      return kPassed;
     case 3:
       return "bad input";
     case 4:
@@ -51,7 +51,8 @@ std::string result_text(const Result& r) {
                   {"simd", r.simd},
                   {"started", r.started},
                   {"finished", r.finished},
-                  {"files", files}};
+                  {"files", files},
+                  {"color", r.color}};
   return json_text(json, 2) + "\n";
 }
 
@@ -79,6 +80,7 @@ Result read_result(const std::filesystem::path& directory) {
     json.at("simd").get_to(r.simd);
     json.at("started").get_to(r.started);
     json.at("finished").get_to(r.finished);
+    r.color = json.value("color", "");
     for (const Json& one : json.at("files"))
       r.files.push_back({one.at("name").get<std::string>(), one.at("bytes").get<std::uintmax_t>(),
                          one.at("sha256").get<std::string>()});

@@ -11,6 +11,9 @@
 
 namespace hotblade::pipeline::batch {
 
+// The verdict of a plan that passed, and the colour of one whose error budget is over its tolerance.
+inline constexpr const char *kPassed = "passed", *kAmber = "amber";
+
 struct ResultFile {
   std::string name;  // from the directory
   std::uintmax_t bytes = 0;
@@ -27,6 +30,7 @@ struct Result {
   std::string node{}, engine_job{};  // where it ran, and the scheduler's job
   std::string version{}, simd{};
   std::string started{}, finished{};  // UTC
+  std::string color{};                // of the plan's verdict: green, amber or red; empty: not known
   std::vector<ResultFile> files{};
 };
 

@@ -223,7 +223,10 @@ class Runner {
     const std::optional<std::string> verdict = verdict_of_exit(end.exit_code);
     if (verdict && !end.out_of_time) {
       const Job& job = first_job_.at(task.planned.key);
-      Result result{job.number, job.panel, task.planned.key, end.exit_code, *verdict, message(ended, end)};
+      Result result{job.number, job.panel, task.planned.key, end.exit_code, *verdict, ""};
+      const Json report = report_of(ended);
+      result.message = message(ended, end, report);
+      if (report.is_object()) result.color = report.value(Json::json_pointer("/verdict/color"), "");
       result.attempts = task.attempts;
       result.seconds = end.seconds;
       result.cpu_s = end.cpu_s;
@@ -243,16 +246,18 @@ class Runner {
     fail_task(task, why, last_lines(ended.place.stderr_file(), kLinesShown));
   }
 
-  // Why a plan did not pass: its first refusal, or what it said last.
-  static std::string message(const Running& ended, const ChildEnd& end) {
-    if (end.exit_code == 0) return "";
+  // What a plan reported; null where it did not.
+  static Json report_of(const Running& ended) {
     std::error_code ignored;
-    if (const fs::path report = ended.place.output() / "report.json"; fs::exists(report, ignored)) {
-      const MappedFile mapped(report);
-      const Json json = Json::parse(mapped.text(), nullptr, false);
-      if (json.is_object() && json.contains("refusals") && !json["refusals"].empty())
-        return json["refusals"][0].value("message", "");
-    }
+    const fs::path report = ended.place.output() / "report.json";
+    return fs::exists(report, ignored) ? Json::parse(MappedFile(report).text(), nullptr, false) : Json();
+  }
+
+  // Why a plan did not pass: its first refusal, or what it said last.
+  static std::string message(const Running& ended, const ChildEnd& end, const Json& report) {
+    if (end.exit_code == 0) return "";
+    if (report.is_object() && report.contains("refusals") && !report["refusals"].empty())
+      return report["refusals"][0].value("message", "");
     const std::vector<std::string> said = last_lines(ended.place.stderr_file(), 1);
     return said.empty() ? "" : said.front();
   }

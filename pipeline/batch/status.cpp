@@ -9,7 +9,8 @@
 
 namespace hotblade::pipeline::batch {
 BatchStatus status_of(const BatchDirectory& directory) {
-  BatchStatus status{read_batch(directory), 0, {}, 0, {}, 0};
+  BatchStatus status;
+  status.batch = read_batch(directory);
   std::vector<double> seconds;
   for (int chunk = 0; chunk < status.batch.chunks; ++chunk) {
     std::error_code ignored;
@@ -19,6 +20,7 @@ BatchStatus status_of(const BatchDirectory& directory) {
       const Result result = read_result(directory.result(planned.key));
       ++status.results;
       ++status.verdicts[result.verdict];
+      if (result.verdict == kPassed && !result.color.empty()) ++status.colors[result.color];
       seconds.push_back(result.seconds);
     }
     for (Failure& failure : read_failures(directory, chunk)) {
@@ -34,7 +36,8 @@ nlohmann::ordered_json to_json(const BatchStatus& status) {
   nlohmann::ordered_json json{{"jobs", status.batch.jobs},     {"plans", status.batch.plans},
                               {"results", status.results},     {"verdicts", status.verdicts},
                               {"chunks", status.batch.chunks}, {"chunks_done", status.chunks_done},
-                              {"left_s", status.left_s},       {"failed", nlohmann::ordered_json::array()}};
+                              {"left_s", status.left_s},       {"failed", nlohmann::ordered_json::array()},
+                              {"colors", status.colors}};
   for (const Failure& f : status.failures) {
     json["failed"].push_back(
         {{"job", f.job}, {"panel", f.panel}, {"key", f.key}, {"attempts", f.attempts}, {"why", f.why}});

@@ -15,6 +15,7 @@ struct BatchStatus {
   Batch batch;
   std::size_t results = 0;                      // of Batch::plans
   std::map<std::string, std::size_t> verdicts;  // of the results
+  std::map<std::string, std::size_t> colors;    // of the plans that passed: green, amber
   int chunks_done = 0;
   std::vector<Failure> failures;  // of the last run of each chunk, without a result since
   double left_s = 0;              // one plan after another, by the median of the results or by estimate

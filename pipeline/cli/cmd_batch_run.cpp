@@ -3,13 +3,16 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <thread>
 
 #include "pipeline/batch/gather.hpp"
+#include "pipeline/batch/result.hpp"
 #include "pipeline/batch/run.hpp"
 #include "pipeline/batch/status.hpp"
 #include "pipeline/cli/batch_commands.hpp"
@@ -104,10 +107,23 @@ void add_batch_run(CLI::App& batch, const Console& console, Action& action) {
   });
 }
 
+// Of plans that passed: `: green 3, amber 1`.
+std::string colors_text(const std::map<std::string, std::size_t>& colors) {
+  std::string text;
+  for (const auto& [color, count] :
+       std::map<std::string, std::size_t, std::greater<>>(colors.begin(), colors.end()))
+    text += fmt::format("{} {} {}", text.empty() ? ":" : ",", color, count);
+  return text;
+}
+
 std::string table(const batch::BatchStatus& status) {
   std::string text = fmt::format("jobs {}, plans {}, with a result {}\n", status.batch.jobs,
                                  status.batch.plans, status.results);
-  for (const auto& [verdict, count] : status.verdicts) text += fmt::format("  {} {}\n", verdict, count);
+  for (const auto& [verdict, count] : status.verdicts) {
+    text += fmt::format("  {} {}", verdict, count);
+    if (verdict == batch::kPassed) text += colors_text(status.colors);
+    text += "\n";
+  }
   text += fmt::format("chunks {}, done {}\n", status.batch.chunks, status.chunks_done);
   for (const batch::Failure& f : status.failures)
     text += fmt::format("failed: panel {} (job {}): {}, {} tries\n", f.panel, f.job, f.why, f.attempts);

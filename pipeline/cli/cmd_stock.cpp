@@ -1,7 +1,9 @@
 // hotblade stock list: the foam, the blades and the order of cutting of a whole batch.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -31,9 +33,22 @@ std::string sum_text(const std::string& what, const batch::BlockSum& sum) {
                      sum.machine_s / kHourS, sum.cut_s / kHourS);
 }
 
+// `: p1, p2, and 7 more`; empty for none.
+std::string named(const std::vector<std::string>& panels) {
+  constexpr std::size_t kMostNames = 20;
+  if (panels.empty()) return "";
+  const std::size_t shown = std::min(panels.size(), kMostNames);
+  return fmt::format(": {}{}",
+                     fmt::join(panels.begin(), panels.begin() + static_cast<std::ptrdiff_t>(shown), ", "),
+                     panels.size() > shown ? fmt::format(", and {} more", panels.size() - shown) : "");
+}
+
 std::string table(const batch::StockReport& report, const fs::path& directory) {
   const batch::CutList& list = report.list;
-  std::string text = fmt::format("panels {}, without a plan that passed {}\n", list.panels, list.not_cut);
+  std::string text = fmt::format("panels {}, without a plan that passed {}{}\n", list.panels, list.not_cut,
+                                 named(list.not_cut_panels));
+  if (!list.amber_panels.empty())
+    text += fmt::format("panels that are amber {}{}\n", list.amber_panels.size(), named(list.amber_panels));
   text += fmt::format("blocks {}, foam {:.3f} m3, machine {:.2f} h, blades {}\n", list.all.blocks,
                       list.all.foam_m3, list.all.machine_s / kHourS, list.blades.size());
   const auto heading = [&](const std::string& what) {
@@ -93,6 +108,8 @@ std::string stock_json(const batch::StockReport& report) {
   }
   Json json{{"panels", list.panels},       {"not_cut", list.not_cut},     {"missing", report.missing},
             {"total", sum_json(list.all)}, {"blades", std::move(blades)}, {"sizes", std::move(sizes)}};
+  json["not_cut_panels"] = list.not_cut_panels;
+  json["amber_panels"] = list.amber_panels;
   if (!report.foam.empty()) json["foam"] = foam_json(report.foam, list);
   return json_text(json, 2) + "\n";
 }

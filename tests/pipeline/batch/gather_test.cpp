@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <nlohmann/json.hpp>
+
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/batch/gather.hpp"
+#include "pipeline/batch/status.hpp"
 #include "pipeline/settings/error.hpp"
 #include "tests/pipeline/batch/stand_in.hpp"
 
@@ -18,6 +21,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::Pair;
 
 // The first column of a query's rows.
 std::vector<std::string> query(const fs::path& file, const std::string& sql) {
@@ -65,6 +69,39 @@ TEST(Batch, TablesHaveEveryJobAndWhatItCameTo) {
   EXPECT_THAT(query(database, "SELECT DISTINCT text FROM warnings"), ElementsAre("a warning"));
   EXPECT_THAT(query(database, "SELECT value FROM settings WHERE key = 'design.tolerance_mm' AND job = 2"),
               ElementsAre("1.0"));
+}
+
+// A plan whose error budget is over its tolerance is told from one that is within it, wherever it is listed.
+TEST(Batch, AmberIsSaidWhereverAPlanIs) {
+  const StandInBatch batch({20, kPassesAmber, kRefused, 21});
+  (void)batch.run();
+  const BatchStatus status = status_of(batch.directory());
+  EXPECT_THAT(status.colors, ElementsAre(Pair("amber", 1U), Pair("green", 2U)));
+  EXPECT_EQ(to_json(status)["colors"]["amber"], 1);
+  (void)gather(batch.directory(), false, {});
+  const fs::path directory = batch.directory().path();
+  const CsvTable table = read_csv(directory / "results.csv");
+  std::vector<std::string> colors;
+  for (const auto& row : table.rows)
+    colors.push_back(row.cells.at(table.column("verdict")) + " " + row.cells.at(table.column("color")));
+  EXPECT_THAT(colors, ElementsAre("passed green", "passed amber", "refused green", "passed green"));
+  EXPECT_THAT(query(directory / "results.sqlite", "SELECT panel FROM jobs WHERE color = 'amber'"),
+              ElementsAre("p921"));
+  const std::string page = read_bytes(directory / "index.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("<dt>of them amber</dt><dd class=\"amber\">1<"),
+                          HasSubstr("<span class=\"amber\">passed, amber</span>"),
+                          HasSubstr("<option>amber</option>")));
+  EXPECT_LT(page.find("data-c=\"amber\""), page.find("<span class=\"passed\">"));  // before green ones
+  const CsvTable cut = read_csv(directory / "cut_list.csv");
+  for (const auto& row : cut.rows) {
+    EXPECT_EQ(row.cells.at(cut.column("amber")), row.cells.at(cut.column("panel")) == "p921" ? "1" : "0");
+  }
+  const std::string list = read_bytes(directory / "cut_list.html");
+  EXPECT_THAT(list, AllOf(HasSubstr("p921 <b class=\"amber\">amber</b>"), HasSubstr("1 panels are amber"),
+                          HasSubstr("as no plan passed: p904.")));
+  const CutList blocks = list_stock(batch.directory(), false, 1, {}).list;
+  EXPECT_THAT(blocks.not_cut_panels, ElementsAre("p904"));
+  EXPECT_THAT(blocks.amber_panels, ElementsAre("p921"));
 }
 
 TEST(Batch, TheBestCaseOfAPanelIsTheOneOfLeastMachineTimeThatPassed) {

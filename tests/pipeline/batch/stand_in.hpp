@@ -22,7 +22,7 @@ namespace hotblade::pipeline::batch::testing {
 
 // Heights of panels that do not pass; all others do.
 constexpr int kExits = 901, kBadInput = 903, kRefused = 904, kOver = 905, kCrosses = 906, kNoFile = 907,
-              kAborts = 910, kSleeps = 911, kEats = 912;
+              kAborts = 910, kSleeps = 911, kEats = 912, kPassesAmber = 921;
 
 // Writes what plan would; every start is a line of `started` beside it.
 inline constexpr const char* kStandIn = R"SH(#!/bin/sh
@@ -32,7 +32,7 @@ read -r v x y z rest < "$design"
 echo "$design" >> "$(dirname "$0")/started"
 report() {
   mkdir -p "$out"
-  echo "{\"tolerance_mm\": 1.0, \"deviation_mm\": {\"max\": 0.25, \"p99\": 0.2}, \"uncut_share\": 0.0,
+  echo "{\"verdict\": {\"color\": \"${color:-green}\"}, \"tolerance_mm\": 1.0, \"deviation_mm\": {\"max\": 0.25, \"p99\": 0.2}, \"uncut_share\": 0.0,
     \"refusals\": [$1], \"warnings\": [\"${warning:-a warning}\"], \"strips\": [{\"id\": \"S001\", \"ribs\": 4, \"poses\": 100,
     \"blade_length_mm\": 400.0, \"deviation_max_mm\": 0.25, \"duration_s\": $z, \"cut_s\": 60.0, \"stock_volume_mm3\": 2e8,
     \"foam_kept_share\": 0.5, \"stock_size_mm\": [1000.0, 500.0, 400.0], \"blade_radius_min_mm\": 700.0,
@@ -49,6 +49,7 @@ case $z in
   907*) echo "disk full" >&2; exit 7 ;;
   910*) kill -ABRT $$ ;;
   911*) sleep 60 ;;
+  921*) color=amber ;;  # and passes
   912*) x=$(head -c 100000000 /dev/zero | tr '\0' x) ;;  # and passes, where it may
 esac
 report
