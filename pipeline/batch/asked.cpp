@@ -6,12 +6,14 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/settings/error.hpp"
 #include "surface/read/design_surface.hpp"
+#include "surface/read/file_format.hpp"
 #include "surface/read/polygons.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -153,7 +155,7 @@ DesignList read_design_list(const std::string& file) {
   std::copy_if(table.columns.begin(), table.columns.end(), std::back_inserter(list.keys),
                [&](const std::string& column) { return !known(column); });
   if (table.column("path") == table.columns.size())
-    throw Error(ErrorKind::kBadInput, file + ":1: no column `path`: it names the OBJ of each line");
+    throw Error(ErrorKind::kBadInput, file + ":1: no column `path`: it names the design file of each line");
   for (const CsvRow& row : table.rows) {
     const auto cell = [&](std::string_view column) {
       const std::size_t at = table.column(column);
@@ -161,7 +163,7 @@ DesignList read_design_list(const std::string& file) {
     };
     ListedDesign design{cell("path"), {}, cell("units"), cell("up"), cell("group"), {}};
     const std::string place = fmt::format("{}:{}", file, row.line);
-    if (design.path.empty()) throw Error(ErrorKind::kBadInput, place + ": no path: name an OBJ file");
+    if (design.path.empty()) throw Error(ErrorKind::kBadInput, place + ": no path: name a design file");
     design.name = fs::path(design.path).stem().string() + (design.group.empty() ? "" : ":" + design.group);
     design.path = (fs::path(file).parent_path() / design.path).string();
     if (!design.units.empty()) design.settings.push_back({place, "design.units", design.units});
@@ -176,6 +178,59 @@ DesignList read_design_list(const std::string& file) {
   return list;
 }
 
+namespace {
+
+const GivenSetting* given_in(const ListedDesign& design, std::string_view key) {
+  const auto at = std::find_if(design.settings.begin(), design.settings.end(),
+                               [&](const GivenSetting& one) { return one.key == key; });
+  return at != design.settings.end() ? &*at : nullptr;
+}
+
+// The format of a listed file by its own name and bytes, by its name where they do not agree, `auto` where
+// they are another program's or it cannot be read: its plan says what is wrong.
+std::string format_by_file(const std::string& path) {
+  try {
+    const std::optional<surface::FileFormat> format = surface::format_of_file(path);
+    return format ? std::string(surface::name(*format)) : "auto";
+  } catch (const surface::MeshError&) {
+    const std::string ending = fs::path(path).extension().string();
+    const auto named = surface::format_named(ending.empty() ? "" : std::string_view(ending).substr(1));
+    return named ? std::string(surface::name(*named)) : "auto";
+  }
+}
+
+constexpr const char* kFormatKey = "design.format";
+
+}  // namespace
+
+bool is_no_obj(const ListedDesign& design) {
+  const GivenSetting* format = given_in(design, kFormatKey);
+  return format != nullptr && format->value != "obj" && format->value != "auto";
+}
+
+DesignList listed_designs(const Asked& asked) {
+  DesignList list = read_design_list(asked.list);
+  const std::string of_all =
+      resolve({{asked.configs.begin(), asked.configs.end()}, asked.assignments, {}}).design.format;
+  for (ListedDesign& design : list.designs) {
+    const GivenSetting* own = given_in(design, kFormatKey);
+    std::string format = own != nullptr ? own->value : of_all;
+    if (format == "auto") format = format_by_file(design.path);
+    if (format == "obj" || format == "auto") continue;
+    const auto add = [&](const char* key, const std::string& value) {
+      std::erase_if(design.settings, [&](const GivenSetting& one) { return one.key == key; });
+      design.settings.push_back({design.path, key, value});
+    };
+    add(kFormatKey, format);
+    if (!design.group.empty()) add("design.group", design.group);
+    if (format != "gltf") continue;
+    // What is asked for all designs is of those that carry no unit.
+    if (design.units.empty()) add("design.units", "m");
+    if (design.up.empty()) add("design.up", "y");
+  }
+  return list;
+}
+
 Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given) {
   SettingsSources sources{{asked.configs.begin(), asked.configs.end()}, asked.assignments, {}};
   if (!asked.units.empty()) sources.flags.push_back({"--units", "design.units", asked.units});
@@ -183,6 +238,8 @@ Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given)
   for (const GivenSetting& one : given) sources.flags.push_back({one.given, one.key, one.value});
   Settings settings = resolve(sources);
   expect_facing(settings.design);
+  if (settings.design.format == "gltf")
+    take_format(given.empty() ? "--list" : given.front().given, true, settings.design);
   if (settings.design.units.empty()) {
     fail_settings(
         "no unit given: an OBJ carries none: say --units mm, cm, m, in or ft, or give the list a column "

@@ -66,6 +66,13 @@ struct DesignList {
 // list's folder. An empty cell gives nothing. Throws Error: kBadInput without a path, and as read_csv() does.
 [[nodiscard]] DesignList read_design_list(const std::string& file);
 
+// Returns the designs of the list that was asked for. One that is no OBJ by its own name and bytes, or by
+// settings, has that as its `design.format`, its group as `design.group`, and a glTF its unit and axis.
+[[nodiscard]] DesignList listed_designs(const Asked& asked);
+
+// Returns whether a design of listed_designs() is read as it is, and not split as an OBJ.
+[[nodiscard]] bool is_no_obj(const ListedDesign& design);
+
 // A design of a list with its panel's name: the n-th of a name is called NAME#n.
 struct NamedDesign {
   ListedDesign design;

@@ -125,21 +125,25 @@ class Namer {
 
   void walk_list() {
     const Asked& asked = all_.batch.asked;
-    for (const NamedDesign& named : named_designs(read_design_list(asked.list))) {
+    for (const NamedDesign& named : named_designs(listed_designs(asked))) {
       if (!keys_of_panel_.contains(named.name)) continue;
       const ListedDesign& design = named.design;
       const Settings settings = settings_of(asked, design.settings);
       SplitOptions options = split_options(asked, SplitBy::kNone, settings.design.units, design.group);
       options.with_lines = true;
       const MappedFile mapped(design.path);
+      const auto as_it_is = [](std::size_t line) { return std::optional(line); };
+      if (is_no_obj(design)) {
+        name_in(named.name, sha256_hex(mapped.text()), design.path, as_it_is);
+        continue;
+      }
       try {
         split_obj(mapped.text(), design.path, options, [&](PanelText&& panel) {
           name_in(named.name, sha256_hex(panel.text), design.path,
                   [&](std::size_t line) { return panel.file_line(line); });
         });
       } catch (const surface::MeshError&) {  // it was planned as it is
-        name_in(named.name, sha256_hex(mapped.text()), design.path,
-                [](std::size_t line) { return std::optional(line); });
+        name_in(named.name, sha256_hex(mapped.text()), design.path, as_it_is);
       }
     }
   }

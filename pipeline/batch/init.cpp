@@ -57,7 +57,7 @@ class Maker {
   }
 
   InitReport make() {
-    if (!batch_.asked.list.empty()) list_ = read_design_list(batch_.asked.list);
+    if (!batch_.asked.list.empty()) list_ = listed_designs(batch_.asked);
     check_keys();
     check_settings();
     for (const char* folder : {"designs", "settings", "chunks", "results"})
@@ -114,8 +114,13 @@ class Maker {
     for (std::size_t i = 0; i < one.size(); ++i) all.push_back({"sweep", cases_.keys[i], one[i]});
     Settings settings = settings_of(batch_.asked, all);
     units_[name_of(given)] = settings.design.units;
-    if (!settings.design.group.empty()) take_group(settings.design.group);
-    settings.design.group.clear();  // a panel is the group
+    const bool reads_group = std::any_of(given.begin(), given.end(), [](const GivenSetting& setting) {
+      return setting.key == "design.group";  // of a design that is not split
+    });
+    if (!reads_group) {
+      if (!settings.design.group.empty()) take_group(settings.design.group);
+      settings.design.group.clear();  // a panel is the group
+    }
     const std::string text = to_toml(settings);
     SettingsFile& file = settings_[name];
     file.sha256 = sha256_hex(text);
@@ -191,6 +196,10 @@ class Maker {
     const MappedFile mapped(design.path);
     const SplitOptions options = split_options(batch_.asked, SplitBy::kNone, units, design.group);
     PanelText text;
+    if (is_no_obj(design)) {
+      text.text = mapped.text();
+      return text;
+    }
     try {
       split_obj(mapped.text(), design.path, options, [&](PanelText&& panel) { text = std::move(panel); });
     } catch (const surface::MeshError&) {

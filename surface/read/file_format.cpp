@@ -138,7 +138,8 @@ FileFormat format_of(std::string_view head, std::uintmax_t size, const std::file
   const std::optional<FileFormat> said = by_content(head, size), named = by_name(file);
   if (said && named && *said != *named) {
     throw MeshError(file.string() + ": the name says " + std::string(name(*named)) + ", the bytes say " +
-                    std::string(name(*said)) + ": rename the file, or say which with --format");
+                    std::string(name(*said)) +
+                    ": rename the file, or say which with --format or design.format");
   }
   if (!said && !named) refuse_other_formats(head, file);
   return said ? *said : named.value_or(FileFormat::kObj);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -118,6 +119,46 @@ TEST_F(BatchInit, AListGivesEachDesignItsUnitGroupAndSettings) {
       EXPECT_EQ(read_bytes(directory_.design(one.design_sha256)),
                 "v 1 2\nf 1 2 3\n");  // as it is, lines and all
       EXPECT_THAT(read_bytes(directory_.settings(one.settings_sha256)), HasSubstr("tolerance_mm = 2"));
+    }
+  }
+}
+
+// As `plan` takes it, though the batch keeps designs by their hashes.
+TEST_F(BatchInit, AListedFilesFormatIsThatOfItsOwnNameAndBytes) {
+  const std::string text =
+      "solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+      "endloop\nendfacet\nendsolid part\n";
+  const std::map<std::string, std::string> files{{"a.obj", square_panel("a", 1)},
+                                                 {"t.stl", text},
+                                                 {"p.ply", "ply\nformat ascii 1.0\nend_header\n"},
+                                                 {"g.glb", std::string("glTF\2\0\0\0", 8)},
+                                                 {"lies.ply", text},
+                                                 {"given.dat", text}};
+  Asked asked;
+  asked.units = "mm";
+  std::string list = "path,group,design.format\n";
+  for (const auto& [name, bytes] : files) {
+    write(name, bytes);
+    list += name + (name == "t.stl" ? ",part," : name == "given.dat" ? ",,stl" : ",,") + "\n";
+  }
+  asked.list = write("designs.csv", list);
+  const InitReport report = init(asked);
+  std::map<std::string, PlannedKey> planned;
+  for (int i = 0; i < report.batch.chunks; ++i)
+    for (const PlannedKey& one : read_chunk(directory_, i)) planned[one.key] = one;
+  const std::map<std::string, std::string> formats{{"a", "auto"}, {"t:part", "stl"}, {"p", "ply"},
+                                                   {"g", "gltf"}, {"lies", "ply"},   {"given", "stl"}};
+  for (const Job& job : jobs().jobs) {
+    const PlannedKey& plan = planned.at(job.key);
+    const std::string settings = read_bytes(directory_.settings(plan.settings_sha256));
+    EXPECT_THAT(settings, HasSubstr("format = \"" + formats.at(job.panel) + "\"")) << job.panel;
+    EXPECT_THAT(settings, HasSubstr(job.panel == "t:part" ? "group = \"part\"" : "group = \"\""))
+        << job.panel;
+    // glTF is in metres, whatever the others are in.
+    EXPECT_THAT(settings, HasSubstr(job.panel == "g" ? "units = \"m\"" : "units = \"mm\"")) << job.panel;
+    EXPECT_THAT(settings, HasSubstr(job.panel == "g" ? "up = \"y\"" : "up = \"z\"")) << job.panel;
+    if (job.panel == "t:part" || job.panel == "lies") {
+      EXPECT_EQ(read_bytes(directory_.design(plan.design_sha256)), text);
     }
   }
 }

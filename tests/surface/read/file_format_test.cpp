@@ -32,7 +32,8 @@ TEST(FileFormat, IsToldByBytesAndThenByName) {
 TEST(FileFormat, ANameThatContradictsTheBytesIsRefused) {
   EXPECT_THAT(
       refusal_of(binary_ply(std::endian::big), "a.obj"),
-      HasSubstr("a.obj: the name says obj, the bytes say ply: rename the file, or say which with --format"));
+      HasSubstr("a.obj: the name says obj, the bytes say ply: rename the file, or say which with --format "
+                "or design.format"));
   ReadOptions options{"mm", 'z'};
   options.format = FileFormat::kPly;
   EXPECT_THAT(read_bytes_as(binary_ply(std::endian::big), "a.obj", options).mesh.triangles(), SizeIs(2));
