@@ -195,6 +195,20 @@ ErrorVector errors_of(const Program& program, const Settings& settings) {
   return errors;
 }
 
+const std::vector<std::string>& cell_keys() {
+  static const std::vector<std::string> keys{"machine.clamp_a_shift_mm",
+                                             "machine.clamp_a_turn_rad",
+                                             "machine.clamp_b_shift_mm",
+                                             "machine.clamp_b_turn_rad",
+                                             "blade.length_error_mm",
+                                             "blade.stiffness_error",
+                                             "blade.kerf_mm",
+                                             "foam.band_mm_at_mm_s",
+                                             "foam.melt_mm2_s",
+                                             "foam.loss_mm_s"};
+  return keys;
+}
+
 Settings with_errors(const Program& program, const ErrorVector& errors) {
   Settings settings = program.settings;
   settings.machine.clamps = offsets_of(errors);

@@ -69,6 +69,9 @@ struct BandModel {
 // own.
 [[nodiscard]] ErrorVector errors_of(const Program& program, const Settings& settings);
 
+// Returns the keys of the settings that errors_of() looks at: no other says anything of the cell.
+[[nodiscard]] const std::vector<std::string>& cell_keys();
+
 // What the clamps of a strip do to the blade in every pose.
 struct HeldStrip {
   Strip strip;                            // with the blade in the plane that its clamps hold it in

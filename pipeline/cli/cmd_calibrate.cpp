@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "pipeline/calibrate/calibration.hpp"
+#include "pipeline/calibrate/cell_errors.hpp"
 #include "pipeline/calibrate/scan_file.hpp"
 #include "pipeline/calibrate/simulated_scan.hpp"
 #include "pipeline/cli/command.hpp"
@@ -103,10 +104,23 @@ Program executed_program(const CalibrateArguments& arguments, std::vector<Measur
   return as_executed(work.program, read_executed(work, arguments.log));
 }
 
+// A setting of the job would change nothing of the cell that is rehearsed.
+void expect_of_cell(const std::vector<std::string>& assignments) {
+  const std::vector<std::string>& known = cell_keys();
+  for (const std::string& assignment : assignments) {
+    const std::string key = assignment.substr(0, assignment.find('='));
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      throw Error(ErrorKind::kBadSettings, fmt::format("--set {}: says nothing of the cell: give one of {}",
+                                                       assignment, fmt::join(known, ", ")));
+  }
+}
+
 // The first strip, as a cell would cut it that is as --set says, seen by a scanner.
 std::vector<MeasuredCut> rehearsed(const CalibrateArguments& arguments, const Program& program,
                                    ErrorVector& truth) {
-  truth = errors_of(program, with_assignments(program.settings, arguments.assignments));
+  const Settings settings = with_assignments(program.settings, arguments.assignments);
+  expect_of_cell(arguments.assignments);
+  truth = errors_of(program, settings);
   std::vector<MeasuredCut> cuts;
   for (std::size_t s = 0; s < program.strips.size(); ++s) {
     ScanRehearsal how = arguments.how;

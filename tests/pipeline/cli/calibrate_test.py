@@ -87,6 +87,9 @@ def refuses(cell):
     cell.refused("--scan", "S009=cut.csv", code=2, says="names no strip of the program (S001)")
     cell.refused("--scan", "cut.csv", "--scan", "S001=cut.csv", code=2, says="give each scan once")
     cell.refused("--rehearse", "--log", "cut.jsonl", code=2, says="--log: is not taken with --rehearse")
+    cell.refused("--rehearse", "--set", "blade.kerf_mm=1.2", "--set", "design.keep=above", code=2,
+                 says="--set design.keep=above: says nothing of the cell: give one of machine.clamp_a_shift_mm, ")
+    cell.refused("--rehearse", "--set", "blade.kerf=1.2", code=2, says="unknown key")
     cell.refused("--scan", "missing.csv", code=7, says="missing.csv: cannot be read")
     cell.refused("--scan", "cut.csv", "--log", ".", code=7, says="is a directory")
     cell.refused("--scan", "cut.csv", "--log", file("half.jsonl", "".join(log[:len(log) // 2])), code=3, says="is incomplete")
