@@ -20,8 +20,8 @@ struct EdgePlace {
   double mm = 0;  // from the base face along the left or right edge, else from the left edge
 };
 
-// In axes that the block's edges run along (pipeline/program/block_place.hpp): x to the right and y to the back as
-// seen from the front of the table, z up, mm; where the block is not turned, the cell's.
+// In axes that the block's edges run along (pipeline/program/block_place.hpp): x to the right and y to the
+// back as seen from the front of the table, z up, mm; where the block is not turned, the cell's.
 struct BlockStand {
   Eigen::AlignedBox3d box;          // the block on the table
   double turned_rad = 0;            // of the axes, counter-clockwise as seen from above

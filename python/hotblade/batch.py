@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 _batch = _hotblade.batch
 
 # Columns of text; the others are numbers.
-TEXTS = ("verdict", "worst_refusal", "message", "node", "version", "report")
+TEXTS = ("verdict", "worst_refusal", "message", "node", "version", "report", "color")
 
 
 class Job:

@@ -87,6 +87,7 @@ def test_the_table_is_that_of_gather(facade):
             else:
                 assert value == float(row[name]) if row[name] else np.isnan(value)
     assert isinstance(table["verdict"], list) and table["machine_s"].dtype == np.float64
+    assert {color for color, verdict in zip(table["color"], table["verdict"]) if verdict == "passed"} <= {"green", "amber"}
     told = []
     hb.Batch(facade / "all").table(progress=lambda stage, share: told.append(share))
     assert told[-1] == 1
