@@ -1,10 +1,9 @@
 #include "pipeline/cli/cell_word.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <vector>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/cli/shell_word.hpp"
 #include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/settings/error.hpp"
@@ -14,16 +13,6 @@ namespace hotblade::pipeline {
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string shell_quoted(const std::string& text) {
-  const auto plain = [](unsigned char c) {
-    return std::isalnum(c) != 0 || std::string("_-./+,:@").find(static_cast<char>(c)) != std::string::npos;
-  };
-  if (!text.empty() && std::all_of(text.begin(), text.end(), plain)) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 bool is_cell(const std::string& file_or_name, const std::string& sha256) {
   try {
@@ -44,7 +33,7 @@ std::string cell_word(const fs::path& program_file, const Program& program) {
   std::vector<std::string> known = embedded_cells();
   if (const auto given = cell_given(program_file)) known.push_back(given->string());
   for (const std::string& one : known)
-    if (is_cell(one, program.cell->sha256)) return "--cell " + shell_quoted(one);
+    if (is_cell(one, program.cell->sha256)) return "--cell " + shell_word(one);
   return "--cell with the file of the cell \"" + program.cell->name + "\"";
 }
 
