@@ -221,7 +221,7 @@ struct WayOut {
 // Feed and blade settle over this way.
 constexpr double kLeastLeadMm = 20;
 // From there on the shape no longer changes, however long the way out is.
-static_assert(kLeastLeadMm >= kFadeMm);
+static_assert(kLeastLeadMm >= kMostOnMm + kFadeMm);
 
 // The shortest way on behind the block.
 double least_lead_mm(const MotionSettings& motion) {
@@ -293,7 +293,7 @@ std::vector<BladeShape> shapes_at(const Stretch& stretch, std::span<const double
 }
 
 BladePath make_path(const StripPlan& strip, const Settings& settings) {
-  const auto spline = std::make_shared<RibSpline>(strip.ribs);
+  const auto spline = std::make_shared<RibSpline>(strip.ribs, strip.on_mm);
   BladePath path;
   SweepMarks& marks = path.marks;
   marks.first_rib_mm = strip.ribs.front().offset_mm;

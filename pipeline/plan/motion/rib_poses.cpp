@@ -26,7 +26,7 @@ BladePose pose_at(const StripPlan& strip, double offset_mm, const elastica::Elas
 
 std::vector<BladePose> rib_poses(const StripPlan& strip, const MachineSettings& machine) {
   constexpr int kParts = 4;  // of a gap
-  const RibSpline spline(strip.ribs);
+  const RibSpline spline(strip.ribs, strip.on_mm);
   std::vector<BladePose> poses;
   for (std::size_t i = 0; i + 1 < strip.ribs.size(); ++i) {
     const double from = strip.ribs[i].offset_mm, gap = strip.ribs[i + 1].offset_mm - from;
@@ -39,10 +39,10 @@ std::vector<BladePose> rib_poses(const StripPlan& strip, const MachineSettings& 
 }
 
 std::vector<BladePose> end_poses(const StripPlan& strip, const MachineSettings& machine) {
-  const RibSpline spline(strip.ribs);
+  const RibSpline spline(strip.ribs, strip.on_mm);
+  const double past = strip.on_mm + kFadeMm;
   std::vector<BladePose> poses;
-  for (const double offset_mm :
-       {strip.ribs.front().offset_mm - kFadeMm, strip.ribs.back().offset_mm + kFadeMm})
+  for (const double offset_mm : {strip.ribs.front().offset_mm - past, strip.ribs.back().offset_mm + past})
     poses.push_back(pose_at(strip, offset_mm, spline.at(offset_mm), machine));
   return poses;
 }

@@ -8,8 +8,8 @@
 
 namespace hotblade::pipeline {
 
-RibSpline::RibSpline(std::span<const RibFit> ribs)
-    : first_(ribs.front().offset_mm), last_(ribs.back().offset_mm) {
+RibSpline::RibSpline(std::span<const RibFit> ribs, double on_mm)
+    : first_(ribs.front().offset_mm), last_(ribs.back().offset_mm), on_mm_(on_mm) {
   const auto n = static_cast<Eigen::Index>(ribs.size());
   Eigen::Matrix<double, 7, Eigen::Dynamic> values(7, n);
   Eigen::RowVectorXd knots(n);
@@ -34,7 +34,7 @@ RibSpline::Values RibSpline::values_at(double offset_mm) const {
   constexpr Eigen::Index kLength = 6;
   const double inside = std::clamp(offset_mm, first_, last_), w = (inside - first_) / (last_ - first_);
   if (inside == offset_mm) return spline_(w);
-  const double past = faded_mm(offset_mm - inside) / (last_ - first_);
+  const double past = faded_mm(offset_mm - inside, on_mm_) / (last_ - first_);
   const auto at_end = spline_.derivatives(w, 2);
   Values values = at_end.col(0) + past * at_end.col(1) + 0.5 * past * past * at_end.col(2);
   // A rib that gets shorter has some length left.

@@ -11,11 +11,12 @@ namespace hotblade::pipeline {
 
 class RibSpline {
  public:
-  // Takes at least 2 ribs, offsets strictly ascending.
-  explicit RibSpline(std::span<const RibFit> ribs);
+  // Takes at least 2 ribs, offsets strictly ascending, and how far past the ends shapes go on changing as
+  // they did.
+  explicit RibSpline(std::span<const RibFit> ribs, double on_mm = 0);
 
   // Return the shape at an offset, whole or as the state at its middle. Before the first and behind the last
-  // rib it changes on as it did, ever less, and no more from kFadeMm on (fade.hpp).
+  // rib it changes on as it did, from `on_mm` on ever less, and no more from kFadeMm behind that (fade.hpp).
   [[nodiscard]] elastica::Elastica at(double offset_mm) const;
   [[nodiscard]] elastica::MidState mid_at(double offset_mm) const;
 
@@ -24,7 +25,7 @@ class RibSpline {
   [[nodiscard]] Values values_at(double offset_mm) const;
 
   Eigen::Spline<double, 7> spline_;
-  double first_ = 0, last_ = 0;
+  double first_ = 0, last_ = 0, on_mm_ = 0;
 };
 
 }  // namespace hotblade::pipeline

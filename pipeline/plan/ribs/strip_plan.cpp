@@ -51,7 +51,7 @@ bool same(const std::vector<Each>& a, const std::vector<Each>& b) {
 bool same_blades(const StripPlan& a, const StripPlan& b) {
   const RibAxes &axes = a, &others = b;
   return a.blade_length_mm == b.blade_length_mm && a.share_a == b.share_a && same(a.ribs, b.ribs) &&
-         same(a.formed, b.formed) && same(axes, others) && same(a.block, b.block) &&
+         same(a.formed, b.formed) && a.on_mm == b.on_mm && same(axes, others) && same(a.block, b.block) &&
          a.design_to_cell.p == b.design_to_cell.p &&
          a.design_to_cell.q.coeffs() == b.design_to_cell.q.coeffs();
 }
@@ -84,11 +84,27 @@ DesignPart StripPlan::formed_at(double offset_mm) const {
   return {middle - 0.5 * kLeastShare, middle + 0.5 * kLeastShare};
 }
 
+double way_on_mm(const StripPlan& strip, double width_mm, double over_mm) {
+  double ratio = 1;  // of the planes' distance where they are the farthest apart to that at the design
+  if (strip.planes.turns()) {
+    for (const RibFit* rib : {&strip.ribs.front(), &strip.ribs.back()}) {
+      const Frame plane = strip.plane(rib->offset_mm);
+      const DesignPart part = strip.formed_at(rib->offset_mm);
+      for (const double share : {part.first, 0.5 * (part.first + part.last), part.last}) {
+        const auto p = elastica::point_at(rib->elastica, share * rib->elastica.length);
+        ratio = std::max(ratio,
+                         strip.planes.radius_mm() / strip.planes.distance_from_axis(plane.point(p.x, p.y)));
+      }
+    }
+  }
+  return std::clamp(0.5 * width_mm * ratio - over_mm, 0.0, kMostOnMm);
+}
+
 Frame StripPlan::swept_plane(double offset_mm) const {
   if (!planes.turns()) return plane(offset_mm);
   const double first = ribs.front().offset_mm, last = ribs.back().offset_mm;
   const double inside = std::clamp(offset_mm, first, last), outside = offset_mm - inside;
-  const double turned = faded_mm(outside);  // the rest goes straight on
+  const double turned = faded_mm(outside, on_mm);  // the rest goes straight on
   Frame frame = plane(inside + turned);
   frame.origin += (outside - turned) * planes.normal(inside);
   return frame;

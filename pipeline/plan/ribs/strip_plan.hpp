@@ -32,6 +32,7 @@ struct StripPlan : RibAxes {
   Pose design_to_cell;
   double joint_fit_mm = 0;  // what fitting it together with its neighbours added to its largest deviation
   SeamFacts seam_before;    // largest, to the strips before that it meets; zeros where there is none
+  double on_mm = 0;         // that planes and shapes go on by as they came past the end ribs
   double smallest_margin = 0, largest_curvature_per_mm = 0, smallest_clearance_mm = 0;
   double sag_mm = 0;  // what weight moves the cut by at the ribs, before it is compensated
 
@@ -43,6 +44,11 @@ struct StripPlan : RibAxes {
   // straight, along their normals, soon before the first and behind the last rib.
   [[nodiscard]] Frame swept_plane(double offset_mm) const;
 };
+
+// Returns how far planes and shapes have to go on as they came past the end ribs, which lie `over_mm` past
+// the design's: until no width reaches over it any more, also where a fan's planes lie closer, at most
+// kMostOnMm.
+[[nodiscard]] double way_on_mm(const StripPlan& strip, double width_mm, double over_mm);
 
 // Returns whether two strips are cut by the same blades from the same block, to the bit. Their names, and
 // what stands between them and their neighbours, may differ.

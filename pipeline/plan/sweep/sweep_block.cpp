@@ -13,8 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kOverMm = 4;
-
 // What of a polygon lies where out . q <= at.
 std::vector<Vector2d> cut_off(const std::vector<Vector2d>& polygon, const Vector2d& out, double at) {
   std::vector<Vector2d> left;

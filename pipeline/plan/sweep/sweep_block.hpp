@@ -9,7 +9,10 @@
 
 namespace hotblade::pipeline {
 
-// Of a family beyond the design at an end; at a seam it goes as far as its samples do.
+// A family goes on by so much past the ends of a design.
+inline constexpr double kOverMm = 4;
+
+// Returns how far that is at an end; at a seam it goes as far as its samples do.
 [[nodiscard]] double over_first_mm(const SweepData& data);
 [[nodiscard]] double over_last_mm(const SweepData& data);
 

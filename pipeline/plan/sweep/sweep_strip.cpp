@@ -10,6 +10,7 @@
 #include "pipeline/plan/motion/blade.hpp"
 #include "pipeline/plan/motion/strip_block.hpp"
 #include "pipeline/plan/sweep/moved_surface.hpp"
+#include "pipeline/plan/sweep/sweep_block.hpp"
 #include "robot/blade/blade_section.hpp"
 #include "surface/read/blocks.hpp"
 
@@ -142,6 +143,7 @@ class StripMaker {
     }
     StripPlan strip = make_strip_plan(axes, ribs, *blade.choice, settings_);
     strip.formed = formed();
+    strip.on_mm = way_on_mm(strip, settings_.blade.width_mm, kOverMm);
     if (!fits_stock(strip, settings_)) {
       made.refusal = {
           "", "", Limit::kBlockEdge, strip.block.size_mm.maxCoeff(),

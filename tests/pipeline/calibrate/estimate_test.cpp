@@ -25,8 +25,15 @@ TEST(CutWith, PlannedErrorsIsThePlannedSurface) {
   const Program thinned = thinned_to(testing::panel_program(), 0, kCutSampleMm);
   const SweptSurface is = cut_with(thinned, planned_errors(thinned), kCutSampleMm);
   const CutMesh planned(swept_surface(testing::panel_program(), 2.5));
+  const std::vector<Foot> feet = planned.feet(is.vertices);
+  // Over the first and the last row, which lie past the design's ends, poses pass that the thinned program
+  // lacks.
+  const int last = is.pose_of_vertex.back();
   double worst = 0;
-  for (const Foot& foot : planned.feet(is.vertices)) worst = std::max(worst, std::abs(foot.height_mm));
+  for (std::size_t v = 0; v < feet.size(); ++v) {
+    if (is.pose_of_vertex[v] > 0 && is.pose_of_vertex[v] < last)
+      worst = std::max(worst, std::abs(feet[v].height_mm));
+  }
   EXPECT_LT(worst, 0.02) << "facets of 10 mm, whose borders know their slope from one side only; a scan's "
                             "noise is ten times that";
 }

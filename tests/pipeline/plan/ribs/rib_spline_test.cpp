@@ -12,7 +12,7 @@ namespace hotblade::pipeline {
 namespace {
 
 // Ribs that turn, bend and get shorter towards the first one, as under a round border.
-RibSpline round_end() {
+RibSpline round_end(double on_mm = 0) {
   std::vector<RibFit> ribs;
   for (int i = 0; i < 8; ++i) {
     const double mm = 20.0 * i;
@@ -21,7 +21,7 @@ RibSpline round_end() {
     rib.elastica = elastica::from_mid_state({0.1 * mm, 5 * std::sin(0.01 * mm), 0.3 + 0.004 * mm,
                                              0.002 + 1e-5 * mm, 0, 0, 6 + 4 * mm - 0.01 * mm * mm});
   }
-  return RibSpline(ribs);
+  return RibSpline(ribs, on_mm);
 }
 
 std::array<double, 5> state(const RibSpline& spline, double offset_mm) {
@@ -49,6 +49,17 @@ TEST(RibSpline, StandsStillFromAShortWayPastItsEnds) {
   // Half as far as the slope leads over that way, up to its own change.
   const double first = state(spline, 0)[2], slope = 0.004;
   EXPECT_NEAR(state(spline, -kFadeMm)[2], first - 0.5 * kFadeMm * slope, 1e-6);
+}
+
+TEST(RibSpline, GoesOnAsItCameForAsLongAsItIsAskedTo) {
+  const RibSpline on = round_end(7), at_once = round_end();
+  // A quadratic goes on: third differences vanish up to 7 mm, and no more where it fades at once.
+  const auto third = [](const RibSpline& s) {
+    return state(s, -6)[2] - 3 * state(s, -4)[2] + 3 * state(s, -2)[2] - state(s, 0)[2];
+  };
+  EXPECT_NEAR(third(on), 0, 1e-12);
+  EXPECT_GT(std::abs(third(at_once)), 1e-4);
+  EXPECT_EQ(state(on, -7 - kFadeMm), state(on, -7 - 5 * kFadeMm));
 }
 
 TEST(RibSpline, KeepsSomeLengthOfARibThatGetsShorter) {
