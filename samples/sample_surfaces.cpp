@@ -73,7 +73,7 @@ Vector3d roof(double u, double v) {
   return {u, v, 3400 * arch + 260 * std::sin(pi * x) * std::cos(0.5 * pi * y)};
 }
 
-// Round, 450 mm high, 135 to 205 mm in radius; u runs once around, at a rate that makes it 2 pi * 170 long.
+// Round, 450 mm high, 147 to 205 mm in radius; u runs once around, at a rate that makes it 2 pi * 170 long.
 Vector3d vase(double u, double v) {
   const double turn = u / 170, radius = 170 + 35 * std::sin(2 * pi * v / 620 - 0.7);
   return {radius * std::cos(turn), radius * std::sin(turn), v};

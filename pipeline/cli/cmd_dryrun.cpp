@@ -179,8 +179,8 @@ void add_dryrun(CLI::App& app, const Console& console, Action& action) {
       ->type_name("PROGRAM");
   command
       ->add_option("--design", arguments->design,
-                   "The design's OBJ, to measure what was cut (default: beside the program, or as planned)")
-      ->type_name("OBJ");
+                   "The design's file, to measure what was cut (default: beside the program, or as planned)")
+      ->type_name("FILE");
   command
       ->add_option("--cell", arguments->cell,
                    "Let the simulator check the arms of this cell: the one that the program was planned for")

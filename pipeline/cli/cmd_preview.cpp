@@ -338,7 +338,7 @@ void add_preview(CLI::App& app, const Console& console, Action& action) {
   command->get_option("design")
       ->description("A program.json, a refused.json, or a design with --units")
       ->type_name("FILE");
-  command->add_option("--design", options->design, "The OBJ a program was made from; else the one beside it")
+  command->add_option("--design", options->design, "The design's file (default: beside the program)")
       ->type_name("FILE");
   command
       ->add_option("--cell", options->cell,

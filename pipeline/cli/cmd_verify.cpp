@@ -196,8 +196,10 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
   auto* command =
       app.add_subcommand("verify", "Measure a program's cut surface against its design, both ways");
   command->add_option("program", arguments->program, "program.json")->required()->type_name("PROGRAM");
-  command->add_option("--design", arguments->design, "The design's OBJ (default: beside the program)")
-      ->type_name("OBJ");
+  command
+      ->add_option("--design", arguments->design,
+                   "The design's file (default: beside the program, or as planned)")
+      ->type_name("FILE");
   command
       ->add_option("--as-cut", arguments->as_cut,
                    "Measure what this execution log says was cut, instead of the plan")
