@@ -27,7 +27,7 @@ constexpr double kFlat_mm = 1e-5;
 struct Shape {
   std::string id;
   std::vector<Arc> pieces;
-  double error_bound = 0, length = 0;
+  double error_bound = 0, length = 0;  // of the pieces; of the rib itself
   Vector2d low{0, 0}, high{0, 0};
 
   [[nodiscard]] Vector2d start() const { return {pieces.front().x, pieces.front().y}; }
@@ -50,7 +50,6 @@ void add_chords(Shape& shape, const elastica::Elastica& rib, double tolerance) {
   for (int i = 1; i <= n; ++i) {
     const Vector2d to = curve.at(rib.length * i / n).position(), way = to - from;
     shape.pieces.push_back({from.x(), from.y(), std::atan2(way.y(), way.x()), 0, way.norm()});
-    shape.length += way.norm();
     from = to;
   }
   const double h = rib.length / n;
@@ -60,18 +59,22 @@ void add_chords(Shape& shape, const elastica::Elastica& rib, double tolerance) {
 Shape shape_of(const Rib& rib, const RibFileOptions& options) {
   Shape shape;
   shape.id = rib.id;
+  shape.length = rib.elastica.length;
   if (options.arcs) {
-    elastica::ArcFit fit = elastica::fit_arcs(rib.elastica, options.tolerance_mm, elastica::ArcOrder::kBiarc);
+    // Both ways from the curve, to its arcs and from them to lines, fit into the tolerance.
+    const double flat = std::min(kFlat_mm, 0.5 * options.tolerance_mm);
+    elastica::ArcFit fit =
+        elastica::fit_arcs(rib.elastica, options.tolerance_mm - flat, elastica::ArcOrder::kBiarc);
     shape.pieces = std::move(fit.arcs);
-    shape.error_bound = fit.error_bound;
-    shape.length = fit.length;
+    double flattened = 0;
     for (Arc& arc : shape.pieces) {
-      if (sagitta(arc) >= kFlat_mm) continue;
+      if (sagitta(arc) >= flat) continue;
+      flattened = std::max(flattened, sagitta(arc));
       const double bent = arc.kappa;
       arc.theta += 0.5 * bent * arc.length;  // the chord, whose ends are the arc's
       arc.kappa = 0;
-      shape.error_bound = std::max(shape.error_bound, options.tolerance_mm) + kFlat_mm;
     }
+    shape.error_bound = fit.error_bound + flattened;
   } else {
     add_chords(shape, rib.elastica, options.tolerance_mm);
   }

@@ -91,8 +91,26 @@ TEST(RibFiles, AsGcodeFollowTheRibWithinTheToleranceTheyState) {
       EXPECT_LT(distance_to_path(path, p.position()), 0.0201) << arcs;
     }
     EXPECT_NEAR(length_of(path), rib.length, arcs ? 1e-3 : 0.05);  // the reader's arcs are 50 chords
-    EXPECT_THAT(files[0].text, ::testing::HasSubstr(arcs ? "length 700.000000 mm" : "chords"));
+    EXPECT_THAT(files[0].text, ::testing::HasSubstr("length 700.000000 mm"));
+    EXPECT_THAT(files[0].text, ::testing::HasSubstr(arcs ? " arcs, " : " chords, "));
     EXPECT_EQ(files[0].text.find("G3") != std::string::npos, arcs);
+  }
+}
+
+TEST(RibFiles, StateNoErrorOverTheTolerance) {
+  Program program = bent_program();
+  // An inflection where it is nearly straight: arcs that are written as lines count too.
+  program.strips[0].ribs[0].elastica = {0, 0, 0, 2e-9, -1e-8, 3e-11, 700};
+  program.strips[0].ribs[1].elastica = {0, 0, 0.1, 1e-10, 0, 0, 300};
+  static const std::regex within("within ([0-9.]+) mm");
+  for (const double tolerance : {0.01, 1e-4, 1e-5}) {
+    for (const bool arcs : {false, true}) {
+      for (const ExportedFile& file : rib_files(program, "gcode", {arcs, tolerance})) {
+        std::smatch stated;
+        ASSERT_TRUE(std::regex_search(file.text, stated, within)) << file.name;
+        EXPECT_LE(std::stod(stated[1]), tolerance) << file.name << (arcs ? " arcs" : " chords");
+      }
+    }
   }
 }
 
