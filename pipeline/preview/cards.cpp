@@ -94,8 +94,8 @@ void add_arms(const Strip& strip, Card& card) {
   const auto nearest = std::min_element(arms.nearest_mm.begin(), arms.nearest_mm.end(),
                                         [](const auto& a, const auto& b) { return a.mm < b.mm; });
   if (nearest != arms.nearest_mm.end())
-    card.lines.push_back(
-        fmt::format("nearest {} {:.0f} mm at {:.1f} s", nearest->kind, nearest->mm, nearest->t));
+    card.lines.push_back(fmt::format("nearest {} {:.0f} mm at {:.1f} s", robot::pair_words(nearest->kind),
+                                     nearest->mm, nearest->t));
 }
 
 // The joint that is nearest to its limit at a pose.

@@ -4,6 +4,7 @@
 
 #include "pipeline/report/report_plots.hpp"
 #include "robot/arm/arm.hpp"
+#include "robot/arm/clearance.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -14,11 +15,12 @@ std::string cell(const std::string& text) {
   return "<td>" + escaped(text) + "</td>";
 }
 
-std::string row(const Strip& strip) {
+std::string row(const Strip& strip, const Words& w) {
   const StripArms& arms = *strip.arms;
   std::string nearest;
   for (const StripArms::NearestPair& pair : arms.nearest_mm)
-    nearest += fmt::format("{}{} {:.0f}", nearest.empty() ? "" : ", ", pair.kind, pair.mm);
+    nearest += fmt::format("{}{} {:.0f} mm", nearest.empty() ? "" : ", ",
+                           w.said(robot::pair_words(pair.kind)), pair.mm);
   // The view in three dimensions shows what stands in a strip's rows on its card.
   return "<tr data-strip=\"" + escaped(strip.id) + "\"><td class=\"l\">" + escaped(strip.id) + "</td>" +
          cell(arms.a.arm) + cell(arms.b.arm) +
@@ -44,9 +46,9 @@ std::string arms_section(const PlanResult& result, const Words& w) {
                      "</p>\n<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const char* head : {"clamp A", "clamp B", "raised, mm", "reach", "joint margin", "wrist", "added, s"})
     html += "<th>" + w(head) + "<small></small></th>";
-  html += "<th class=\"l\">" + w("nearest") + "<small>mm</small></th></tr>\n";
+  html += "<th class=\"l\">" + w("nearest") + "<small></small></th></tr>\n";
   for (const Strip& strip : program.strips) {
-    if (strip.arms) html += row(strip);
+    if (strip.arms) html += row(strip, w);
   }
   return html + "</table></div>\n";
 }

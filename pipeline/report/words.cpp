@@ -315,6 +315,14 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"Error budget", "Fehlerbudget"},
     {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which "
      "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
+    {"arm to arm", "Arm zu Arm"},
+    {"tool to block", "Werkzeug zu Block"},
+    {"arm to block", "Arm zu Block"},
+    {"arm to plinth", "Arm zu Sockel"},
+    {"arm to table", "Arm zu Tisch"},
+    {"arm to blade", "Arm zu Klinge"},
+    {"arm to itself", "Arm zu sich selbst"},
+    {"arm to obstacle", "Arm zu Hindernis"},
      "Was jeder Schritt der Kette hinzufügen darf, jeder für sich gemessen; die Summe ist der schlimmste "
      "Fall, in dem alle zusammenkommen. Eine gemessene Abweichung über der Toleranz wird abgelehnt; eine "
      "Summe darüber macht das Urteil gelb."},

@@ -313,6 +313,17 @@ const char* name(PairKind kind) {
   return "";
 }
 
+std::string pair_words(const std::string& name) {
+  // In the order of kPairKinds.
+  constexpr std::array<const char*, kPairKinds.size()> kWords{
+      "arm to arm",   "tool to block", "arm to block",  "arm to plinth",
+      "arm to table", "arm to blade",  "arm to itself", "arm to obstacle"};
+  for (std::size_t i = 0; i < kPairKinds.size(); ++i) {
+    if (name == robot::name(kPairKinds[i])) return kWords[i];
+  }
+  return name;
+}
+
 Clearance prove_clear(const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
                       const std::function<void()>& between) {
   const Scene scene(cell, standing, path, between);

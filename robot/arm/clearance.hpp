@@ -25,6 +25,8 @@ inline constexpr std::array kPairKinds{PairKind::kArms,   PairKind::kToolBlock, 
                                        PairKind::kSelf,   PairKind::kObstacle};
 // Returns the word that programs have for it: "arm_arm".
 [[nodiscard]] const char* name(PairKind kind);
+// Returns a pair that a program names so in words, "arm to block" for "link_block"; any other as it is.
+[[nodiscard]] std::string pair_words(const std::string& name);
 
 // What does not move, in the cell's frame.
 struct Standing {

@@ -403,8 +403,8 @@ std::string describe_arms(const Program& program) {
       text += fmt::format("{:<6}{}\n", "", words(place_of(arms)));
     std::string nearest;
     for (const StripArms::NearestPair& pair : arms.nearest_mm)
-      nearest +=
-          fmt::format("{}{} {:.0f} mm at {:.1f} s", nearest.empty() ? "" : ", ", pair.kind, pair.mm, pair.t);
+      nearest += fmt::format("{}{} {:.0f} mm at {:.1f} s", nearest.empty() ? "" : ", ",
+                             robot::pair_words(pair.kind), pair.mm, pair.t);
     if (!nearest.empty()) text += fmt::format("{:<6}nearest: {}\n", "", nearest);
   }
   return text;

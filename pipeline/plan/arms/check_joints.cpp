@@ -236,10 +236,10 @@ void check_clear(const Strip& strip, const robot::BladeSection& blade, const rob
     const double claimed = said == strip.arms->nearest_mm.end() ? robot::kWidest_mm : said->mm;
     if (claimed > measured + robot::kNearestWithin_mm) {
       check.breaches.push_back(fmt::format("{}: {} comes within {:.1f} mm, the program says {:.1f}", strip.id,
-                                           key, measured, claimed));
+                                           robot::pair_words(key), measured, claimed));
     }
     if (measured < robot::kWidest_mm)
-      check.nearest.push_back(fmt::format("{} {} {:.1f} mm", strip.id, key, measured));
+      check.nearest.push_back(fmt::format("{} {} {:.1f} mm", strip.id, robot::pair_words(key), measured));
   }
 }
 

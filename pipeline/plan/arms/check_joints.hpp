@@ -20,7 +20,7 @@ struct JointCheck {
   double speed_share = 0;             // largest, of what the cell allows a joint
   double acceleration_share = 0;      // the same, from rest to rest, with what the ramp of a hold adds
   double jerk_share = 0;              // the same, by third differences
-  std::vector<std::string> nearest;   // "S003 arm_arm 412.0 mm", least of each kind of pair
+  std::vector<std::string> nearest;   // "S003 arm to arm 412.0 mm", least of each kind of pair
   std::vector<std::string> breaches;  // "S003 at 12.05 s: ...", each kind of a strip once, where it is worst
 };
 

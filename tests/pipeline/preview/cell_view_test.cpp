@@ -107,6 +107,8 @@ TEST_F(CellView, CardsSayHowTheArmsDo) {
     return all;
   };
   EXPECT_THAT(lines({Part::kStrip, 0, -1}), HasSubstr(" from its limit\nnearest "));
+  EXPECT_THAT(lines({Part::kStrip, 0, -1}),
+              ::testing::ContainsRegex("nearest (arm|tool) to [a-z]+ [0-9]+ mm"));
   EXPECT_THAT(lines({Part::kPose, 0, 5}), HasSubstr(" from its limit\n"));
 }
 
