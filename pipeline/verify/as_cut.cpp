@@ -309,7 +309,9 @@ std::string to_json(const AsCutReport& report, const VerifyOptions& options) {
                           {"p99", d.p99},
                           {"rms", d.rms},
                           {"mean", d.mean},
-                          {"at", {d.at.x(), d.at.y(), d.at.z()}}};
+                          {"at", {d.at.x(), d.at.y(), d.at.z()}},
+                          {"bound", c.bound_mm},
+                          {"capped", c.capped}};
   json["worst"] = {{"strip", report.strip}, {"rib", report.rib}};
   json["gouge_mm"] = c.gouge_mm;
   json["uncut_mm2"] = c.uncut_mm2;

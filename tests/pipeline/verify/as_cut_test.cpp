@@ -246,6 +246,8 @@ TEST(AsCut, JsonHasWhatTheTextSays) {
   const AsCutReport report = measured(cylinder(), read_executed(cylinder().work, cylinder().log));
   const auto json = nlohmann::json::parse(to_json(report, {}));
   EXPECT_EQ(json["deviation_mm"]["max"].get<double>(), report.cut.deviation.max);
+  EXPECT_EQ(json["deviation_mm"]["bound"].get<double>(), report.cut.bound_mm);
+  EXPECT_EQ(json["deviation_mm"]["capped"], false);
   EXPECT_EQ(json["budget_mm"].size(), report.budget_mm.size());
   EXPECT_EQ(json["budget_sum_mm"].get<double>(), report.budget_sum_mm());
   EXPECT_EQ(describe(report, {}).find("as cut: deviation max >= "), std::string::npos);
@@ -253,6 +255,7 @@ TEST(AsCut, JsonHasWhatTheTextSays) {
   AsCutReport capped = report;
   capped.cut.capped = true;
   EXPECT_EQ(describe(capped, {}).find("as cut: deviation max >= "), 0u);
+  EXPECT_EQ(nlohmann::json::parse(to_json(capped, {}))["deviation_mm"]["capped"], true);
 }
 
 }  // namespace
