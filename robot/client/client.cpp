@@ -24,15 +24,10 @@ using std::chrono::milliseconds;
 constexpr auto kProgressEvery = milliseconds(100);
 constexpr std::uint32_t kPrefill = 256;  // waypoints before START: seconds of motion, at any step
 constexpr int kMaxFruitless = 100;       // answers without progress, one after the other
-// One after the other: a request that was spoilt on the way earns one, a controller of another kind nothing
-// else.
+// One after the other: a request spoilt on the way earns one, a controller of another kind nothing else.
 constexpr int kMaxExceptions = 10;
-
-std::uint32_t prefix_crc(const Job& job, std::uint32_t count) {
-  std::uint32_t crc = 0;
-  for (std::uint32_t i = 0; i < count; ++i) crc = protocol::crc32(job.raw[i], crc);
-  return crc;
-}
+// A machine stands that told of no more waypoints for so long, and is waited for no longer than that.
+constexpr auto kStands = milliseconds(300), kLongestStop = milliseconds(3000);
 
 // One job on its way. Steps return false when the outcome is settled.
 class Streamer {
@@ -110,6 +105,7 @@ class Streamer {
   bool send_window(bool wait);
   bool judge_window(std::uint32_t accepted_before);
   bool hold();
+  void read_to_rest();
   bool stopped_by_fault();
   bool finish();
   bool draw_back();
@@ -501,16 +497,29 @@ bool Streamer::hold() {
                     std::to_string(status_.executed) + " of " + std::to_string(job_.size()) + " waypoints");
 }
 
+// A fault is told of at once, what is executed on the way to rest when it is on record.
+void Streamer::read_to_rest() {
+  const protocol::Status told = status_;
+  const auto give_up = Clock::now() + kLongestStop;
+  auto rest = Clock::now() + kStands;
+  while (Clock::now() < std::min(rest, give_up)) {
+    const std::uint32_t executed = status_.executed;
+    std::this_thread::sleep_for(milliseconds(options_.poll_ms));
+    if (!refresh()) break;
+    if (status_.executed != executed) rest = Clock::now() + kStands;
+  }
+  if (status_.state != told.state || status_.job_id != told.job_id) status_ = told;
+}
+
 bool Streamer::stopped_by_fault() {
+  if (open_) read_to_rest();
   if (status_.state == State::kEstop) {
     if (status_.job_id == job_.id && status_.executed > 0) report_.at = status_.executed - 1;
     return settle(StreamOutcome::kFault, "ESTOP is latched: clear the cell, then reset with --reset");
   }
   std::string what = state_text(status_);
   report_.at = status_.fault_sequence;
-  if (status_.fault == Fault::kExecutionLimit) {
-    what += ": " + told_limit(status_, ident_.limits);
-  }
+  if (status_.fault == Fault::kExecutionLimit) what += ": " + told_limit(status_, ident_.limits);
   const std::string log = log_fault_text(status_);
   return settle(StreamOutcome::kFault, what + " at waypoint " + std::to_string(status_.fault_sequence) +
                                            (log.empty() ? ": " : ": " + log + ", then ") +

@@ -113,4 +113,10 @@ Job make_job(const Sha256& program_sha256, const std::string& strip, std::span<c
   return job;
 }
 
+std::uint32_t prefix_crc(const Job& job, std::uint32_t count) {
+  std::uint32_t crc = 0;
+  for (std::uint32_t i = 0; i < count; ++i) crc = protocol::crc32(job.raw[i], crc);
+  return crc;
+}
+
 }  // namespace hotblade::robot

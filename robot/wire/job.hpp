@@ -74,4 +74,7 @@ struct Job {
 [[nodiscard]] Job make_job(const Sha256& program_sha256, const std::string& strip,
                            std::span<const Waypoint> waypoints, const ClampedBlade& blade);
 
+// Returns the CRC-32 of the first `count` waypoints' bytes, as STATUS has it.
+[[nodiscard]] std::uint32_t prefix_crc(const Job& job, std::uint32_t count);
+
 }  // namespace hotblade::robot

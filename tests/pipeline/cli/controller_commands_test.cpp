@@ -288,6 +288,9 @@ TEST_F(ControllerCommands, AFaultIsToldWithItsStripRibAndPhase) {
   EXPECT_EQ(ended.code, 6);
   EXPECT_THAT(ended.err, HasSubstr("FAULT DRIVE at waypoint 60"));
   EXPECT_THAT(ended.err, HasSubstr("[S001, " + rib + ", " + name(pose.phase)));
+  // The fault is told of before what was passed up to rest is on record.
+  EXPECT_GT(status().executed, 60u);
+  EXPECT_THAT(ended.out, HasSubstr("S001 " + std::to_string(status().executed) + " of 200"));
   // It stopped in the cut, and --yes does not choose what becomes of it.
   const Ended unsaid = hotblade(run_arguments({"--reset"}));
   EXPECT_EQ(unsaid.code, 6);
