@@ -31,7 +31,7 @@ std::string stress_share(const StripRow& row) {
 }
 
 std::string verdict(const StripRow& row) {
-  return row.refusals > 0 ? fmt::format("{} over", row.refusals) : "ok";
+  return row.over > 0 ? fmt::format("{} over", row.over) : "ok";
 }
 
 // One figure of the facts, or of the motion's facts, with so many decimals.
@@ -74,6 +74,7 @@ constexpr StripTable kCut = StripTable::kCut, kBlade = StripTable::kBlade;
 const auto kColumns = std::to_array<StripColumn>({
     {kCut, "ribs", "", [](const StripRow& r) { return fmt::format("{}", r.facts.ribs); }},
     {kCut, "deviation", "mm", fixed<&F::deviation_max_mm, 3>},
+    {kCut, "nowhere over", "mm", fixed<&F::deviation_bound_mm, 3>},
     {kCut, "rib fit", "mm", fixed<&F::worst_fit_mm, 3>},
     {kCut, "kink at seam", "deg",
      [](const StripRow& r) { return fmt::format("{:.2f}", r.facts.seam.kink_deg); }},
@@ -103,6 +104,18 @@ bool names(const Refusal& refusal, const std::string& id) {
   return refusal.strip.size() == id.size() || refusal.strip[id.size()] == ' ';
 }
 
+// Limits that a strip is over. Of all strips that deviate too far only the farthest is refused by name.
+std::size_t over(const PlanResult& result, const StripFacts& strip) {
+  std::size_t count = 0;
+  bool deviates = strip.deviation_bound_mm > result.program.settings.design.tolerance_mm;
+  for (const Refusal& refusal : result.refusals) {
+    if (!names(refusal, strip.id)) continue;
+    ++count;
+    if (refusal.limit == Limit::kDeviation) deviates = false;
+  }
+  return count + (deviates ? 1 : 0);
+}
+
 std::string table(const PlanResult& result, StripTable which, const Words& w) {
   std::string html = "<div class=\"scroll\"><table><tr><th class=\"l\">" + w("strip") + "</th>";
   for (const StripColumn& c : kColumns) {
@@ -110,13 +123,11 @@ std::string table(const PlanResult& result, StripTable which, const Words& w) {
   }
   html += "</tr>\n";
   for (std::size_t i = 0; i < result.strips.size(); ++i) {
-    const auto refused = static_cast<std::size_t>(
-        std::count_if(result.refusals.begin(), result.refusals.end(),
-                      [&](const Refusal& r) { return names(r, result.strips[i].id); }));
-    const StripRow row{result.strips[i], result.program.strips[i], result.program.blade, refused};
+    const StripRow row{result.strips[i], result.program.strips[i], result.program.blade,
+                       over(result, result.strips[i])};
     // Links lead to the row of the first table; the view marks both.
     html +=
-        fmt::format("<tr{}{} data-strip=\"{}\"><td class=\"l\">{}</td>", refused > 0 ? " class=\"bad\"" : "",
+        fmt::format("<tr{}{} data-strip=\"{}\"><td class=\"l\">{}</td>", row.over > 0 ? " class=\"bad\"" : "",
                     which == kCut ? fmt::format(" id=\"strip-{}\"", escaped(row.facts.id)) : "",
                     escaped(row.facts.id), escaped(row.facts.id));
     for (const StripColumn& c : kColumns) {
@@ -143,7 +154,8 @@ std::string strips_section(const PlanResult& result, const Words& w) {
   const robot::BladeSet& b = result.program.blade;
   return "<h2>" + w("Strips") + "</h2>\n" + table(result, kCut, w) + "<p class=\"note\">" +
          w("Deviation: of the cut from the design within the strip; the largest of the page also counts the "
-           "design from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is "
+           "design from the cut. Nowhere over: what no place of the strip deviates more than, measured or "
+           "not. Foam kept: the block's volume on the part's side of the blade; the rest is "
            "waste. Kink: the angle between the surfaces of neighbouring strips where they meet. Block: along "
            "the blade x towards the waste x along the sweep.") +
          "</p>\n<h2>" + w("Load on blade and clamps") + "</h2>\n" + table(result, kBlade, w) +

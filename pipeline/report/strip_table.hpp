@@ -16,7 +16,7 @@ struct StripRow {
   const StripFacts& facts;
   const Strip& strip;
   const robot::Blade& blade;
-  std::size_t refusals = 0;  // that name the strip
+  std::size_t over = 0;  // limits: refusals that name the strip, and the bound of its own deviation
 };
 
 // The table that a column stands in: what is cut, or what the blade and the clamps bear.
@@ -32,7 +32,7 @@ struct StripColumn {
 // All columns of both tables, in the order they are read.
 [[nodiscard]] std::span<const StripColumn> strip_columns();
 
-// Both tables as HTML; a strip that is refused stands out. The text is empty when there are no strips.
+// Both tables as HTML; a strip that is over a limit stands out. The text is empty when there are no strips.
 [[nodiscard]] std::string strips_section(const PlanResult& result, const Words& w);
 
 // A duration in words: "1 min 35 s" for 95.

@@ -243,6 +243,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"triangles", "Dreiecke"},
     // its tables
     {"Strips", "Streifen"},
+    {"nowhere over", "nirgends über"},
     {"rib fit", "Anpassung der Rippen"},
     {"kink at seam", "Knick an der Naht"},
     {"plinth", "Sockel"},
@@ -269,11 +270,13 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"of the allowed", "vom Erlaubten"},
     {"droop", "Durchhang"},
     {"Deviation: of the cut from the design within the strip; the largest of the page also counts the "
-     "design from the cut. Foam kept: the block's volume on the part's side of the blade; the rest is "
+     "design from the cut. Nowhere over: what no place of the strip deviates more than, measured or not. "
+     "Foam kept: the block's volume on the part's side of the blade; the rest is "
      "waste. Kink: the angle between the surfaces of neighbouring strips where they meet. Block: along the "
      "blade x towards the waste x along the sweep.",
      "Abweichung: des Schnitts vom Entwurf im Streifen; die größte der Seite zählt auch den Entwurf vom "
-     "Schnitt. Schaum bleibt: das Volumen des Blocks auf der Seite des Teils; der Rest ist Abfall. Knick: "
+     "Schnitt. Nirgends über: mehr weicht kein Ort des Streifens ab, gemessen oder nicht. Schaum bleibt: das "
+     "Volumen des Blocks auf der Seite des Teils; der Rest ist Abfall. Knick: "
      "der Winkel zwischen den Flächen benachbarter Streifen, wo sie sich treffen. Block: entlang der "
      "Klinge x zum Abfall hin x entlang der Fahrt."},
     {"Load on blade and clamps", "Last auf Klinge und Klemmen"},
@@ -312,9 +315,6 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"wrist", "Handgelenk"},
     {"added, s", "länger um, s"},
     {"nearest", "am nächsten"},
-    {"Error budget", "Fehlerbudget"},
-    {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which "
-     "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
     {"arm to arm", "Arm zu Arm"},
     {"tool to block", "Werkzeug zu Block"},
     {"arm to block", "Arm zu Block"},
@@ -323,6 +323,9 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"arm to blade", "Arm zu Klinge"},
     {"arm to itself", "Arm zu sich selbst"},
     {"arm to obstacle", "Arm zu Hindernis"},
+    {"Error budget", "Fehlerbudget"},
+    {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which "
+     "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",
      "Was jeder Schritt der Kette hinzufügen darf, jeder für sich gemessen; die Summe ist der schlimmste "
      "Fall, in dem alle zusammenkommen. Eine gemessene Abweichung über der Toleranz wird abgelehnt; eine "
      "Summe darüber macht das Urteil gelb."},

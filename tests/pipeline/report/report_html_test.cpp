@@ -127,6 +127,20 @@ TEST(ReportHtml, OfARefusedPlanNamesPlaceLimitAndAmount) {
   EXPECT_THAT(html, Not(HasSubstr("0.000 mm")));
 }
 
+TEST(ReportHtml, JudgesEveryStripByTheBoundOfItsOwnDeviation) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  const std::string bad = "<tr class=\"bad\" id=\"strip-S001\"";
+  EXPECT_THAT(report_html(result, {}, ""), Not(HasSubstr(bad)));
+  // Another strip, farther off, is the one that the refusal names.
+  result.strips.front().deviation_bound_mm = 2;
+  result.refusals.push_back({"S002", "", Limit::kDeviation, 3, 1});
+  const std::string html = report_html(result, {}, "");
+  EXPECT_THAT(html, HasSubstr(bad));
+  EXPECT_THAT(html, HasSubstr(">1 over</td>"));
+  result.refusals.front().strip = "S001";
+  EXPECT_THAT(report_html(result, {}, ""), HasSubstr(">1 over</td>")) << "one limit counts once";
+}
+
 TEST(ReportHtml, ListsEveryTryAndNoRankingThatWasNotMade) {
   const PlanResult result = plan(cylinder_design(), along_x(), {});
   ASSERT_FALSE(result.decisions.empty());
