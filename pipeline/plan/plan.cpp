@@ -98,20 +98,8 @@ void judge(const Settings& settings, PlanResult& result) {
       result.refusals.push_back(branch_refusal(result.program.strips[i], v.branches[i]));
   }
   for (const FarBezier& bezier : v.ribs.far) result.refusals.push_back(refusal_of(bezier));
-  if (v.bound_mm > settings.design.tolerance_mm) {
-    const auto number = static_cast<std::size_t>(
-        std::max_element(v.strip_bound_mm.begin(), v.strip_bound_mm.end()) - v.strip_bound_mm.begin());
-    const std::string strip = number < result.strips.size() ? result.strips[number].id : "design";
-    const double told_mm = number < v.strip_told_mm.size() ? v.strip_told_mm[number] : 0;
-    const Eigen::Vector3d& at = v.deviation.at;
-    Refusal refusal{say(Saying::kStripAt, {strip, at.x(), at.y(), at.z()}), "", Limit::kDeviation, v.bound_mm,
-                    settings.design.tolerance_mm};
-    if (v.bound_mm - told_mm <= settings.design.tolerance_mm)
-      refusal.note = say(Saying::kByRegisters, {told_mm});
-    refusal.capped = v.capped;
-    refusal.at = at;
-    result.refusals.push_back(std::move(refusal));
-  }
+  if (v.bound_mm > settings.design.tolerance_mm)
+    result.refusals.push_back(deviation_refusal(result, settings.design.tolerance_mm));
   // Without strips all is uncut: what stands before says why.
   if (v.uncut_share() > settings.design.max_uncut_share &&
       !(result.strips.empty() && !result.refusals.empty())) {
@@ -573,7 +561,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   PlanHooks looking = hooks;
   looking.progress = [&](const std::string& stage, double share) { progress.looked_at(stage, share); };
   try_design(design, settings, looking, progress, watch, result);
-  explain_deviations(design, settings, result.decisions.size(), result.refusals);
+  explain_deviations(design, settings, result);
   result.strips_lower_bound = fewest;
   conclude(design, result);
   warn_of_facets(settings, result);

@@ -205,6 +205,7 @@ PlanResult StripLooks::known() const {
     result.strips.back().deviation_bound_mm = looked.bound_mm;
     result.verification.strip_max_mm.push_back(looked.deviation_mm);
     result.verification.strip_bound_mm.push_back(looked.bound_mm);
+    result.verification.strip_max_at.push_back(looked.deviation_at);
     result.verification.bound_mm = std::max(result.verification.bound_mm, looked.bound_mm);
     if (looked.deviation_mm > worst.max) {
       worst.max = looked.deviation_mm;

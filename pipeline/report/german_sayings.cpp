@@ -129,7 +129,7 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
     {" from its Bezier", " von ihrer Bezierkurve"},
     {"at ({:.1f}, {:.1f}, {:.1f})", "bei ({:.1f}, {:.1f}, {:.1f})"},
     {"about ({:.1f}, {:.1f}, {:.1f})", "um ({:.1f}, {:.1f}, {:.1f})"},
-    {"{} at ({:.1f}, {:.1f}, {:.1f})", "{} bei ({:.1f}, {:.1f}, {:.1f})"},
+    {", measured there {:.3f} mm", ", dort gemessen {:.3f} mm"},
     {"a Bezier may use up a tenth of the tolerance", "eine Bezierkurve darf ein Zehntel der Toleranz nutzen"},
     {"the blade turns there, its fastest point goes at {:.3g} mm/s, and it would melt too wide",
      "die Klinge dreht sich dort, ihr schnellster Punkt fährt {:.3g} mm/s, und sie würde zu breit "

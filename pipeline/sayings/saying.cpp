@@ -15,7 +15,7 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kFromItsBezier, " from its Bezier"},
     {Saying::kAt, "at ({:.1f}, {:.1f}, {:.1f})"},
     {Saying::kAbout, "about ({:.1f}, {:.1f}, {:.1f})"},
-    {Saying::kStripAt, "{} at ({:.1f}, {:.1f}, {:.1f})"},
+    {Saying::kMeasuredThere, ", measured there {:.3f} mm"},
 
     {Saying::kTenthForBezier, "a Bezier may use up a tenth of the tolerance"},
     {Saying::kTurnsThere,

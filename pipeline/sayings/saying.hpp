@@ -22,7 +22,7 @@ enum class Saying : std::uint8_t {
   kFromItsBezier,
   kAt,
   kAbout,
-  kStripAt,
+  kMeasuredThere,
   // Why a limit broke, and what else is known of it.
   kTenthForBezier,
   kTurnsThere,

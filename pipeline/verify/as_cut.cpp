@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -13,6 +12,7 @@
 #include "pipeline/settings/json_text.hpp"
 #include "pipeline/verify/as_cut_budget.hpp"
 #include "pipeline/verify/blade_speeds.hpp"
+#include "pipeline/verify/branch.hpp"
 #include "pipeline/verify/budget.hpp"
 #include "pipeline/verify/largest_text.hpp"
 #include "robot/controller/execution_log.hpp"
@@ -165,20 +165,6 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
       touches.strip_of_point.push_back(index);
     }
   }
-}
-
-// Of the ribs of a strip the one whose plane is nearest.
-std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at) {
-  std::string id;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Rib& rib : strip.ribs) {
-    const double off = std::abs(rib.frame.normal().dot(at - rib.frame.origin));
-    if (off < nearest) {
-      nearest = off;
-      id = rib.id;
-    }
-  }
-  return id;
 }
 
 // Poses that form the design, or all that are hot, in the order of the path, without what was gone over again

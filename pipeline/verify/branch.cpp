@@ -295,4 +295,17 @@ std::string rib_at(const Strip& strip, std::size_t pose) {
   return "";
 }
 
+std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at) {
+  std::string id;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Rib& rib : strip.ribs) {
+    const double off = std::abs(rib.frame.normal().dot(at - rib.frame.origin));
+    if (off < nearest) {
+      nearest = off;
+      id = rib.id;
+    }
+  }
+  return id;
+}
+
 }  // namespace hotblade::pipeline

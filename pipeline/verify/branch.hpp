@@ -57,4 +57,7 @@ inline constexpr double kShapeMismatchMm = 0.02;
 // The rib being cut at a pose, or the nearest one in time while cutting; empty in other phases.
 [[nodiscard]] std::string rib_at(const Strip& strip, std::size_t pose);
 
+// Returns the rib of a strip whose plane is nearest to a place in the design frame; empty where it has none.
+[[nodiscard]] std::string nearest_rib(const Strip& strip, const Eigen::Vector3d& at);
+
 }  // namespace hotblade::pipeline

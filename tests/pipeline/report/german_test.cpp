@@ -147,12 +147,9 @@ TEST(German, GoesIntoWhatStandsInASentence) {
 }
 
 TEST(German, OfARefusalHasItsPlaceAmountAndReason) {
-  Refusal refusal{say(Saying::kStripAt, {"S001", 1.0, 2.0, 3.0}),
-                  "",
-                  Limit::kSlowestFeed,
-                  0.5,
-                  1,
-                  say(Saying::kHeldBack, {"speed", "motion.travel_mm_s", 250.0, "mm/s"})};
+  Refusal refusal{"S001", "", Limit::kSlowestFeed,
+                  0.5,    1,  say(Saying::kHeldBack, {"speed", "motion.travel_mm_s", 250.0, "mm/s"})};
+  refusal.place = say(Saying::kAt, {1.0, 2.0, 3.0});
   refusal.when = say(Saying::kInPhase, {"cut", 12.0});
   EXPECT_EQ(
       describe(refusal, kGermanWords),
