@@ -41,7 +41,7 @@ fs::path find_design(const VerifyArguments& arguments, const Program& program) {
   if (const auto found = design_at_hand(arguments.program, program)) return *found;
   throw Error(ErrorKind::kFile, (fs::path(arguments.program).parent_path() / program.design.file).string() +
                                     ": the design is neither beside the program nor where run.json says: say "
-                                    "--design FILE.obj");
+                                    "--design FILE");
 }
 
 // One line a strip: the branch of shapes found from its clamp poses.
