@@ -401,27 +401,30 @@ void place_triangles(const StripGrid& grid, std::size_t from, std::size_t to, Sw
   }
 }
 
-// Whether poses before the first row or behind the last one reach a row with their width.
-bool beside_ends(const StripGrid& grid, std::size_t row, double width_mm, const SweptSurface& out) {
-  const GridOf points(grid, out.vertices);
-  for (const std::size_t end : {std::size_t{0}, grid.rows.size() - 1}) {
-    for (const std::size_t j : {std::size_t{0}, grid.columns / 2, grid.columns - 1}) {
-      if ((points.at(row, j) - points.at(end, j)).squaredNorm() < 0.25 * width_mm * width_mm) return true;
-    }
-  }
-  return false;
+// How far apart the poses are whose width passes over a row. Executed ones all count that differ by anything
+// to speak of; between planned ones, which are smooth, a crest of the cut may be higher by half a micrometre.
+double poses_apart_mm(const StripGrid& grid, std::size_t row, double width_mm, bool by_every_pose,
+                      const SweptSurface& out) {
+  constexpr double kLeast = 1.0 / 32, kMost = 1.0 / 8;  // of the width
+  constexpr double kChord_mm = 5e-4;
+  if (by_every_pose) return kLeast * width_mm;
+  double bend_per_mm = 0;
+  for (std::size_t j = 0; j < grid.columns; ++j)
+    bend_per_mm =
+        std::max(bend_per_mm, std::abs(out.width_bends_per_mm[grid.first_vertex + row * grid.columns + j]));
+  const double apart_mm = std::sqrt(8 * kChord_mm / bend_per_mm);
+  return std::clamp(apart_mm, kLeast * width_mm, kMost * width_mm);
 }
 
 // How far the edge of the melted band is from the blade's middle line along a row.
 void place_half_bands(const Program& program, const Strip& strip, const StripGrid& grid, std::size_t row,
-                      bool by_every_pose, SweptSurface& out) {
+                      const WidthPasses& all, bool by_every_pose, SweptSurface& out) {
   const std::size_t first = grid.first_vertex + row * grid.columns;
-  std::optional<std::vector<double>> passes;
-  if (by_every_pose || beside_ends(grid, row, program.blade.width_mm, out))
-    passes =
-        width_passes_mm(strip.poses, static_cast<std::size_t>(grid.rows[row] - strip.poses.data()),
-                        std::span(out.normals).subspan(first, grid.columns),
-                        std::span(out.plane_normals).subspan(first, grid.columns), program.blade.width_mm);
+  const std::optional<std::vector<double>> passes =
+      all.deepest_mm(static_cast<std::size_t>(grid.rows[row] - strip.poses.data()),
+                     std::span(out.normals).subspan(first, grid.columns),
+                     std::span(out.plane_normals).subspan(first, grid.columns),
+                     poses_apart_mm(grid, row, program.blade.width_mm, by_every_pose, out));
   for (std::size_t j = 0; j < grid.columns; ++j) {
     const std::size_t v = first + j;
     out.half_bands_mm[v] = passes ? 0.5 * program.blade.band_mm(out.speeds_mm_s[v]) + (*passes)[j]
@@ -438,6 +441,7 @@ unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t colum
 
 void add_strip(const Program& program, std::size_t index, const StripGrid& grid, const GridSteps& steps,
                SweptSurface& out) {
+  if (grid.rows.empty()) return;
   const Strip& strip = program.strips[index];
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(program, strip, grid, from, to, out); });
   std::vector<std::optional<RowWay>> ways(grid.rows.size());
@@ -469,9 +473,10 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
             -bend_across_per_mm(grid, i, j, way_of(i), out);
     }
   });
+  const WidthPasses passes(strip.poses, program.blade.width_mm);
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i)
-      place_half_bands(program, strip, grid, i, steps.by_every_pose, out);
+      place_half_bands(program, strip, grid, i, passes, steps.by_every_pose, out);
   });
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t v = grid.first_vertex + from * grid.columns; v < grid.first_vertex + to * grid.columns;

@@ -45,9 +45,9 @@ struct GridSteps {
   // Of more vertices than this all steps are wider, and chords with them, until they are fewer: memory, 600
   // bytes a vertex with a search tree over the facets.
   std::size_t most_vertices = std::size_t{1} << 18;
-  // Whether the band's edge is everywhere where the width of every hot pose about a place passes, one by one
-  // (width_pass.hpp), as it is beside the ends of a strip, where poses that form no design pass as well.
-  // Elsewhere slope and bend of the cut put it: a motion that is planned is smooth.
+  // The band's edge is where the width of hot poses about a place passes (width_pass.hpp): of all of them, as
+  // of a motion that was executed, or of as many as tell the edge of a planned one, which is smooth. Where
+  // there are none, slope and bend of the cut put it.
   bool by_every_pose = false;
 };
 

@@ -234,10 +234,11 @@ class CutMeasurement {
       c.distance = std::abs(n.dot(d));
       c.beyond = (d - n.dot(d) * n).norm() > options_.edge_mm;
     }
-    const double speed = cut_.speeds_mm_s[i];
-    const double bend = cut_.width_bends_per_mm[i];
-    const double by_design = half_band_mm(program_.blade, n, cut_.plane_normals[i], speed, bend);
-    c.half_band = std::abs(cut_.half_bands_mm[i] - by_design);
+    const auto half_band = [&](const Eigen::Vector3d& normal) {
+      return half_band_mm(program_.blade, normal, cut_.plane_normals[i], cut_.speeds_mm_s[i],
+                          cut_.width_bends_per_mm[i]);
+    };
+    c.half_band = std::abs(half_band(cut_.normals[i]) - half_band(n));
     return c;
   }
 

@@ -1,146 +1,143 @@
 #include "pipeline/verify/width_pass.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "elastica/blade/blade_batch.hpp"
+#include "pipeline/verify/width_lanes.hpp"
 
 namespace hotblade::pipeline {
 
-namespace {
-
 using Eigen::Vector3d;
 
-// Poses that move by less than this share of the width pass as one: a crest of radius r between two is
-// w^2 / 8192 r deeper.
-constexpr double kApart = 1.0 / 32;
-// Poses farther apart than this share of the width leave open how deep the blade was between them.
-constexpr double kTold = 0.5;
+namespace {
 
-// Where the width of another pose stands over a place of the row.
-struct Over {
-  double height_mm = 0;  // along the cut's normal
-  double along_mm = 0;   // of the width, from its middle, in its direction
-};
+// Less of a width lies across no surface that a blade cuts.
+constexpr double kFlattest = 1e-3;
+// As many as fill the widest lanes at once.
+constexpr std::size_t kPosesAtOnce = 8;
 
+// The part in foam of every pose, or of the nearest one before it that has any, or behind.
+std::vector<elastica::Part> parts_of(std::span<const BladePose> poses) {
+  std::vector<elastica::Part> parts(poses.size());
+  const auto in_foam = [](const BladePose& pose) { return pose.foam.has_value(); };
+  const auto first = std::ranges::find_if(poses, in_foam);
+  if (first == poses.end()) return parts;
+  const BladePose* last = &*first;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (poses[i].foam) last = &poses[i];
+    parts[i] = {(*last->foam)[0], (*last->foam)[1]};
+  }
+  return parts;
+}
+
+}  // namespace
+
+// The poses about one row.
 class WidthPass {
  public:
-  WidthPass(std::span<const BladePose> poses, std::size_t row, std::span<const Vector3d> normals,
-            std::span<const Vector3d> plane_normals, double width_mm)
-      : poses_(poses),
+  WidthPass(const WidthPasses& all, std::size_t row, std::span<const Vector3d> normals,
+            std::span<const Vector3d> plane_normals, double apart_mm)
+      : all_(all),
+        poses_(all.poses_),
         row_(row),
         normals_(normals),
         plane_normals_(plane_normals),
-        half_mm_(0.5 * width_mm),
-        part_{(*poses[row].foam)[0], (*poses[row].foam)[1]} {
-    const elastica::PartPlaces own = elastica::sample_places({&poses[row].blade, 1}, {&part_, 1}, columns());
-    for (std::size_t j = 0; j < columns(); ++j) {
-      const Eigen::Vector2d q = own.at(0, j);
-      own_.push_back(poses[row].frame.point(q.x(), q.y()));
-    }
-    deepest_mm_.assign(columns(), 0.0);
-  }
+        half_mm_(0.5 * all.width_mm_),
+        apart_mm_(apart_mm),
+        part_{(*poses_[row].foam)[0], (*poses_[row].foam)[1]},
+        over_(poses_[row], part_, normals, plane_normals, all.width_mm_) {}
 
   // The poses on one side, from the row's own on until the width of one no longer reaches any place. False
   // where there are not enough of them.
   [[nodiscard]] bool pass(bool after) {
-    std::vector<Over> before(columns());
-    double slowest_mm = 0, fastest_mm = 0;  // how far places of the pose before are
-    for (std::size_t k = row_; slowest_mm <= half_mm_;) {
-      if (after ? k + 1 >= poses_.size() : k == 0) return false;
-      k = after ? k + 1 : k - 1;
-      if (!poses_[k].heat) return false;
-      const auto [least, most] = moved_mm(k);
-      if (least <= half_mm_ && most - fastest_mm < kApart * 2 * half_mm_) continue;
-      std::vector<Over> over = over_of(k);
-      if (!take(before, over)) return false;
-      before = std::move(over);
-      slowest_mm = least;
-      fastest_mm = most;
+    over_.start_side();
+    Reach reach;
+    for (std::size_t k = row_;;) {
+      const std::vector<std::size_t> next = next_poses(k, after, reach);
+      if (next.empty()) return false;
+      std::vector<elastica::Elastica> blades;
+      for (const std::size_t n : next) blades.push_back(poses_[n].blade);
+      const std::vector<elastica::Part> parts(next.size(), part_);
+      const elastica::PartPoints on = elastica::sample_parts(blades, parts, plane_normals_.size());
+      for (std::size_t i = 0; i < next.size(); ++i) {
+        const WidthOverRow::Passed passed = over_.pass(poses_[next[i]], on, i * plane_normals_.size());
+        if (passed == WidthOverRow::Passed::kUntold) return false;
+        if (passed == WidthOverRow::Passed::kAll) return true;
+      }
     }
-    return true;
   }
 
-  [[nodiscard]] std::vector<double> deepest_mm() && { return std::move(deepest_mm_); }
+  [[nodiscard]] std::vector<double> deepest_mm() const { return over_.deepest_mm(); }
 
  private:
-  [[nodiscard]] std::size_t columns() const { return normals_.size(); }
+  // How far the marks of the pose asked last have its width pass over the row's places.
+  struct Reach {
+    double least_mm = 0, most_mm = 0;
+  };
 
-  // Of the ends and the middle of the row's part, how far another pose is along the row's width.
-  [[nodiscard]] std::pair<double, double> moved_mm(std::size_t k) const {
-    constexpr std::size_t kAsked = 3;
-    const elastica::PartPlaces there = elastica::sample_places({&poses_[k].blade, 1}, {&part_, 1}, kAsked);
-    double least = std::numeric_limits<double>::infinity(), most = 0;
-    for (std::size_t i = 0; i < kAsked; ++i) {
-      const Eigen::Vector2d q = there.at(0, i);
-      const std::size_t j = i * (columns() - 1) / (kAsked - 1);
-      const double moved = std::abs((poses_[k].frame.point(q.x(), q.y()) - own_[j]).dot(plane_normals_[j]));
-      least = std::min(least, moved);
-      most = std::max(most, moved);
+  // The next hot poses from `k` on, which moves with them, as far apart as they have to be, until the width
+  // of one no longer reaches any mark.
+  [[nodiscard]] std::vector<std::size_t> next_poses(std::size_t& k, bool after, Reach& reach) const {
+    std::vector<std::size_t> next;
+    while (next.size() < kPosesAtOnce) {
+      if (after ? k + 1 >= poses_.size() : k == 0) break;
+      const std::size_t n = after ? k + 1 : k - 1;
+      if (!poses_[n].heat) break;
+      k = n;
+      const Reach there = reach_of(n);
+      const bool leaves = there.least_mm > half_mm_ && !(reach.least_mm > half_mm_);
+      if (!leaves && there.most_mm - reach.most_mm < apart_mm_) continue;
+      next.push_back(n);
+      reach = there;
+      if (leaves) break;
     }
-    return {least, most};
+    return next;
   }
 
-  // Where the normal through each of the row's places meets the ribbon of a pose: its middle line there, by
-  // the point, the tangent and the curvature at the same place of the blade, and its width.
-  [[nodiscard]] std::vector<Over> over_of(std::size_t k) const {
-    const BladePose& pose = poses_[k];
-    const elastica::PartPoints on = elastica::sample_parts({&pose.blade, 1}, {&part_, 1}, columns());
-    const Vector3d turned = pose.frame.normal() - poses_[row_].frame.normal();
-    std::vector<Over> all(columns());
-    for (std::size_t j = 0; j < columns(); ++j) {
-      const Vector3d& n = normals_[j];
-      const Vector3d width = (plane_normals_[j] + turned).normalized();
-      const Vector3d tangent = on.cos[j] * pose.frame.x() + on.sin[j] * pose.frame.y(),
-                     left = -on.sin[j] * pose.frame.x() + on.cos[j] * pose.frame.y();
-      const Vector3d away = pose.frame.point(on.x[j], on.y[j]) - own_[j];
-      // away + width u + tangent s + left curvature s^2 / 2 = height n
-      const Vector3d up = width.cross(tangent);
-      const double size = n.dot(up);
-      const double s = -away.dot(n.cross(width)) / size;
-      all[j].along_mm = -away.dot(tangent.cross(n)) / size;
-      all[j].height_mm = (away.dot(up) + 0.5 * on.curvature[j] * s * s * left.dot(up)) / size;
+  [[nodiscard]] Reach reach_of(std::size_t k) const {
+    Reach reach{std::numeric_limits<double>::infinity(), 0};
+    for (std::size_t i = 0; i < WidthPasses::kMarks; ++i) {
+      const std::size_t j = i * (plane_normals_.size() - 1) / (WidthPasses::kMarks - 1);
+      // A blade that goes along its surface meets a place's normal with its width that far from its middle.
+      const double slope = normals_[j].dot(plane_normals_[j]);
+      const double moved = std::abs((all_.marks_[k][i] - all_.marks_[row_][i]).dot(plane_normals_[j])) /
+                           std::max(1 - slope * slope, kFlattest);
+      reach = {std::min(reach.least_mm, moved), std::max(reach.most_mm, moved)};
     }
-    return all;
+    return reach;
   }
 
-  // Counts what a pose reaches, and where the edge of the width passes between the one before and it.
-  [[nodiscard]] bool take(const std::vector<Over>& before, const std::vector<Over>& over) {
-    for (std::size_t j = 0; j < columns(); ++j) {
-      const double from = std::abs(before[j].along_mm), to = std::abs(over[j].along_mm);
-      if (!std::isfinite(over[j].height_mm)) return false;
-      if (from > half_mm_) continue;
-      if (std::abs(over[j].along_mm - before[j].along_mm) > kTold * 2 * half_mm_) return false;
-      double height = over[j].height_mm;
-      if (to > half_mm_) {
-        const double share = (half_mm_ - from) / (to - from);
-        height = (1 - share) * before[j].height_mm + share * height;
-      }
-      deepest_mm_[j] = std::max(deepest_mm_[j], -height);
-    }
-    return true;
-  }
-
+  const WidthPasses& all_;
   std::span<const BladePose> poses_;
   std::size_t row_;
   std::span<const Vector3d> normals_, plane_normals_;
-  double half_mm_;
+  double half_mm_, apart_mm_;
   elastica::Part part_;
-  std::vector<Vector3d> own_;
-  std::vector<double> deepest_mm_;
+  WidthOverRow over_;
 };
 
-}  // namespace
+WidthPasses::WidthPasses(std::span<const BladePose> poses, double width_mm)
+    : poses_(poses), width_mm_(width_mm), marks_(poses.size()) {
+  std::vector<elastica::Elastica> blades;
+  blades.reserve(poses.size());
+  for (const BladePose& pose : poses) blades.push_back(pose.blade);
+  const elastica::PartPlaces places = elastica::sample_places(blades, parts_of(poses), kMarks);
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    for (std::size_t i = 0; i < kMarks; ++i) {
+      const Eigen::Vector2d q = places.at(n, i);
+      marks_[n][i] = poses[n].frame.point(q.x(), q.y());
+    }
+  }
+}
 
-std::optional<std::vector<double>> width_passes_mm(std::span<const BladePose> poses, std::size_t row,
-                                                   std::span<const Vector3d> normals,
-                                                   std::span<const Vector3d> plane_normals, double width_mm) {
-  WidthPass pass(poses, row, normals, plane_normals, width_mm);
+std::optional<std::vector<double>> WidthPasses::deepest_mm(std::size_t row, std::span<const Vector3d> normals,
+                                                           std::span<const Vector3d> plane_normals,
+                                                           double apart_mm) const {
+  WidthPass pass(*this, row, normals, plane_normals, apart_mm);
   if (!pass.pass(false) || !pass.pass(true)) return std::nullopt;
-  return std::move(pass).deepest_mm();
+  return pass.deepest_mm();
 }
 
 }  // namespace hotblade::pipeline

@@ -27,9 +27,10 @@ struct Path {
   bool hollow = true;
   double lean_rad = 0;
   double axis_mm = 0;
+  bool turns = false;  // from hollow to crest, or back, at its middle
 
   [[nodiscard]] Vector2d at(double angle) const {
-    const double side = hollow ? -1 : 1;
+    const double side = (hollow ? -1 : 1) * (turns && angle > 0 ? -1 : 1);
     const Vector2d p(radius_mm * std::sin(angle), side * radius_mm * (std::cos(angle) - 1));
     const double c = std::cos(lean_rad), s = std::sin(lean_rad);
     return {c * p.x() - s * p.y(), s * p.x() + c * p.y()};
@@ -171,6 +172,12 @@ Program executed(const Path& path, double jitter_mm) {
   return program;
 }
 
+// The same without a width that passes: slopes and bends tell the edge.
+Program cold(Program program) {
+  for (BladePose& pose : program.strips.front().poses) pose.heat = false;
+  return program;
+}
+
 // How far a surface lies off the edge of what a smooth motion along the path melts, on the kept side of it
 // and on the waste's.
 struct Off {
@@ -208,6 +215,20 @@ TEST(SweptSurface, ByEveryPoseIsTheSameOfASmoothMotion) {
   }
 }
 
+// Beside a border a motion goes another way, and rows as far apart as the border's width tell no slope there.
+TEST(SweptSurface, IsTheEdgeWhereAMotionTurnsWithinAWidth) {
+  for (const Path& path :
+       {Path{30, true, 0.3, 0, true}, Path{30, false, 0.3, 0, true}, Path{60, true, 0.5, 0, true}}) {
+    const Program program = executed(path, 0);
+    const double ends_mm = 1.5 * program.blade.width_mm;
+    const Off planned = off_smooth_mm(path, program, false, ends_mm);
+    EXPECT_LT(planned.kept_mm, 0.005);
+    EXPECT_LT(planned.waste_mm, 0.005);
+    const Off by_slope = off_smooth_mm(path, cold(program), false, ends_mm);
+    EXPECT_GT(std::max(by_slope.kept_mm, by_slope.waste_mm), 0.01);
+  }
+}
+
 TEST(SweptSurface, ByEveryPoseIsOffByNoMoreThanPosesAre) {
   constexpr double kJitter_mm = 0.1;
   for (const Path& path : {Path{142, false, 0.2, 0}, Path{60, true, 0.1, 0}}) {
@@ -217,7 +238,7 @@ TEST(SweptSurface, ByEveryPoseIsOffByNoMoreThanPosesAre) {
     EXPECT_LT(one.kept_mm, kJitter_mm + 0.005);
     EXPECT_GT(one.kept_mm, 0.7 * kJitter_mm);
     // The slopes between poses are none that the width has.
-    EXPECT_GT(off_smooth_mm(path, program, false, ends_mm).kept_mm, 1.2 * kJitter_mm);
+    EXPECT_GT(off_smooth_mm(path, cold(program), false, ends_mm).kept_mm, 1.2 * kJitter_mm);
   }
 }
 
@@ -246,11 +267,10 @@ TEST(SweptSurface, HasAtItsEndsWhatPosesBeyondThemMelt) {
 
 TEST(SweptSurface, GoesBySlopesWhereNoHotPosesReachAcross) {
   const Path path{142, false, 0.2, 0};
-  Program cold = executed(path, 0.05);
-  for (BladePose& pose : cold.strips.front().poses) pose.heat = false;
+  const Program program = cold(executed(path, 0.05));
   GridSteps every;
   every.by_every_pose = true;
-  const SweptSurface by_slope = swept_surface(cold, GridSteps{}), asked = swept_surface(cold, every);
+  const SweptSurface by_slope = swept_surface(program, GridSteps{}), asked = swept_surface(program, every);
   ASSERT_EQ(by_slope.vertices.size(), asked.vertices.size());
   for (std::size_t v = 0; v < asked.vertices.size(); ++v) EXPECT_EQ(by_slope.vertices[v], asked.vertices[v]);
 }
