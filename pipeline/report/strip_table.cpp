@@ -46,12 +46,14 @@ std::string fixed(const StripRow& row) {
 
 // Before the shape is lost; farther is not looked into.
 std::string clamps_may_err(const StripRow& row) {
+  if (!row.facts.motion.clamps_weighed()) return "-";
   const double mm = row.facts.motion.smallest_margin_mm();
   return fmt::format("{}{:.2f}", mm >= kFarFromFoldMm ? ">= " : "", mm);
 }
 
 // The clamp coordinate whose error moves a rib most.
 std::string worst_sensitivity(const StripRow& row) {
+  if (!row.facts.motion.clamps_weighed()) return "-";
   double most = 0;
   std::string name;
   for (const auto& rib : row.facts.motion.rib_sensitivity_mm) {

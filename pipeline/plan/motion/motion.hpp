@@ -34,8 +34,10 @@ struct MotionFacts {
     return smallest_fold_mm < smallest_straight_mm ? smallest_fold_mm : smallest_straight_mm;
   }
   // Of each rib's pose, mm by each clamp coordinate for 0.1 mm or 1 mrad (elastica/blade/sensitivity.hpp);
-  // infinite where the blade is straight.
+  // infinite where the blade is straight. None of a coarse look.
   std::vector<std::array<double, 6>> rib_sensitivity_mm;
+  // Whether what clamps may err was looked at.
+  [[nodiscard]] bool clamps_weighed() const { return !rib_sensitivity_mm.empty(); }
 };
 
 // A strip's motion: its poses, and what was measured of them.

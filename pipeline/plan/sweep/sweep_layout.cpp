@@ -181,7 +181,8 @@ SweepGrid SweepLayouts::least_grid(const Box& extent) const {
     constexpr double kRounding = 1e-9;
     return most > 0 ? static_cast<std::size_t>(std::max(1.0, std::ceil(size / most - kRounding))) : 1;
   };
-  return {needed(extent.sizes().x(), edge), needed(extent.sizes().y(), rib)};
+  // Blades that reach over no more than a part goes past its seams reach over no part: one says so.
+  return {needed(extent.sizes().x(), edge), rib > 2 * kSeamOverlapMm ? needed(extent.sizes().y(), rib) : 1};
 }
 
 std::size_t SweepLayouts::fewest_parts() const {
@@ -306,12 +307,14 @@ Layout SweepLayouts::in_rows() const {
   const Rows* best = nullptr;
   for (Rows& rows : laid) {
     // Rows that fit are hardly fewer than even ones.
-    if (best && rows.needs >= best->needs) break;
+    if (rows.rows.empty() || (best && rows.needs >= best->needs)) break;
     fit_rows(rows);
     if (!best || rows.needs < best->needs) best = &rows;
   }
   Layout layout{planes_.front(), 0, {}};
-  if (best) {
+  if (!best) {
+    layout.grid = {laid.front().needs, 1};
+  } else {
     layout.planes = best->axes.planes;
     for (const std::vector<FittedPart>& row : best->rows) {
       for (const FittedPart& part : row) layout.add(part);
@@ -332,12 +335,18 @@ SweepLayouts::Rows SweepLayouts::even_rows(const Whole& whole) const {
 void SweepLayouts::lay(Rows& rows, std::vector<double> shares) const {
   const double most = std::min(fitter_.longest_edge_mm(), fitter_.longest_rib_mm()) - 2 * kSeamOverlapMm;
   rows.shares = std::move(shares);
+  rows.rows.clear();
+  rows.over.assign(rows.shares.size(), 1);
+  const double pieces = std::max(1.0, std::ceil(rows.box.sizes().y() / most));
+  // A design may fill half of its box.
+  constexpr std::size_t kMost = 2 * kMostStrips;
+  rows.needs = rows.shares.size() * static_cast<std::size_t>(std::min<double>(pieces, kMost + 1));
+  if (rows.needs > kMost) return;
   rows.rows = rows_of(rows.axes, rows.box, rows.shares, most);
-  rows.over.assign(rows.rows.size(), 1);
   rows.needs = 0;
   for (std::size_t i = 0; i < rows.rows.size(); ++i) {
     for (const FittedPart& part : rows.rows[i]) {
-      rows.over[i] = std::max(rows.over[i], excess_of(part.fit));
+      rows.over[i] = std::max(rows.over[i], part.fit.stock_share);
       // What cannot be a part as it is takes one more at least.
       rows.needs += part.fit.holds() ? 1 : 2;
     }
@@ -366,6 +375,7 @@ void SweepLayouts::fit_rows(Rows& rows) const {
       for (double& share : shares) share /= sum;
     }
     lay(now, std::move(shares));
+    if (now.rows.empty()) break;
     vain = now.worst() < rows.worst() ? 0 : vain + 1;
     if (vain == 0) rows = now;
   }
@@ -386,12 +396,11 @@ std::vector<std::vector<FittedPart>> SweepLayouts::rows_of(const RibAxes& axes, 
   return rows;
 }
 
-// Slopes make blocks larger than what runs through them: a row whose parts do not fit is cut once more.
+// Slopes make blocks larger than what runs through them: rows whose parts do not fit are cut into more.
 std::vector<FittedPart> SweepLayouts::row_of(const SweepPart& row, double most_mm) const {
-  constexpr std::size_t kMore = 4;
   std::vector<FittedPart> best;
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t more = 0; more <= kMore; ++more) {
+  for (std::size_t more = 0; more <= std::max<std::size_t>(4, best.size() / 8); ++more) {
     std::vector<FittedPart> parts;
     double worst = 1;
     for (const auto& [from, to] : pieces_of(row, most_mm, more)) {
@@ -404,8 +413,9 @@ std::vector<FittedPart> SweepLayouts::row_of(const SweepPart& row, double most_m
       worst = std::max(worst, excess_of(fit));
       parts.push_back({std::move(part), std::move(fit)});
     }
-    constexpr double kHelps = 0.98;
-    if (worst > 1 && !(worst < kHelps * least)) break;
+    // One more of n makes each smaller by a n-th at best.
+    const double helps = std::min(0.02, 0.2 / static_cast<double>(parts.size()));
+    if (worst > 1 && !(worst < (1 - helps) * least)) break;
     least = worst;
     best = std::move(parts);
     if (worst <= 1) break;
@@ -447,10 +457,14 @@ std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& 
   const auto pieces = static_cast<std::size_t>(std::max(1.0, std::ceil(whole / most_mm))) + more;
   std::vector<std::pair<double, double>> parts;
   double from = -kInfinite, passed = 0;
-  for (std::size_t i = 0; i < count && parts.size() + 1 < pieces; ++i) {
-    const double wanted = whole * static_cast<double>(parts.size() + 1) / static_cast<double>(pieces);
-    if (passed + run[i] >= wanted && run[i] > 0) {
-      const double share = (static_cast<double>(i) + (wanted - passed) / run[i]) / static_cast<double>(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto wanted = [&] {
+      return whole * static_cast<double>(parts.size() + 1) / static_cast<double>(pieces);
+    };
+    // Pieces may be shorter than the places are apart.
+    while (parts.size() + 1 < pieces && run[i] > 0 && passed + run[i] >= wanted()) {
+      const double share =
+          (static_cast<double>(i) + (wanted() - passed) / run[i]) / static_cast<double>(count);
       parts.emplace_back(from, low + share * width);
       from = parts.back().second;
     }

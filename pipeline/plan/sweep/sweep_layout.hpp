@@ -14,6 +14,9 @@
 
 namespace hotblade::pipeline {
 
+// A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
+inline constexpr std::size_t kMostStrips = 2000;
+
 // Rows and columns of parts.
 struct SweepGrid {
   std::size_t along_sweep = 1, along_ribs = 1;
@@ -79,6 +82,7 @@ class SweepLayouts {
 
   // A design of many parts, in the planes whose rows take the fewest: rows of one depth, each cut into parts
   // of one arc length, with axes of their own.
+  // Without any, and with the grid that they would be about, where that is more than are ever planned.
   [[nodiscard]] Layout in_rows() const;
 
   // All parts of a grid fitted, from those of `start` where there are any.
@@ -124,6 +128,7 @@ class SweepLayouts {
   [[nodiscard]] Rows even_rows(const Whole& whole) const;
   // Rows of other depths where parts are too large for a block.
   void fit_rows(Rows& rows) const;
+  // Rows that would be far more than kMostStrips parts are left without any, with how many they need.
   void lay(Rows& rows, std::vector<double> shares) const;
   [[nodiscard]] std::vector<std::vector<FittedPart>> rows_of(const RibAxes& axes,
                                                              const Eigen::AlignedBox<double, 2>& box,

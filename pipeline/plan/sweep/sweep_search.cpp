@@ -37,13 +37,8 @@ class Search {
   // Layouts in the order of their parts and costs, each attempted until one is taken.
   void run() {
     const std::size_t fewest = layouts_.fewest_parts();
-    if (fewest > kMostStrips) {
-      refuse(first_try({}, SweepWay::kEven),
-             {"design", "", Limit::kStrips, static_cast<double>(fewest), kMostStrips,
-              say(Saying::kUnitOrParts, {settings_.design.units})});
-    } else if (fewest <= most_parts_) {
-      fewest > kMostEven ? run_rows() : run_even(fewest);
-    }
+    if (fewest > kMostStrips) return refuse_so_many(first_try({}, SweepWay::kEven), fewest);
+    if (fewest <= most_parts_) fewest > kMostEven ? run_rows() : run_even(fewest);
   }
 
  private:
@@ -58,7 +53,9 @@ class Search {
   void run_rows() const {
     // A round that ends at strips by themselves takes a tenth of the time of one that fits and measures all.
     constexpr int kMostRounds = 16;
-    auto [tried, coarse] = coarsest_first(first_try(layouts_.in_rows(), SweepWay::kRows));
+    Tried laid = first_try(layouts_.in_rows(), SweepWay::kRows);
+    if (laid.layout.parts.empty()) return refuse_so_many(laid, laid.layout.grid.count());
+    auto [tried, coarse] = coarsest_first(std::move(laid));
     if (coarse) return refuse(tried, *coarse);
     tried.many = true;
     tried = attempt(std::move(tried));
@@ -172,6 +169,11 @@ class Search {
     none.parts = tried.layout.parts.size();
     none.refusals = {refusal};
     (void)judges_.together(none);
+  }
+
+  void refuse_so_many(const Tried& tried, std::size_t parts) const {
+    refuse(tried, {"design", "", Limit::kStrips, static_cast<double>(parts), kMostStrips,
+                   say(Saying::kUnitOrParts, {settings_.design.units})});
   }
 
   // Of many parts, those whose facets leave the most to a smooth cut are planned first: where they leave more

@@ -80,9 +80,6 @@ struct SweepJudges {
 // none where its blade does not move.
 using BandsOfSweep = std::function<std::vector<std::shared_ptr<const SweptBands>>(const SweptPlan&)>;
 
-// A plan takes a third of a second for each: by then a wrong unit is likelier than a job.
-inline constexpr std::size_t kMostStrips = 2000;
-
 // Hands plans over until one is taken together, or all are left: fewer parts first, then smaller deviations.
 // Those with parts that have no strip are handed over with the reasons, and are not to be taken. Returns the
 // planes that were ranked on the way. The same input gives the same plans, whatever the number of threads.

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -25,8 +26,12 @@ Json vector_json(const Eigen::Vector3d& v) {
   return Json::array({v.x(), v.y(), v.z()});
 }
 
-// mm of shape change by each clamp coordinate; null where the blade is straight.
-Json sensitivity_json(const std::array<double, 6>& mm) {
+// mm of shape change by each clamp coordinate of a rib; null where the blade is straight, and where the strip
+// was looked at without its clamps' errors.
+Json sensitivity_json(const MotionFacts& motion, std::size_t rib) {
+  std::array<double, 6> mm;
+  mm.fill(std::numeric_limits<double>::infinity());
+  if (rib < motion.rib_sensitivity_mm.size()) mm = motion.rib_sensitivity_mm[rib];
   Json json;
   for (std::size_t i = 0; i < mm.size(); ++i) {
     json[clamp_coordinate_name(i)] = std::isfinite(mm[i]) ? Json(mm[i]) : Json();
@@ -49,6 +54,7 @@ Json blades_json(const std::optional<BladeTrials>& trials) {
 }
 
 Json strip_json(const StripFacts& f, const Strip& strip) {
+  const auto weighed = [&](double mm) { return f.motion.clamps_weighed() ? Json(mm) : Json(); };
   Json ribs = Json::array();
   for (std::size_t i = 0; i < strip.ribs.size(); ++i) {
     const Rib& rib = strip.ribs[i];
@@ -58,7 +64,7 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                     {"h1", rib.h1},
                     {"hausdorff_mm", rib.hausdorff_mm},
                     {"design_deviation_mm", rib.design_deviation_mm},
-                    {"clamp_sensitivity_mm", sensitivity_json(f.motion.rib_sensitivity_mm.at(i))}});
+                    {"clamp_sensitivity_mm", sensitivity_json(f.motion, i)}});
   }
   Json json = {{"id", f.id},
                {"ribs", f.ribs},
@@ -81,10 +87,10 @@ Json strip_json(const StripFacts& f, const Strip& strip) {
                {"droop_mm", f.motion.droop_mm},
                {"droop_error_mm", f.droop_error_mm},
                {"in_plane_sag_mm", f.motion.in_plane_sag_mm},
-               {"clamp_error_mm", f.motion.clamp_error_mm},
-               {"margin_mm_min", f.motion.smallest_margin_mm()},
-               {"snap_margin_mm_min", f.motion.smallest_fold_mm},
-               {"straight_margin_mm_min", f.motion.smallest_straight_mm},
+               {"clamp_error_mm", weighed(f.motion.clamp_error_mm)},
+               {"margin_mm_min", weighed(f.motion.smallest_margin_mm())},
+               {"snap_margin_mm_min", weighed(f.motion.smallest_fold_mm)},
+               {"straight_margin_mm_min", weighed(f.motion.smallest_straight_mm)},
                {"duration_s", f.motion.duration_s},
                {"cut_s", f.motion.cut_s},
                {"feed_slowest_mm_s", f.motion.slowest_feed_mm_s},

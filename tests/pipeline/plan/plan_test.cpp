@@ -207,6 +207,30 @@ TEST(Plan, RefusesADesignThatBendsMoreSharplyThanTheBlade) {
   EXPECT_NEAR(result.refusals.front().bound, 70.5, 0.1);
 }
 
+TEST(Plan, RefusesABladeThatReachesOverNoPartByItsReach) {
+  const auto swell = grid_design("swell", 12, 12, [](double u, double v) {
+    return Eigen::Vector3d(900 * u, 600 * v, 30 * std::sin(3 * u));
+  });
+  Settings settings = along_x();
+  settings.blade.free_lengths_mm = {112};
+  const PlanResult result = plan(swell, settings, {});
+  ASSERT_FALSE(result.refusals.empty());
+  EXPECT_EQ(result.refusals.front().limit, Limit::kRibLength) << describe(result.refusals.front());
+  EXPECT_NEAR(result.refusals.front().bound, 6, 1);
+}
+
+TEST(Plan, RefusesMoreStripsThanAreEverPlanned) {
+  const auto swell = grid_design("swell", 30, 24, [](double u, double v) {
+    return Eigen::Vector3d(9000 * u, 6000 * v, 60 * std::sin(3 * u));
+  });
+  Settings settings = along_x();
+  settings.blade.free_lengths_mm = {124};
+  const PlanResult result = plan(swell, settings, {});
+  ASSERT_EQ(result.refusals.size(), 1U);
+  EXPECT_EQ(result.refusals.front().limit, Limit::kStrips) << describe(result.refusals.front());
+  EXPECT_GT(result.refusals.front().value, result.refusals.front().bound);
+}
+
 // A bump that no blade forms, away from the middle: it is where a picture puts its ring.
 // A torus leans to no side as a whole.
 TEST(Plan, SaysOfAClosedDesignThatOneSideIsCut) {

@@ -58,6 +58,22 @@ TEST_F(ReportSchema, AcceptsTheReportsOfPassedAndRefusedPlans) {
   EXPECT_EQ(refused["remedies"][0]["set"][0], "design.tolerance_mm=1.3");
 }
 
+// A refused plan of many strips is shown as it was looked at, without what its clamps may err.
+TEST_F(ReportSchema, AcceptsStripsWhoseClampsWereNotLookedAt) {
+  PlanResult result = plan(cylinder_design(), along_x(), {});
+  EXPECT_TRUE(Json::parse(report_json(result))["strips"][0]["margin_mm_min"].is_number());
+  for (StripFacts& strip : result.strips) strip.motion.rib_sensitivity_mm.clear();
+  const Json report = Json::parse(report_json(result));
+  EXPECT_EQ(wrong(report), "");
+  for (const Json& strip : report["strips"]) {
+    for (const char* key :
+         {"clamp_error_mm", "margin_mm_min", "snap_margin_mm_min", "straight_margin_mm_min"})
+      EXPECT_TRUE(strip[key].is_null()) << key;
+    for (const Json& rib : strip["rib_facts"])
+      for (const auto& [name, mm] : rib["clamp_sensitivity_mm"].items()) EXPECT_TRUE(mm.is_null()) << name;
+  }
+}
+
 TEST_F(ReportSchema, NamesEveryFigureThatAReportHas) {
   Settings settings = along_x();
   settings.stock.sizes_mm = {{1250, 1250, 600}};

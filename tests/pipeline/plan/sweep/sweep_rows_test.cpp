@@ -45,5 +45,36 @@ TEST(SweepRows, AreInThePlanesThatTakeTheFewestStrips) {
   EXPECT_GT(most, fewest) << "all planes are alike";
 }
 
+surface::DesignSurface swell(double length_mm, double width_mm) {
+  return grid_design("swell", 30, 24, [=](double u, double v) -> Vector3d {
+    return {length_mm * u, width_mm * v, 40 * std::sin(3 * u) * std::cos(2 * v)};
+  });
+}
+
+Layout rows_of(const surface::DesignSurface& design, double blade_mm) {
+  Settings settings;
+  settings.blade.free_lengths_mm = {blade_mm};
+  const WatchSweeps watch = [] {};
+  const PartFitter fitter(settings, watch);
+  return SweepLayouts(design.mesh, waste_surface(design.mesh, 1), sweep_planes(design.mesh, {}), settings,
+                      fitter)
+      .in_rows();
+}
+
+// Rows were cut at samples 40 mm apart, and then made narrower by as much as their parts were too long.
+TEST(SweepRows, OfABladeThatReachesOverLessThanSamplesAreApart) {
+  constexpr double kReach_mm = 44, kSeams_mm = 16;
+  const Layout rows = rows_of(swell(900, 600), kReach_mm + 106);
+  EXPECT_GE(static_cast<double>(rows.parts.size()), 600 / (kReach_mm - kSeams_mm));
+  EXPECT_LT(rows.parts.size(), 80U);
+  for (const PartFit& fit : rows.fits) EXPECT_TRUE(fit.holds());
+}
+
+TEST(SweepRows, AreNotLaidWhereTheyWouldBeMoreThanIsEverPlanned) {
+  const Layout rows = rows_of(swell(9000, 6000), 18 + 106);
+  EXPECT_TRUE(rows.parts.empty());
+  EXPECT_GT(rows.grid.count(), kMostStrips);
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
