@@ -9,6 +9,7 @@
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -113,7 +114,7 @@ Batch read_batch(const BatchDirectory& directory) {
                     ": no batch is here (batch.json is missing): make one with `hotblade batch init`");
   }
   const MappedFile mapped(file);
-  Json json = Json::parse(mapped.text(), nullptr, false);
+  Json json = whole_json_if_any<Json>(mapped.text());
   if (!json.is_object() || json.value("format", "") != "hotblade-batch" || json.value("version", 0) != 1)
     fail_batch(file, "is no batch of this program");
   const std::string sha256 = json.value("sha256", "");

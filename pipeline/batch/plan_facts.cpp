@@ -10,6 +10,7 @@
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/batch/result.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 
 namespace hotblade::pipeline::batch {
 namespace {
@@ -99,7 +100,7 @@ Json report_of(const fs::path& directory) {
   std::error_code ignored;
   if (!fs::exists(directory / "report.json", ignored)) return {};
   const MappedFile mapped(directory / "report.json");
-  return Json::parse(mapped.text(), nullptr, false);
+  return whole_json_if_any<Json>(mapped.text());
 }
 
 Cells cells_of(const Result& result, const Json& report, const std::string& page) {

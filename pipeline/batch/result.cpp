@@ -5,6 +5,7 @@
 
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -60,7 +61,7 @@ Result read_result(const std::filesystem::path& directory) {
   const std::filesystem::path file = directory / "result.json";
   const MappedFile mapped(file);
   try {
-    const Json json = Json::parse(mapped.text());
+    const Json json = whole_json<Json>(mapped.text());
     if (json.at("format") != "hotblade-batch-result" || json.at("version") != 1)
       throw Error(ErrorKind::kBadInput, file.string() + ": is no result of this program");
     Result r;

@@ -26,6 +26,7 @@
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/version.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::batch {
@@ -250,7 +251,7 @@ class Runner {
   static Json report_of(const Running& ended) {
     std::error_code ignored;
     const fs::path report = ended.place.output() / "report.json";
-    return fs::exists(report, ignored) ? Json::parse(MappedFile(report).text(), nullptr, false) : Json();
+    return fs::exists(report, ignored) ? whole_json_if_any<Json>(MappedFile(report).text()) : Json();
   }
 
   // Why a plan did not pass: its first refusal, or what it said last.
@@ -343,7 +344,7 @@ std::vector<Failure> read_failures(const BatchDirectory& directory, int chunk) {
   for (std::string_view rest = mapped.text(); !rest.empty();) {
     const std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-    const Json json = Json::parse(line, nullptr, false);
+    const Json json = whole_json_if_any<Json>(line);
     if (!json.is_object()) throw Error(ErrorKind::kBadInput, file.string() + ": is no list of failures");
     failures.push_back({json.value("job", std::size_t{0}), json.value("panel", ""), json.value("key", ""),
                         json.value("attempts", 0), json.value("why", ""),

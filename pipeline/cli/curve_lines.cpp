@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/settings/json_bytes.hpp"
 #include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline::curve_lines {
@@ -85,7 +86,7 @@ Exit each_line(const std::function<Json(const Json&)>& answer) {
   for (std::size_t number = 1; std::getline(std::cin, text) && !interrupted(); ++number) {
     Json out, id;
     try {
-      const Json line = Json::parse(text);
+      const Json line = whole_json<Json>(text);
       if (line.is_object() && line.contains("id")) id = line["id"];
       out = answer(line);
     } catch (const nlohmann::json::exception&) {

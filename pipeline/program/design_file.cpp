@@ -8,6 +8,7 @@
 #include "pipeline/program/read_design.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 
 namespace hotblade::pipeline {
 
@@ -18,7 +19,8 @@ namespace {
 // A path that run.json beside the program has, its bytes where they are no UTF-8.
 std::optional<fs::path> path_in_run(const fs::path& program_file, const std::string& key) {
   std::ifstream stream(program_file.parent_path() / "run.json");
-  const auto run = nlohmann::json::parse(stream, nullptr, false);
+  const std::string run_text((std::istreambuf_iterator<char>(stream)), {});
+  const auto run = whole_json_if_any<nlohmann::json>(run_text);
   if (!run.is_object()) return std::nullopt;
   const auto bytes = run.find(key + "_bytes"), text = run.find(key);
   if (bytes != run.end() && bytes->is_array()) {

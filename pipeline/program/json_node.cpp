@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "pipeline/settings/json_text.hpp"
 
 namespace hotblade::pipeline {
@@ -217,6 +218,11 @@ std::string parser_words(const std::string& what) {
   return at == std::string::npos || end == std::string::npos ? what : what.substr(end + 2);
 }
 
+// The parser counts bytes from 1.
+bool at_nul(const std::string& text, std::size_t byte) {
+  return byte > 0 && byte <= text.size() && text[byte - 1] == '\0';
+}
+
 }  // namespace
 
 JsonNode::Json parse_json(const std::string& text, const std::string& file) {
@@ -226,12 +232,13 @@ JsonNode::Json parse_json(const std::string& text, const std::string& file) {
 JsonNode::Json parse_json(const std::string& text, const std::string& file, const JsonTaker& taker) {
   try {
     TreeGrower grower(file, taker);
-    JsonNode::Json::sax_parse(text, &grower);
+    JsonNode::Json::sax_parse(json_begin(text), json_end(text), &grower);
     return grower.result();
   } catch (const JsonNode::Json::parse_error& error) {
-    throw Error(ErrorKind::kBadInput,
-                fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
-                            text.empty() ? "the file is empty" : parser_words(error.what())));
+    throw Error(ErrorKind::kBadInput, fmt::format("{}:{}: not JSON: {}", file, line_of(text, error.byte),
+                                                  text.empty()               ? "the file is empty"
+                                                  : at_nul(text, error.byte) ? "a NUL byte"
+                                                                             : parser_words(error.what())));
   } catch (const JsonNode::Json::out_of_range& error) {
     throw Error(ErrorKind::kBadInput, fmt::format("{}: a number is too large: {}", file, error.what()));
   }

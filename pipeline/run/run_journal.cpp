@@ -10,6 +10,7 @@
 
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "robot/wire/job.hpp"
 
 namespace hotblade::pipeline {
@@ -39,7 +40,7 @@ std::optional<RunJournal> RunJournalFile::read() const {
     return Error(ErrorKind::kBadInput, path_.string() + ": no journal of a run (" + what +
                                            "): remove it, and look at the controller before anything starts");
   };
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = whole_json_if_any<nlohmann::json>(text);
   if (!json.is_object()) throw bad("another format");
   const auto word = [&](const char* key) {
     const auto& value = json.at(key);

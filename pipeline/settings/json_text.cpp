@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "pipeline/settings/json_bytes.hpp"
+
 namespace hotblade::pipeline {
 
 std::string json_text(const nlohmann::json& json, int indent) {
@@ -13,7 +15,7 @@ std::string json_text(const nlohmann::ordered_json& json, int indent) {
 }
 
 std::string utf8_text(std::string_view bytes) {
-  return nlohmann::json::parse(json_text(nlohmann::json(bytes))).get<std::string>();
+  return whole_json<nlohmann::json>(json_text(nlohmann::json(bytes))).get<std::string>();
 }
 
 bool is_utf8(std::string_view bytes) {

@@ -8,11 +8,18 @@
 namespace hotblade::surface {
 
 nlohmann::json GltfJson::parse(std::string_view text, const std::string& name, std::size_t first_byte) {
+  const auto bad_byte = [&](std::size_t byte) {
+    return MeshError(name + ": byte " + std::to_string(first_byte + byte) +
+                     ": not the JSON of a glTF: it is cut short or damaged, export it again");
+  };
+  // The parser takes a NUL for the end. At the very end they fill a chunk up, as some programs write it.
+  const std::size_t nul = text.find('\0');
+  if (nul != std::string_view::npos && text.find_first_not_of('\0', nul) != std::string_view::npos)
+    throw bad_byte(nul + 1);
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
-    throw MeshError(name + ": byte " + std::to_string(first_byte + error.byte) +
-                    ": not the JSON of a glTF: it is cut short or damaged, export it again");
+    throw bad_byte(error.byte);
   } catch (const nlohmann::json::exception& error) {
     throw MeshError(name + ": not the JSON of a glTF (" + shown_token(error.what()) + "): export it again");
   }

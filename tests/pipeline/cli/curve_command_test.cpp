@@ -54,6 +54,13 @@ TEST(CurveCommand, AnswersEveryLineAtItsPlaceAndEndsWithThreeWhenOneWasBad) {
   }
 }
 
+TEST(CurveCommand, ReadsALineToItsEnd) {
+  const Answers a = curve("residual", kArch + std::string("\0 zzz\n", 6) + kArch + "\n");
+  EXPECT_EQ(a.code, 3);
+  ASSERT_EQ(a.lines.size(), 2u);
+  EXPECT_THAT(a.lines[0].at("error").get<std::string>(), ::testing::HasSubstr("line 1: not JSON"));
+}
+
 TEST(CurveCommand, ResidualSaysItsErrorBoundAndACuspIsAnAnswer) {
   const Answers a = curve("residual", std::string(kArch) +
                                           "\n{\"bezier\":[[0,0],[1,1],[0,1],[1,0]]}\n"

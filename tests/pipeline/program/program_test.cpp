@@ -142,7 +142,8 @@ INSTANTIATE_TEST_SUITE_P(
         Breakage{"TooManySplits", [](Json& j) { j["settings"]["fit"]["max_splits"] = 1001; },
                  "settings.fit.max_splits: out of range (1001"},
         Breakage{"SettingsThatDoNotGoTogether", [](Json& j) { j["settings"]["blade"]["kerf_mm"] = 0.1; },
-                 "settings: do not go together: settings: blade.thickness_mm (0.5, must be at most blade.kerf_mm, 0.1)"},
+                 "settings: do not go together: settings: blade.thickness_mm (0.5, must be at most "
+                 "blade.kerf_mm, 0.1)"},
         Breakage{"NoBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"] = Json::array(); },
                  "(0, at least 1)"},
         Breakage{"FallingBladeLengths", [](Json& j) { j["blade"]["free_lengths_mm"][2] = 600; },
@@ -297,6 +298,8 @@ TEST(ParseProgramText, RefusesEmptyTextTrailingTextNanAndHugeNumbers) {
   const std::string text = to_json(vault_program());
   EXPECT_THAT(refusal(""), HasSubstr("the file is empty"));
   EXPECT_THAT(refusal(text + "{}"), HasSubstr("not JSON"));
+  for (const std::string& behind : {std::string(1, '\0'), std::string("\0garbage{{{", 12)})
+    EXPECT_THAT(refusal(text + behind), HasSubstr("not JSON: a NUL byte"));
   EXPECT_THAT(refusal(text.substr(0, text.size() / 2)), HasSubstr("not JSON"));
   const auto with_tolerance = [&](const std::string& value) {
     std::string changed = text;

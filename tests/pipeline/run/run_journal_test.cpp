@@ -37,12 +37,15 @@ TEST_F(RunJournalTest, KeepsTheLastThatWasWritten) {
 }
 
 TEST_F(RunJournalTest, WhatIsNoJournalIsNamedAndNotGuessedAt) {
-  for (const char* text : {"", "{}", "[1]", "hello", R"({"format":"hotblade-resume","run":1,"token":1})",
-                           R"({"format":"hotblade-resume","job":"xyz","run":1,"token":1})",
-                           R"({"format":3,"job":"00a1","run":1,"token":1})",
-                           R"({"format":"hotblade-resume","job":"00a1","run":-1,"token":1})",
-                           R"({"format":"hotblade-resume","job":"00a1","run":1,"token":4294967296})",
-                           R"({"format":"hotblade-resume","job":"00a1","run":"one","token":1})"}) {
+  const std::string whole = R"({"format":"hotblade-resume","job":"00a1","run":1,"token":1})";
+  for (const std::string& text :
+       {std::string(), std::string("{}"), std::string("[1]"), std::string("hello"),
+        whole + std::string("\0x", 2), std::string(R"({"format":"hotblade-resume","run":1,"token":1})"),
+        std::string(R"({"format":"hotblade-resume","job":"xyz","run":1,"token":1})"),
+        std::string(R"({"format":3,"job":"00a1","run":1,"token":1})"),
+        std::string(R"({"format":"hotblade-resume","job":"00a1","run":-1,"token":1})"),
+        std::string(R"({"format":"hotblade-resume","job":"00a1","run":1,"token":4294967296})"),
+        std::string(R"({"format":"hotblade-resume","job":"00a1","run":"one","token":1})")}) {
     std::ofstream(file_.path()) << text;
     try {
       (void)file_.read();

@@ -71,6 +71,21 @@ std::string base64(const std::string& bytes) {
   return text;
 }
 
+// A GLB whose JSON has this behind it.
+std::string glb_with(const std::string& behind) {
+  const std::string json_chunk = chunk(0x4e4f534a, square().dump() + behind, ' ');
+  const std::string chunks = json_chunk + chunk(0x004e4942, square_data(), '\0');
+  return "glTF" + number_bytes(std::uint32_t{2}) +
+         number_bytes(static_cast<std::uint32_t>(12 + chunks.size())) + chunks;
+}
+
+TEST(Gltf, HasNothingBehindANulOfItsJson) {
+  std::string filled = square().dump();
+  filled = std::string(4 - filled.size() % 4, '\0');
+  EXPECT_NEAR(read_bytes_as(glb_with(filled), "a.glb", kMetres).health.area_mm2, 1e6, 1e-3);
+  EXPECT_THAT(refusal_of(glb_with(filled + "more"), "a.glb", kMetres), HasSubstr("not the JSON of a glTF"));
+}
+
 TEST(Gltf, IsInMetresWithYUp) {
   const DesignSurface design = read_glb(square());
   ASSERT_THAT(design.mesh.vertices(), SizeIs(4));
