@@ -1,17 +1,9 @@
 // A cell written out as TOML.
-#include <nlohmann/json.hpp>
-
 #include "pipeline/cell/cell_file.hpp"
-#include "pipeline/settings/json_text.hpp"
 #include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
 namespace {
-
-// A JSON string with its escapes is a TOML basic string too.
-std::string quoted(const std::string& text) {
-  return json_text(nlohmann::json(text));
-}
 
 template <typename Numbers>
 std::string list(const Numbers& numbers) {
@@ -30,7 +22,7 @@ std::string pose(const robot::Pose& p) {
 
 std::string size_or_mesh(const robot::Shape& shape) {
   if (const auto* box = std::get_if<robot::Box>(&shape.solid)) return "size_mm = " + list(box->size_mm);
-  return "mesh = " + quoted(std::get<robot::Mesh>(shape.solid).file);
+  return "mesh = " + toml_string(std::get<robot::Mesh>(shape.solid).file);
 }
 
 const char* word(robot::Placing how) {
@@ -57,7 +49,7 @@ std::string tool_text(const robot::ArmTool& tool) {
 }
 
 std::string arm_text(const robot::CellArm& arm) {
-  std::string text = "\n[[arm]]\nid = " + quoted(arm.id) + "\nmodel = " + quoted(arm.model_file) +
+  std::string text = "\n[[arm]]\nid = " + toml_string(arm.id) + "\nmodel = " + toml_string(arm.model_file) +
                      "\nbase = " + pose(arm.base) + "\nspeed_share = " + number_text(arm.speed_share) + "\n";
   // An assumption stays one: written out as a figure it would be the user's.
   text += std::string(arm.acceleration_assumed ? "# assumed: " : "") +
@@ -65,17 +57,19 @@ std::string arm_text(const robot::CellArm& arm) {
           "\njerk_rad_s3 = " + list(arm.jerk_rad_s3) + "\n";
   text += "min_deg = " + limits(arm.model.arm, &robot::Joint::min_rad) +
           "\nmax_deg = " + limits(arm.model.arm, &robot::Joint::max_rad) + "\n" + tool_text(arm.tool);
-  text += "[arm.rapid]\ntask = " + quoted(arm.rapid.task) + "\ntool = " + quoted(arm.rapid.tool) +
-          "\nwobj = " + quoted(arm.rapid.wobj) + "\nheat = " + quoted(arm.rapid.heat) + "\n";
+  text += "[arm.rapid]\ntask = " + toml_string(arm.rapid.task) + "\ntool = " + toml_string(arm.rapid.tool) +
+          "\nwobj = " + toml_string(arm.rapid.wobj) + "\nheat = " + toml_string(arm.rapid.heat) + "\n";
   return text + "[arm.krl]\ntool = " + std::to_string(arm.krl.tool) +
-         "\nbase = " + std::to_string(arm.krl.base) + "\nheat = " + quoted(arm.krl.heat) +
-         "\nready_out = " + quoted(arm.krl.ready_out) + "\nready_in = " + quoted(arm.krl.ready_in) + "\n";
+         "\nbase = " + std::to_string(arm.krl.base) + "\nheat = " + toml_string(arm.krl.heat) +
+         "\nready_out = " + toml_string(arm.krl.ready_out) + "\nready_in = " + toml_string(arm.krl.ready_in) +
+         "\n";
 }
 
 }  // namespace
 
 std::string to_toml(const robot::Cell& cell) {
-  std::string text = "[cell]\nname = " + quoted(cell.name) + "\nplace = \"" + word(cell.place.how) + "\"\n";
+  std::string text =
+      "[cell]\nname = " + toml_string(cell.name) + "\nplace = \"" + word(cell.place.how) + "\"\n";
   const auto line = [&text](const char* key, const std::string& value) {
     text += std::string(key) + " = " + value + "\n";
   };
@@ -97,7 +91,7 @@ std::string to_toml(const robot::Cell& cell) {
   if (cell.table_mm) text += "\n[table]\nsize_mm = " + list(*cell.table_mm) + "\n";
   text += "\n[plinth]\ninset_mm = " + number_text(cell.plinth_inset_mm) + "\n";
   for (const robot::Obstacle& obstacle : cell.obstacles) {
-    text += "\n[[obstacle]]\nid = " + quoted(obstacle.id) + "\n" + size_or_mesh(obstacle.shape) +
+    text += "\n[[obstacle]]\nid = " + toml_string(obstacle.id) + "\n" + size_or_mesh(obstacle.shape) +
             "\nat = " + pose(obstacle.at) + "\n";
   }
   return text;

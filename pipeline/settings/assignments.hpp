@@ -15,5 +15,6 @@ inline constexpr const char* kAbsent = "absent";
 [[nodiscard]] Settings with_assignments(Settings settings, const std::vector<std::string>& assignments);
 // The same of flags; errors name them.
 [[nodiscard]] Settings with_flags(Settings settings, const std::vector<SettingsFlag>& flags);
+[[nodiscard]] SaidSettings with_flags(SaidSettings settings, const std::vector<SettingsFlag>& flags);
 
 }  // namespace hotblade::pipeline

@@ -3,12 +3,16 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
 
 #include "pipeline/settings/assignments.hpp"
@@ -146,6 +150,11 @@ struct Reader {
   void operator()(double* place) const { *place = number(node, "a number"); }
   void operator()(int* place) const {
     const auto integer = node.value_exact<std::int64_t>();
+    const auto real = node.value_exact<double>();
+    if (!integer && real && std::abs(*real) >= 0x1p63) {  // too large for TOML's whole numbers, as below
+      *place = *real > 0 ? std::numeric_limits<int>::max() : std::numeric_limits<int>::min();
+      return;
+    }
     if (!integer) wrong_type("a whole number");
     // Out of int is out of range whatever the range; the check that follows says so.
     *place = static_cast<int>(
@@ -440,12 +449,24 @@ void apply_file(Settings& settings, Origins& origins, const std::filesystem::pat
   }
 }
 
+// A whole number of more than 64 bits, which no TOML has, is beyond every limit by its size.
+std::optional<double> too_large(std::string_view value) {
+  const std::string_view digits = value.substr(value.starts_with('-') || value.starts_with('+') ? 1 : 0);
+  if (digits.empty() || digits.front() == '0' ||
+      digits.find_first_not_of("0123456789") != std::string_view::npos)
+    return std::nullopt;
+  double number = std::numeric_limits<double>::infinity();
+  (void)std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return value.starts_with('-') ? -number : number;
+}
+
 // A value as TOML, or as the string it spells when it is no TOML but a plain word.
 toml::table parse_value(const std::string& value, const std::string& where) {
   try {
     toml::table table = toml::parse("value = " + value);
     if (table.size() == 1) return table;
   } catch (const toml::parse_error& error) {
+    if (const auto number = too_large(value)) return toml::table{{"value", *number}};
     const bool word = std::all_of(value.begin(), value.end(), [](char c) {
       return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == '/';
     });
@@ -496,9 +517,24 @@ void apply_assignments(Settings& settings, Origins& origins, const std::vector<s
   }
 }
 
+// What flags say on top of others: they take back what they have at its default.
+void said_by(const std::vector<SettingsFlag>& flags, std::set<std::string>& said) {
+  for (const SettingsFlag& flag : flags) {
+    if (flag.said) {
+      said.insert(flag.key);
+    } else {
+      said.erase(flag.key);
+    }
+  }
+}
+
 }  // namespace
 
 Settings resolve(const SettingsSources& sources) {
+  return resolve_said(sources).settings;
+}
+
+SaidSettings resolve_said(const SettingsSources& sources) {
   Settings settings;
   Origins origins;
   for (const auto& file : sources.files) apply_file(settings, origins, file);
@@ -507,7 +543,10 @@ Settings resolve(const SettingsSources& sources) {
     apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
   }
   check(settings, origins);
-  return settings;
+  std::set<std::string> said;
+  for (const auto& [key, origin] : origins) said.insert(key);
+  said_by(sources.flags, said);
+  return {settings, said};
 }
 
 Settings with_assignments(Settings settings, const std::vector<std::string>& assignments) {
@@ -521,6 +560,12 @@ Settings with_flags(Settings settings, const std::vector<SettingsFlag>& flags) {
   Origins origins;
   for (const SettingsFlag& flag : flags) apply_assignment(settings, origins, flag.key, flag.value, flag.flag);
   check(settings, origins);
+  return settings;
+}
+
+SaidSettings with_flags(SaidSettings settings, const std::vector<SettingsFlag>& flags) {
+  settings.settings = with_flags(std::move(settings.settings), flags);
+  said_by(flags, settings.said);
   return settings;
 }
 

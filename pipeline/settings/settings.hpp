@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -125,6 +126,7 @@ struct SettingsFlag {
   std::string flag;   // "--units"
   std::string key;    // "design.units"
   std::string value;  // as for assignments
+  bool said = true;   // false: it is at its default where it is copied from
 };
 
 // The sources of settings, in the order in which they are applied.
@@ -150,6 +152,14 @@ struct SettingInfo {
 // for syntax, unknown keys, wrong types and values out of range, each with `file:line: key (value, limit):
 // hint`. It does not ask for units.
 [[nodiscard]] Settings resolve(const SettingsSources& sources);
+
+// Settings with the keys that a source said, be it what they are by default.
+struct SaidSettings {
+  Settings settings;
+  std::set<std::string> said;
+};
+// Returns the same with what was said. Throws as resolve() does.
+[[nodiscard]] SaidSettings resolve_said(const SettingsSources& sources);
 
 // Checks ranges and that the parts fit together (kerf at least the thickness, lengths ascending, feed at most
 // travel); throws as resolve does.

@@ -223,8 +223,7 @@ struct TomlText {
   template <typename Enum>
   requires std::is_enum_v<Enum> std::optional<std::string>
   operator()(const Enum* v) const { return "\"" + std::string(name(*v)) + "\""; }
-  // A JSON string with its escapes is a TOML basic string too.
-  std::optional<std::string> operator()(const std::string* v) const { return json_text(nlohmann::json(*v)); }
+  std::optional<std::string> operator()(const std::string* v) const { return toml_string(*v); }
   std::optional<std::string> operator()(const std::vector<double>* v) const { return list_text(*v); }
   template <std::size_t N>
   std::optional<std::string> operator()(const std::vector<std::array<double, N>>* v) const {
@@ -286,6 +285,19 @@ std::string number_text(double value) {
   const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format).ptr;
   return {buffer.data(), end};
+}
+
+std::string toml_string(const std::string& text) {
+  const std::string json = json_text(nlohmann::json(text));
+  std::string escaped;
+  for (const char c : json) {
+    if (c == '\x7f') {
+      escaped += "\\u007f";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
 }
 
 std::optional<std::string> toml_text(const SettingPlace& place) {

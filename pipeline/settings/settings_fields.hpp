@@ -64,6 +64,10 @@ template <typename Enum>
 // The shortest text that reads back to the same number.
 [[nodiscard]] std::string number_text(double value);
 
+// Returns a text as a basic string of TOML, quoted: a JSON string with its escapes is one, but for DEL, which
+// TOML has escaped only.
+[[nodiscard]] std::string toml_string(const std::string& text);
+
 // The value as TOML; absent for an optional that is absent.
 [[nodiscard]] std::optional<std::string> toml_text(const SettingPlace& place);
 

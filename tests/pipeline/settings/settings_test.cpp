@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
+#include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/error.hpp"
 #include "robot/blade/blade_section.hpp"
 
@@ -169,6 +171,27 @@ TEST(Settings, TextsThatAreNoUtf8AreRefused) {
   EXPECT_EQ(with("job.author=M\u00fcller").job.author, "M\u00fcller");
 }
 
+TEST(Settings, WholeNumbersBeyond64BitsAreOutOfRange) {
+  const std::string digits = "10000000000000000000";
+  EXPECT_EQ(set_error("design.tolerance_mm=" + digits),
+            "--set: design.tolerance_mm (1e+19, must be 0.01 to 100)");
+  EXPECT_THAT(set_error("design.tolerance_mm=-" + digits), HasSubstr("(-1e+19, must be 0.01 to 100)"));
+  EXPECT_THAT(set_error("design.tolerance_mm=1" + std::string(400, '0')), HasSubstr("(inf, must be"));
+  EXPECT_THAT(set_error("fit.max_splits=" + digits), HasSubstr("fit.max_splits (2.147483647e+09, must be"));
+  EXPECT_EQ(with("job.number=" + digits).job.number, digits);
+}
+
+TEST(Settings, WhatWasSaidIsKnownWhateverItIs) {
+  const auto said = [](std::vector<SettingsFlag> flags) {
+    return resolve_said({{}, {}, std::move(flags)}).said;
+  };
+  EXPECT_TRUE(resolve_said({}).said.empty());
+  EXPECT_EQ(said({{"a", "design.up", "z"}}), std::set<std::string>{"design.up"});
+  EXPECT_TRUE(said({{"a", "design.up", "y"}, {"b", "design.up", "z", false}}).empty());
+  EXPECT_EQ(with_flags(SaidSettings{}, {{"a", "design.facing", kAbsent}}).said,
+            std::set<std::string>{"design.facing"});
+}
+
 TEST(Settings, WrongTypesAreRefused) {
   EXPECT_EQ(set_error("blade.kerf_mm=wide"), "--set: blade.kerf_mm (string, must be a number)");
   EXPECT_THAT(set_error("fit.max_splits=2.5"), HasSubstr("must be a whole number"));
@@ -280,6 +303,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   settings.blade.free_lengths_mm = {333.3333333333333, 1000};
   settings.blade.melt.band_mm_at_mm_s = {{1, 8.0 / 3.0}, {7, 1}};
   settings.fit.max_splits = 7;
+  settings.job.number = "a\x7f\x01\"\\b";
   const std::string text = to_toml(settings);
   const Settings back = resolve({{write("out.toml", text)}, {}, {}});
   EXPECT_EQ(to_toml(back), text);
@@ -287,6 +311,7 @@ TEST_F(SettingsFiles, TomlRoundTripsToTheSameBytes) {
   EXPECT_EQ(back.design.tolerance_mm, settings.design.tolerance_mm);
   EXPECT_EQ(back.slice.fan_axis, settings.slice.fan_axis);
   EXPECT_EQ(back.blade.melt, settings.blade.melt);
+  EXPECT_EQ(back.job.number, settings.job.number);
 }
 
 TEST(Settings, JsonHoldsEverySectionAndKey) {
