@@ -16,7 +16,13 @@ namespace {
 namespace batch = pipeline::batch;
 
 batch::BatchDirectory batch_at(const py::object& place) {
-  return batch::BatchDirectory(path_of(place));
+  return batch::BatchDirectory(path_of(place, "directory"));
+}
+
+// Runs what reads files of a batch.
+template <typename Work>
+auto reading_batch(const batch::BatchDirectory& directory, const Work& work) {
+  return placed(work, [&](const std::string& what) { throw_placed_below(what, directory.path().string()); });
 }
 
 // What was asked, the settings that change from job to job, and of every job number, panel, key, chunk and
@@ -26,9 +32,11 @@ py::tuple open_batch(const py::object& place) {
   batch::Batch made;
   batch::JobTable table;
   {
-    const py::gil_scoped_release release;
-    made = read_batch(directory);
-    table = read_jobs(directory, made);
+    const Unlocked release;
+    reading_batch(directory, [&] {
+      made = read_batch(directory);
+      table = read_jobs(directory, made);
+    });
   }
   using namespace py::literals;
   const py::dict facts("version"_a = made.version, "commit"_a = made.commit, "simd"_a = made.simd,
@@ -45,14 +53,16 @@ py::tuple open_batch(const py::object& place) {
 py::dict planned_keys(const py::object& place, int chunk) {
   py::dict all;
   const batch::BatchDirectory directory = batch_at(place);
-  for (const batch::PlannedKey& planned : unlocked([&] { return read_chunk(directory, chunk); }))
+  for (const batch::PlannedKey& planned :
+       reading_batch(directory, [&] { return unlocked([&] { return read_chunk(directory, chunk); }); }))
     all[py::str(planned.key)] = py::make_tuple(planned.design_sha256, planned.settings_sha256);
   return all;
 }
 
 py::object batch_status(const py::object& place) {
   const batch::BatchDirectory directory = batch_at(place);
-  return to_python(unlocked([&] { return to_json(status_of(directory)); }));
+  return to_python(
+      reading_batch(directory, [&] { return unlocked([&] { return to_json(status_of(directory)); }); }));
 }
 
 py::tuple job_files(const py::object& place, const std::string& key, const std::string& design_sha256,
@@ -65,7 +75,8 @@ py::tuple job_files(const py::object& place, const std::string& key, const std::
 
 py::object job_result(const py::object& place, const std::string& key) {
   const batch::BatchDirectory directory = batch_at(place);
-  const std::string text = unlocked([&] {
+  const std::string text = reading_batch(directory, [&] {
+    const Unlocked release;
     return has_result(directory, key) ? result_text(batch::read_result(directory.result(key))) : "";
   });
   return text.empty() ? py::none() : parsed(text);
@@ -78,14 +89,17 @@ py::object cell_value(const batch::Cell& cell) {
 }
 
 // The columns of the plans in results.csv, and their values job by job.
-py::tuple batch_table(const py::object& place, bool partial, const py::object& progress) {
+py::tuple batch_table(const py::object& place, const py::object& partly, const py::object& progress) {
   const batch::BatchDirectory directory = batch_at(place);
+  const bool partial = truth(partly, "partial");
   batch::BatchFacts all;
-  run_watched(py::int_(1), progress, [&](const Tell& tell) {
-    batch::GatherHooks hooks;
-    hooks.progress = [&tell](double share) { tell("gather", share); };
-    all = read_facts(directory, partial, hooks);
-    name_given_lines(directory, all);
+  reading_batch(directory, [&] {
+    run_watched(py::int_(1), progress, [&](const Tell& tell) {
+      batch::GatherHooks hooks;
+      hooks.progress = [&tell](double share) { tell("gather", share); };
+      all = read_facts(directory, partial, hooks);
+      name_given_lines(directory, all);
+    });
   });
   py::list rows;
   for (const batch::JobFacts& job : all.rows()) {
@@ -100,6 +114,9 @@ py::tuple batch_table(const py::object& place, bool partial, const py::object& p
 
 void add_batch(py::module_& module) {
   py::module_ batch = module.def_submodule("batch", "Batches; use them through `hotblade.Batch`");
+  batch.def(
+      "path", [](const py::object& place) { return path_text(path_of(place, "directory")); },
+      py::arg("directory"));
   batch.def("open", &open_batch, py::arg("directory"));
   batch.def("planned", &planned_keys, py::arg("directory"), py::arg("chunk"));
   batch.def("status", &batch_status, py::arg("directory"));

@@ -15,10 +15,9 @@ py::tuple arm_ids(const robot::Cell& cell) {
   return texts(ids);
 }
 
-std::shared_ptr<robot::Cell> load_cell(const py::object& file) {
-  const std::string path = path_of(file);
-  const py::gil_scoped_release release;
-  return std::make_shared<robot::Cell>(pipeline::read_cell(path));
+std::shared_ptr<robot::Cell> load_cell(const py::object& file, const char* name, const char* wanted) {
+  const std::string path = path_of(file, name, wanted);
+  return reading(path, [&] { return std::make_shared<robot::Cell>(pipeline::read_cell(path)); });
 }
 
 }  // namespace
@@ -26,7 +25,7 @@ std::shared_ptr<robot::Cell> load_cell(const py::object& file) {
 std::shared_ptr<robot::Cell> cell_of(const py::object& given) {
   if (given.is_none()) return nullptr;
   if (py::isinstance<robot::Cell>(given)) return given.cast<std::shared_ptr<robot::Cell>>();
-  return load_cell(given);
+  return load_cell(given, "cell", "hotblade.Cell, a path or a name of Cell.names()");
 }
 
 void add_cell(py::module_& module) {
@@ -34,7 +33,10 @@ void add_cell(py::module_& module) {
                                                         "Two arms and what stands around them.")
       .def(made_otherwise<robot::Cell>(
           "hotblade.Cell: Cell.load() reads a file or takes a name of Cell.names()"))
-      .def_static("load", &load_cell, py::arg("file"), "Reads cell.toml, or a cell of names() by its name.")
+      .def_static(
+          "load",
+          [](const py::object& file) { return load_cell(file, "file", "a path or a name of Cell.names()"); },
+          py::arg("file"), "Reads cell.toml, or a cell of names() by its name.")
       .def_static(
           "names", [] { return texts(pipeline::embedded_cells()); },
           "The cells that hotblade brings, the default first.")

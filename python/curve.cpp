@@ -107,12 +107,17 @@ py::capsule kept(std::unique_ptr<std::vector<T>>& list) {
 // Runs without the interpreter's lock what needs no Python. What the curve cannot give is an error of the
 // input, as it is of a line of `hotblade curve`.
 template <typename Work>
-auto answered(const Work& work) {
-  const py::gil_scoped_release release;
+auto answered(const char* name, const Work& work) {
+  const Unlocked release;
+  const auto fail = [name](const std::exception& error) {
+    return Error(ErrorKind::kBadInput, fmt::format("{}: {}", name, error.what()));
+  };
   try {
     return work();
   } catch (const std::logic_error& error) {
-    throw Error(ErrorKind::kBadInput, error.what());
+    throw fail(error);
+  } catch (const std::runtime_error& error) {
+    throw fail(error);
   }
 }
 
@@ -134,7 +139,7 @@ py::tuple residuals(const py::object& beziers) {
   double *e = value.mutable_data(), *b = bound.mutable_data();
   auto* s = reinterpret_cast<elastica::ResidualStatus*>(status.mutable_data());
   {
-    const py::gil_scoped_release release;
+    const Unlocked release;
     // Splitting a batch among threads changes no bit.
     constexpr std::size_t kAtOnce = 4096;
     const auto all = static_cast<std::size_t>(count);
@@ -155,17 +160,17 @@ py::tuple fit_result(const Elastica& e, double l2, double h1, double hausdorff, 
 py::tuple fit_bezier(const py::object& curve, bool clamped) {
   const Bezier b = bezier_of(curve, "curve");
   if (clamped) {
-    const elastica::ClampedFit f = answered([&] { return elastica::fit_clamped(b); });
+    const elastica::ClampedFit f = answered("curve", [&] { return elastica::fit_clamped(b); });
     if (f.starts_tried == 0)
       throw Error(ErrorKind::kBadInput, "curve: a Bezier with an end edge of length zero");
-    const elastica::CurveDistance d = answered([&] { return distance(b, f.elastica); });
+    const elastica::CurveDistance d = answered("curve", [&] { return distance(b, f.elastica); });
     return fit_result(f.elastica, d.l2, d.h1, d.hausdorff, d.hausdorff_error, f.starts_tried, name(f.status));
   }
-  const elastica::BezierElasticaFit f = answered([&] { return elastica::fit_bezier_elastica(b); });
+  const elastica::BezierElasticaFit f = answered("curve", [&] { return elastica::fit_bezier_elastica(b); });
   if (f.status == elastica::FitStatus::kUnsupported)
     throw Error(ErrorKind::kBadInput,
                 "curve: a Bezier with a cusp or an end edge of length zero, or that winds beyond any blade");
-  const elastica::CurveDistance d = answered([&] { return distance(b, f.elastica); });
+  const elastica::CurveDistance d = answered("curve", [&] { return distance(b, f.elastica); });
   return fit_result(f.elastica, d.l2, d.h1, d.hausdorff, d.hausdorff_error, f.starts_tried, name(f.status));
 }
 
@@ -178,7 +183,9 @@ py::tuple fit_points(const py::object& curve, bool clamped, const py::object& ta
   const std::vector<Vector2d> q = elastica::even_points(given);
   if (q.empty()) throw Error(ErrorKind::kBadInput, "curve: its points are all the same");
   if (!clamped) {
-    const elastica::ElasticaFit f = answered([&] { return elastica::fit_elastica(q, {}, {0, nullptr, 0}); });
+    const elastica::ElasticaFit f = answered("curve", [&] {
+      return elastica::fit_elastica(q, {}, {0, nullptr, 0});
+    });
     return fit_result(f.elastica, f.rms / f.elastica.length, kNoNumber, f.max, kNoNumber, f.starts_tried,
                       f.converged ? "ok" : "not_converged");
   }
@@ -186,7 +193,7 @@ py::tuple fit_points(const py::object& curve, bool clamped, const py::object& ta
     throw Error(ErrorKind::kBadSettings,
                 "tangents: the angles of both ends are needed for points with ends=\"clamped\"");
   const Numbers angles = in_range(tangents, "tangents", {2});
-  const elastica::ClampedFit f = answered([&] {
+  const elastica::ClampedFit f = answered("curve", [&] {
     const double first = angles.data()[0];
     const elastica::PlanarPose end{q.back().x(), q.back().y(),
                                    first + elastica::true_turning(q, first, angles.data()[1])};
@@ -210,7 +217,7 @@ py::tuple project(const py::object& bezier, const py::object& method, const py::
   const std::size_t by = one_of(method, "method", {"feedback", "optimal", "zone"});
   const auto wanted = static_cast<WantedBranch>(one_of(branch, "branch", {"inflectional", "plain", "best"}));
   const double threshold = in_range(number(most, "threshold"), "threshold", 0, 1);
-  const elastica::Projection p = answered([&] {
+  const elastica::Projection p = answered("bezier", [&] {
     if (by == 2) return elastica::project_zone(b, threshold);
     if (by == 0) return elastica::project_feedback(b, threshold);
     return threshold > 0 ? elastica::project_smallest_move(b, wanted, threshold)
@@ -228,7 +235,8 @@ py::tuple sample(const py::object& curve, const py::object& count) {
   const std::int64_t n = whole_number(count, "n");
   in_range(static_cast<double>(n), "n", 2, 1e6);
   using Points = std::vector<elastica::CurvePoint>;
-  auto points = answered([&] { return std::make_unique<Points>(elastica::sample(e, static_cast<int>(n))); });
+  auto points = answered("elastica",
+                         [&] { return std::make_unique<Points>(elastica::sample(e, static_cast<int>(n))); });
   const elastica::CurvePoint* first = points->data();
   const py::capsule owner = kept(points);
   constexpr py::ssize_t kRow = sizeof(elastica::CurvePoint), kNumber = sizeof(double);
@@ -260,7 +268,7 @@ py::tuple equilibria(const py::object& a, const py::object& b, const py::object&
         static_cast<int>(in_range(static_cast<double>(whole_number(max_inflections, "max_inflections")),
                                   "max_inflections", 0, elastica::kMaxInflections));
   const elastica::EquilibriaReport report =
-      answered([&] { return find_equilibria(clamps, length, options); });
+      answered("length", [&] { return find_equilibria(clamps, length, options); });
   py::list shapes;
   for (const elastica::Equilibrium& q : report.equilibria)
     shapes.append(py::make_tuple(array_of(q.elastica), q.energy, q.stable, q.margin, q.inflections));
@@ -274,8 +282,11 @@ py::tuple arcs(const py::object& curve, const py::object& within, const py::obje
   const py::array array = py::array::ensure(curve);
   const bool from_points = array && array.ndim() == 2;
   const std::vector<Vector2d> points = from_points ? points_of(curve, "curve") : std::vector<Vector2d>();
+  if (from_points && points.size() < elastica::kFewestArcPoints)
+    throw Error(ErrorKind::kBadSettings, fmt::format("curve: {} points (at least {} needed)", points.size(),
+                                                     elastica::kFewestArcPoints));
   const Elastica e = from_points ? Elastica{} : elastica_of(curve, "curve");
-  elastica::ArcFit fit = answered([&] {
+  elastica::ArcFit fit = answered("curve", [&] {
     return from_points ? elastica::fit_arcs(points, tolerance, wanted)
                        : elastica::fit_arcs(e, tolerance, wanted);
   });

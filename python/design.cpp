@@ -14,6 +14,7 @@
 namespace hotblade::python {
 namespace {
 
+using pipeline::DesignSettings;
 using pipeline::Error;
 using pipeline::ErrorKind;
 using pipeline::Settings;
@@ -26,7 +27,7 @@ Settings read_settings(const py::object& given, const py::dict& arguments) {
     const std::string key = "design." + name;
     if (!value.is_none()) flags.push_back({name, key, toml_value(value, key)});
   }
-  Settings settings = pipeline::with_flags(settings_of(given), flags);
+  Settings settings = pipeline::with_flags(settings_of(given).settings, flags);
   pipeline::expect_facing(settings.design);
   return settings;
 }
@@ -43,15 +44,17 @@ Design read_file(const py::object& file, const py::object& units, const py::obje
                  const py::object& group, const py::object& facing, const py::object& stitch_mm,
                  const py::object& format, const py::object& given) {
   using namespace py::literals;
-  const std::string path = path_of(file);
+  const std::string path = path_of(file, "file");
   Settings settings =
       read_settings(given, py::dict("units"_a = units, "up"_a = up, "group"_a = group, "facing"_a = facing,
                                     "stitch_mm"_a = stitch_mm, "format"_a = format));
   const bool turned = !up.is_none();
-  const py::gil_scoped_release release;
-  pipeline::take_format(path, turned, settings.design);
-  expect_units(settings, path);
-  return {pipeline::read_design(path, settings.design), settings.design, "", std::filesystem::absolute(path)};
+  return reading(path, [&]() -> Design {
+    pipeline::take_format(path, turned, settings.design);
+    expect_units(settings, path);
+    return {pipeline::read_design(path, settings.design), settings.design, "",
+            std::filesystem::absolute(path)};
+  });
 }
 
 // The OBJ of points and triangles: the one text that any two tools write of them.
@@ -85,24 +88,32 @@ std::string obj_text(const Numbers& vertices, const py::array_t<int, py::array::
 Design from_arrays(const py::object& vertices, const py::object& triangles, const py::object& units,
                    const py::object& name, const py::object& up, const py::object& given) {
   using namespace py::literals;
-  std::string file = text(name, "name");
+  (void)text(name, "name");
+  std::string file = path_of(name, "name");
   if (!file.ends_with(".obj")) file += ".obj";
   const Settings settings = read_settings(given, py::dict("units"_a = units, "up"_a = up));
   expect_units(settings, file);
+  if (settings.design.format != DesignSettings().format &&
+      settings.design.format != surface::name(surface::FileFormat::kObj))
+    throw Error(
+        ErrorKind::kBadSettings,
+        fmt::format("settings: design.format ({}, must be obj): a design of arrays is known by its OBJ",
+                    settings.design.format));
   const Numbers points = numbers(vertices, "vertices", {kAny, 3});
   const auto faces = whole_numbers(triangles, "triangles", {kAny, 3});
-  const py::gil_scoped_release release;
+  const Unlocked release;
   std::string obj = obj_text(points, faces);
   surface::DesignSurface surface = surface::surface_of(obj, file, pipeline::read_options(settings.design));
   return {std::move(surface), settings.design, std::move(obj), {}};
 }
 
-void save_design(const Design& design, const py::object& file, bool force) {
+void save_design(const Design& design, const py::object& file, const py::object& forced) {
+  const std::string path = path_of(file, "file");
+  const bool force = truth(forced, "force");
   if (design.obj.empty())
     throw Error(ErrorKind::kBadSettings,
                 design.surface.file_name + ": was read from a file: only a design of arrays is saved");
-  const std::string path = path_of(file);
-  const py::gil_scoped_release release;
+  const Unlocked release;
   pipeline::write_file_atomically(path, design.obj, force);
 }
 

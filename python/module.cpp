@@ -15,4 +15,5 @@ PYBIND11_MODULE(_hotblade, module) {
   python::add_plan(module);
   python::add_curve(module);
   python::add_batch(module);
+  python::add_watched(module);
 }

@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <concepts>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "pipeline/program/program.hpp"
+#include "pipeline/settings/error.hpp"
 #include "pipeline/settings/settings.hpp"
 #include "robot/arm/cell.hpp"
 #include "surface/read/design_surface.hpp"
@@ -48,6 +50,7 @@ inline constexpr py::ssize_t kAny = -1;  // of a shape
 // Return an argument as what it has to be. Throw Error (kBadSettings) with the argument's name for another.
 [[nodiscard]] double number(const py::handle& value, const char* name);
 [[nodiscard]] std::int64_t whole_number(const py::handle& value, const char* name);
+[[nodiscard]] bool truth(const py::handle& value, const char* name);
 [[nodiscard]] std::string text(const py::handle& value, const char* name);  // its bytes as of path_of()
 // Throws the same: "name: str (wanted needed: hint)".
 [[noreturn]] void throw_not(const char* wanted, const py::handle& value, const std::string& name,
@@ -83,17 +86,69 @@ template <typename T>
   return view<T>({static_cast<py::ssize_t>(count), columns}, {columns * size, size}, data, owner);
 }
 
-// Returns the bytes of a path, as os.fsencode() has them.
-[[nodiscard]] std::string path_of(const py::object& file);
+// Returns the bytes of a path, as os.fsencode() has them. Throws Error (kBadSettings) with the argument's
+// name for what is no path, `wanted` in words.
+[[nodiscard]] std::string path_of(const py::handle& file, const std::string& name,
+                                  const char* wanted = "a path");
+// Returns a text of Python as ascii() has it, cut short for a message.
+[[nodiscard]] std::string shown(const py::handle& text);
 // Returns a text that names a path, bytes that are no UTF-8 in it as os.fsdecode() has them.
 [[nodiscard]] py::object path_text(const std::string& path);
 [[nodiscard]] py::tuple texts(const std::vector<std::string>& list);
 
+// Gives the interpreter's lock up for as long as it lives. Where Python ends, it ends a thread that waits for
+// the lock by unwinding it, through what may not be unwound: such a thread stands still here instead.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked();
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
 // Runs without the interpreter's lock what needs no Python and takes more than some microseconds.
 template <typename Work>
 auto unlocked(const Work& work) {
-  const py::gil_scoped_release release;
+  const Unlocked release;
   return work();
+}
+
+// An error of the input whose place is known: hotblade.InputError has file and line of it.
+struct PlacedError : std::runtime_error {
+  PlacedError(const std::string& what, std::string in_file, int at_line)
+      : std::runtime_error(what), file(std::move(in_file)), line(at_line) {}
+  std::string file;  // empty: none
+  int line;          // 0: none
+};
+
+// Throws an error of the input that `name` or `name:line` stands before as PlacedError, in `file` (empty:
+// what is read is no file).
+[[noreturn]] void throw_placed(const std::string& what, const std::string& name, const std::string& file);
+// The same where one of the files of a directory stands before it.
+[[noreturn]] void throw_placed_below(const std::string& what, const std::string& directory);
+
+// Runs what reads an input; an error of it is told by `thrown`, that of its words.
+template <typename Work>
+auto placed(const Work& work, const std::invocable<const std::string&> auto& thrown) {
+  try {
+    return work();
+  } catch (const pipeline::Error& error) {
+    if (error.kind != pipeline::ErrorKind::kBadInput) throw;
+    thrown(error.what());
+    throw;
+  } catch (const surface::MeshError& error) {
+    thrown(error.what());
+    throw;
+  }
+}
+// The same of a file, without the interpreter's lock.
+template <typename Work>
+auto reading(const std::string& file, const Work& work) {
+  const Unlocked release;
+  return placed(work, [&](const std::string& what) { throw_placed(what, file, file); });
 }
 
 // Returns JSON as lists, dictionaries and plain values.
@@ -101,7 +156,9 @@ auto unlocked(const Work& work) {
 [[nodiscard]] py::object parsed(const std::string& json_text);
 
 // Returns the settings of an argument: Settings, a mapping of their keys, or those that nothing is said of.
-[[nodiscard]] pipeline::Settings settings_of(const py::object& given);
+[[nodiscard]] pipeline::SaidSettings settings_of(const py::object& given);
+// Returns settings of which every key was said.
+[[nodiscard]] pipeline::SaidSettings all_said(const pipeline::Settings& settings);
 
 // Returns the cell of an argument: a Cell, a file, a name of a cell that hotblade brings, or none.
 [[nodiscard]] std::shared_ptr<robot::Cell> cell_of(const py::object& given);
@@ -112,6 +169,8 @@ using Tell = std::function<void(const std::string& stage, double share)>;
 // Runs work on a thread of its own with so many threads (1 to 1024, 0: all cores), the interpreter's lock
 // given up. Meanwhile this thread wakes every 50 ms, calls `progress` (or None) and looks for signals; an
 // exception of either ends the work, and is thrown when it has ended. What the work throws is thrown here.
+// Where Python ends meanwhile, as it does beside a daemon thread, the work ends first, and SystemExit is
+// thrown.
 void run_watched(const py::object& threads, const py::object& progress,
                  const std::function<void(const Tell&)>& work);
 
@@ -122,6 +181,7 @@ void add_errors(py::module_& module);
 void add_settings(py::module_& module);
 void add_design(py::module_& module);
 void add_program(py::module_& module);
+void add_watched(py::module_& module);
 void add_plan(py::module_& module);
 
 }  // namespace hotblade::python

@@ -15,6 +15,8 @@
 #include "pipeline/report/json/report_json.hpp"
 #include "pipeline/report/json/verify_json.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
+#include "pipeline/verify/largest_text.hpp"
 #include "pipeline/verify/verify.hpp"
 #include "python/module.hpp"
 #include "surface/read/self_crossings.hpp"
@@ -34,28 +36,55 @@ struct Plan {
   py::object report = py::none();
 };
 
+// How the design was read, its format said.
+DesignSettings read_by(const Design& design) {
+  DesignSettings settings = design.settings;
+  settings.format = surface::name(design.surface.format);
+  return settings;
+}
+
 // How a design was read belongs to its program, whose reader reads it again: settings may leave it out, and
 // may not say something else.
-Settings settings_for(const Design& design, Settings settings) {
-  const DesignSettings unsaid;
-  const auto take = [&](auto DesignSettings::*member, const char* key) {
-    auto& said = settings.design.*member;
-    const auto& read = design.settings.*member;
-    if (said != unsaid.*member && said != read)
-      throw Error(ErrorKind::kBadSettings,
-                  fmt::format("design.{}: the settings say something else than {} was read by: read it with "
-                              "settings=",
-                              key, design.surface.file_name));
-    said = read;
-  };
-  take(&DesignSettings::units, "units");
-  take(&DesignSettings::up, "up");
-  take(&DesignSettings::format, "format");
-  take(&DesignSettings::group, "group");
-  take(&DesignSettings::facing, "facing");
-  take(&DesignSettings::facing_max_deg, "facing_max_deg");
-  take(&DesignSettings::stitch_mm, "stitch_mm");
+Settings settings_for(const Design& design, const pipeline::SaidSettings& given) {
+  DesignSettings said = given.settings.design;
+  const std::string gltf(surface::name(surface::FileFormat::kGltf));
+  if (design.surface.format == surface::FileFormat::kGltf &&
+      (said.format == DesignSettings().format || said.format == gltf)) {
+    said.format = gltf;
+    pipeline::take_format(design.surface.file_name, false, said);
+  }
+  if (const auto otherwise = read_otherwise(said, read_by(design), given.said))
+    throw Error(
+        ErrorKind::kBadSettings,
+        fmt::format("design.{}: the settings say something else ({}) than {} was read by ({}): read it with "
+                    "settings=",
+                    otherwise->key, otherwise->one, design.surface.file_name, otherwise->other));
+  Settings settings = given.settings;
+  const auto take = [&](auto DesignSettings::*member) { settings.design.*member = design.settings.*member; };
+  take(&DesignSettings::units);
+  take(&DesignSettings::up);
+  take(&DesignSettings::format);
+  take(&DesignSettings::group);
+  take(&DesignSettings::facing);
+  take(&DesignSettings::facing_max_deg);
+  take(&DesignSettings::stitch_mm);
   return settings;
+}
+
+// Throws Error unless a design is that of a program, read as its plan read it.
+void expect_design_of(const pipeline::Program& program, const Design& design) {
+  if (design.surface.sha256 != program.design.sha256)
+    throw Error(
+        ErrorKind::kBadInput,
+        fmt::format("{}: not the design of this program (sha256 {}, limit {})", design.surface.file_name,
+                    design.surface.sha256.substr(0, 12), program.design.sha256.substr(0, 12)));
+  const DesignSettings planned = read_by(program);
+  if (const auto otherwise = read_otherwise(read_by(design), planned, all_said({}).said))
+    throw Error(
+        ErrorKind::kBadSettings,
+        fmt::format("design: {} was read with design.{} = {}, and for this program with {}: read it with "
+                    "settings=program.settings",
+                    design.surface.file_name, otherwise->key, otherwise->one, otherwise->other));
 }
 
 // Which settings a refused plan is tried again with.
@@ -166,12 +195,20 @@ const Design& design_of(const py::object& given) {
       "hotblade.read() makes one of a file, Design.from_arrays() of points and triangles");
 }
 
+// Runs what may throw an error of the design that begins with its name.
+template <typename Work>
+void of_design_file(const Design& design, const Work& work) {
+  placed(work, [&](const std::string& what) {
+    throw_placed(what, design.surface.file_name, design.file.string());
+  });
+}
+
 std::shared_ptr<Plan> plan(const py::object& planned, const py::object& given, const py::object& threads,
                            const py::object& progress, const py::object& cell, const py::object& remedies) {
   const Design& design = design_of(planned);
   const Settings settings = settings_for(design, settings_of(given));
   const Planner planner(design, settings, cell_of(cell), tried_of(text(remedies, "remedies")));
-  pipeline::refuse_blocked(design.surface, design.surface.file_name);
+  of_design_file(design, [&] { pipeline::refuse_blocked(design.surface, design.surface.file_name); });
   auto result = std::make_shared<Plan>();
   run_watched(threads, progress, [&](const Tell& tell) {
     result->facts = std::make_shared<pipeline::PlanResult>(planner.plan(tell));
@@ -187,7 +224,7 @@ py::object report(Plan& plan) {
   const std::shared_ptr<const pipeline::PlanResult> facts = plan.facts;
   const bool passed = facts->program.verification.status == pipeline::VerificationStatus::kPassed;
   const nlohmann::ordered_json json = unlocked([&] {
-    return nlohmann::ordered_json::parse(
+    return pipeline::whole_json<nlohmann::ordered_json>(
         report_json(*facts, passed ? pipeline::sha256_hex(to_json(facts->program)) : ""));
   });
   plan.report = to_python(json);
@@ -210,23 +247,19 @@ void check_plan(const Plan& plan) {
 }
 
 struct Check {
-  std::string json;
+  std::string json, over;
   bool within_tolerance = false, joints_hold = true, ribs_hold = false, held = false, passed = false;
   double deviation_mm = 0, tolerance_mm = 0;
 };
 
-std::shared_ptr<Check> verify(const py::object& program, const py::object& of_design,
+std::shared_ptr<Check> verify(const py::object& program, const py::object& read_design,
                               const py::object& sample, const py::object& threads, const py::object& progress,
                               const py::object& cell) {
   const pipeline::Program& data = *instance<Program>(program, "program", "hotblade.Program",
                                                      "a plan's .program, or Program.load() of a file")
                                        .data;
-  const Design& design = design_of(of_design);
-  if (design.surface.sha256 != data.design.sha256)
-    throw Error(
-        ErrorKind::kBadInput,
-        fmt::format("{}: not the design of this program (sha256 {}, limit {})", design.surface.file_name,
-                    design.surface.sha256.substr(0, 12), data.design.sha256.substr(0, 12)));
+  const Design& design = design_of(read_design);
+  of_design_file(design, [&] { expect_design_of(data, design); });
   const double sample_mm = number(sample, "sample_mm");
   if (!(sample_mm >= 0.05 && sample_mm <= 100))
     throw Error(ErrorKind::kBadSettings, fmt::format("sample_mm ({}, limits 0.05 and 100)", sample_mm));
@@ -248,6 +281,7 @@ std::shared_ptr<Check> verify(const py::object& program, const py::object& of_de
     const pipeline::VerifyReport report = pipeline::verify(data, design.surface, options);
     check->json = verify_json(data, report, options, joints);
     check->within_tolerance = report.within_tolerance;
+    check->over = over_text(report, options);
     check->ribs_hold = report.ribs.mismatches.empty() && report.ribs.far.empty();
     check->held = report.holds();
     check->passed = data.verification.status == pipeline::VerificationStatus::kPassed;
@@ -261,9 +295,7 @@ std::shared_ptr<Check> verify(const py::object& program, const py::object& of_de
 void check_cut(const Check& check) {
   if (!check.joints_hold)
     throw Error(ErrorKind::kDeviation, "joints: measured again they do not hold what the cell allows");
-  if (!check.within_tolerance)
-    throw Error(ErrorKind::kDeviation, fmt::format("over tolerance: deviation {:.3f} mm (limit {:g} mm)",
-                                                   check.deviation_mm, check.tolerance_mm));
+  if (!check.within_tolerance) throw Error(ErrorKind::kDeviation, "over tolerance: " + check.over);
   if (!check.ribs_hold)
     throw Error(ErrorKind::kDeviation, "ribs: measured again they are not as the program says");
   if (!check.held) throw Error(ErrorKind::kNotCuttable, "the clamps do not hold the blade in its shapes");

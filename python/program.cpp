@@ -82,14 +82,14 @@ std::shared_ptr<Program> handed_out(pipeline::Program&& program) {
 }
 
 std::shared_ptr<Program> load_program(const py::object& file) {
-  const std::string path = path_of(file);
-  const py::gil_scoped_release release;
-  return handed_out(pipeline::read_program(path));
+  const std::string path = path_of(file, "file");
+  return reading(path, [&] { return handed_out(pipeline::read_program(path)); });
 }
 
-void save_program(const Program& program, const py::object& file, bool force) {
-  const std::string path = path_of(file);
-  const py::gil_scoped_release release;
+void save_program(const Program& program, const py::object& file, const py::object& forced) {
+  const std::string path = path_of(file, "file");
+  const bool force = truth(forced, "force");
+  const Unlocked release;
   const pipeline::Program& data = *program.data;
   if (data.verification.status != pipeline::VerificationStatus::kPassed && data.overrides.empty())
     throw pipeline::Error(pipeline::ErrorKind::kNotCuttable,
@@ -200,8 +200,10 @@ void add_program(py::module_& module) {
           [](const py::object& given) {
             const std::string json =
                 py::isinstance<py::bytes>(given) ? given.cast<std::string>() : text(given, "text");
-            const py::gil_scoped_release release;
-            return handed_out(pipeline::parse_program(json, "program.json"));
+            const Unlocked release;
+            const std::string name = "program.json";
+            return placed([&] { return handed_out(pipeline::parse_program(json, name)); },
+                          [&](const std::string& what) { throw_placed(what, name, ""); });
           },
           py::arg("text"), "Reads the text of a program.")
       .def("save", &save_program, py::arg("file"), py::arg("force") = false,
@@ -211,7 +213,7 @@ void add_program(py::module_& module) {
           [](const Program& program) {
             std::string text;
             {
-              const py::gil_scoped_release release;
+              const Unlocked release;
               text = to_json(*program.data);
             }
             return text;
@@ -231,7 +233,8 @@ void add_program(py::module_& module) {
                                return py::dict("name"_a = program.data->cell->name,
                                                "sha256"_a = program.data->cell->sha256);
                              })
-      .def_property_readonly("settings", [](const Program& program) { return program.data->settings; })
+      .def_property_readonly("settings",
+                             [](const Program& program) { return all_said(program.data->settings); })
       .def_property_readonly("design_file",
                              [](const Program& program) { return path_text(program.data->design.file); })
       .def_property_readonly("design_sha256",

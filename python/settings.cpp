@@ -13,6 +13,7 @@
 namespace hotblade::python {
 namespace {
 
+using pipeline::SaidSettings;
 using pipeline::Settings;
 
 struct ToPython {
@@ -48,7 +49,8 @@ struct ToPython {
   }
 };
 
-py::object value_of(Settings settings, const py::object& key) {
+py::object value_of(const SaidSettings& of, const py::object& key) {
+  Settings settings = of.settings;
   for (const pipeline::SettingField& field : pipeline::setting_fields())
     if (key.equal(py::str(full_key(field)))) return std::visit(ToPython{}, field.place(settings));
   PyErr_SetObject(PyExc_KeyError, key.ptr());
@@ -65,17 +67,18 @@ std::vector<std::filesystem::path> files_of(const py::object& files) {
   if (files.is_none()) return {};
   const auto is_one = py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__");
   std::vector<std::filesystem::path> list;
-  if (is_one) {
-    list.emplace_back(path_of(files));
+  constexpr const char* kWanted = "a path or a list of paths";
+  if (is_one || !py::hasattr(files, "__iter__")) {
+    list.emplace_back(path_of(files, "files", kWanted));
   } else {
-    for (const py::handle& file : files) list.emplace_back(path_of(py::reinterpret_borrow<py::object>(file)));
+    for (const py::handle& file : files) list.emplace_back(path_of(file, "files", kWanted));
   }
   return list;
 }
 
-Settings resolved(const pipeline::SettingsSources& sources) {
-  const py::gil_scoped_release release;
-  return pipeline::resolve(sources);
+SaidSettings resolved(const pipeline::SettingsSources& sources) {
+  const Unlocked release;
+  return pipeline::resolve_said(sources);
 }
 
 // A text of Python may hold halves of characters, which no UTF-8 has.
@@ -84,17 +87,18 @@ std::string utf8_of(const py::handle& value, const std::string& where) {
   if (const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &size))
     return {text, static_cast<std::size_t>(size)};
   PyErr_Clear();
-  throw pipeline::Error(
-      pipeline::ErrorKind::kBadSettings,
-      where + " (" + py::str(py::module_::import("builtins").attr("ascii")(value)).cast<std::string>() +
-          "): no UTF-8");
+  throw pipeline::Error(pipeline::ErrorKind::kBadSettings, where + " (" + shown(value) + "): no UTF-8");
+}
+
+std::string float_text(double number) {
+  return py::repr(py::float_(number)).cast<std::string>();
 }
 
 constexpr int kMostDepth = 2;  // of the lists of a setting: a list of pairs
 
 std::string text_of(const py::handle& value, const std::string& key, int depth) {
   if (py::isinstance<py::bool_>(value)) return value.cast<bool>() ? "true" : "false";
-  if (py::isinstance<py::str>(value)) return nlohmann::json(utf8_of(value, key)).dump();
+  if (py::isinstance<py::str>(value)) return pipeline::toml_string(utf8_of(value, key));
   const bool sequence = PySequence_Check(value.ptr()) != 0 && PySequence_Size(value.ptr()) >= 0;
   PyErr_Clear();  // an array of no dimension has no length, and is a number
   if (sequence) {
@@ -109,14 +113,24 @@ std::string text_of(const py::handle& value, const std::string& key, int depth) 
     return "[" + text + "]";
   }
   if (PyIndex_Check(value.ptr()) != 0) {
-    if (const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr())))
-      return py::str(whole).cast<std::string>();
+    if (const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()))) {
+      int beyond = 0;
+      (void)PyLong_AsLongLongAndOverflow(whole.ptr(), &beyond);
+      // Digits may be a text as well. Within a list they are a number, and TOML's are of 64 bits: a larger
+      // one is beyond every limit by its size.
+      if (beyond == 0 || depth == 0) {
+        const auto digits = py::reinterpret_steal<py::object>(PyObject_Str(whole.ptr()));
+        if (digits) return digits.cast<std::string>();
+        PyErr_Clear();  // so many digits are no text to Python
+      }
+      return float_text(number(whole, key.c_str()));
+    }
     PyErr_Clear();
   }
   if (py::hasattr(value, "__float__")) {
     const double number = PyFloat_AsDouble(value.ptr());
     if (PyErr_Occurred() != nullptr) throw py::error_already_set();
-    return py::repr(py::float_(number)).cast<std::string>();
+    return float_text(number);
   }
   if (py::isinstance<py::dict>(value)) {
     const std::string first =
@@ -159,17 +173,27 @@ std::vector<pipeline::SettingsFlag> flags_of(const py::object& values, const std
     const std::string key = utf8_of(py::str(pair[py::int_(0)]), where + ": a key");
     flags.push_back({where, key, toml_value(pair[py::int_(1)], key)});
   }
+  if (py::isinstance<SaidSettings>(values)) {
+    const auto& said = values.cast<const SaidSettings&>().said;
+    for (pipeline::SettingsFlag& flag : flags) flag.said = said.contains(flag.key);
+  }
   return flags;
 }
 
-Settings settings_of(const py::object& given) {
-  if (py::isinstance<Settings>(given)) return given.cast<const Settings&>();
+SaidSettings settings_of(const py::object& given) {
+  if (py::isinstance<SaidSettings>(given)) return given.cast<const SaidSettings&>();
   return resolved({{}, {}, flags_of(given, "settings")});
 }
 
+SaidSettings all_said(const Settings& settings) {
+  SaidSettings all{settings, {}};
+  for (const pipeline::SettingField& field : pipeline::setting_fields()) all.said.insert(full_key(field));
+  return all;
+}
+
 void add_settings(py::module_& module) {
-  py::class_<Settings, std::shared_ptr<Settings>>(module, "Settings",
-                                                  "Every number a plan depends on, by key; it never changes.")
+  py::class_<SaidSettings, std::shared_ptr<SaidSettings>>(
+      module, "Settings", "Every number a plan depends on, by key; it never changes.")
       .def(py::init([](const py::object& values) {
              return resolved({{}, {}, flags_of(values, "settings")});
            }),
@@ -183,24 +207,29 @@ void add_settings(py::module_& module) {
           "Settings of TOML files in their order, with values on top.")
       .def(
           "changed",
-          [](const Settings& settings, const py::object& values) {
+          [](const SaidSettings& settings, const py::object& values) {
             const std::vector<pipeline::SettingsFlag> flags = flags_of(values, "settings");
-            const py::gil_scoped_release release;
+            const Unlocked release;
             return pipeline::with_flags(settings, flags);
           },
           py::arg("values"), "The same settings with other values.")
       .def("__getitem__", &value_of)
-      .def("__len__", [](const Settings&) { return pipeline::setting_fields().size(); })
-      .def("__iter__", [](const Settings&) { return py::iter(keys()); })
+      .def("__len__", [](const SaidSettings&) { return pipeline::setting_fields().size(); })
+      .def("__iter__", [](const SaidSettings&) { return py::iter(keys()); })
       .def(
-          "to_toml", [](const Settings& settings) { return unlocked([&] { return to_toml(settings); }); },
+          "to_toml",
+          [](const SaidSettings& settings) { return unlocked([&] { return to_toml(settings.settings); }); },
           "A configuration file that reads back as these settings.")
       .def("__reduce__",
            [](const py::object& self) {
-             return py::make_tuple(py::type::of(self), py::make_tuple(py::dict(self)));
+             py::dict values;  // what was said: the others are at their defaults
+             for (const std::string& key : self.cast<const SaidSettings&>().said)
+               values[py::str(key)] = self[py::str(key)];
+             return py::make_tuple(py::type::of(self), py::make_tuple(values));
            })
-      .def("__repr__", [](const Settings& settings) {
-        return "<hotblade.Settings tolerance " + pipeline::number_text(settings.design.tolerance_mm) + " mm>";
+      .def("__repr__", [](const SaidSettings& said) {
+        return "<hotblade.Settings tolerance " + pipeline::number_text(said.settings.design.tolerance_mm) +
+               " mm>";
       });
 }
 

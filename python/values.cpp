@@ -3,8 +3,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/json_bytes.hpp"
 #include "python/module.hpp"
 
 namespace hotblade::python {
@@ -42,31 +44,44 @@ py::array checked(const py::handle& value, const char* name, const char* kinds, 
 }  // namespace
 
 Numbers numbers(const py::handle& value, const char* name, std::initializer_list<py::ssize_t> shape) {
-  const Numbers rows = Numbers::ensure(checked(value, name, "fiu", "float64", shape));
-  if (!rows) throw py::error_already_set();
+  // Numbers of more bits than a double are rounded to it.
+  using Rounded = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const py::array given = checked(value, name, "fiu", "float64", shape);
+  Numbers rows = Rounded::ensure(given);
+  if (!rows) throw_not("an array of numbers", value, name);
   return rows;
 }
 
-py::array_t<int, py::array::c_style> whole_numbers(const py::handle& value, const char* name,
-                                                   std::initializer_list<py::ssize_t> shape) {
-  using Whole = py::array_t<int, py::array::c_style>;
-  // Through int64: a number that is too large is told of instead of wrapped round.
-  using Wide = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
-  const py::array given = checked(value, name, "iu", "int32", shape);
-  if (given.dtype().is(py::dtype::of<int>())) return Whole::ensure(given);
+namespace {
+
+using Whole = py::array_t<int, py::array::c_style>;
+
+// Through the widest of its sign: a number that is too large is told of instead of wrapped round.
+template <typename Widest>
+Whole narrowed(const py::array& given, const char* name) {
+  using Wide = py::array_t<Widest, py::array::c_style | py::array::forcecast>;
   const Wide wide = Wide::ensure(given);
-  if (!wide) throw py::error_already_set();
+  if (!wide) throw_not("an array of whole numbers", given, name);
   Whole rows(std::vector<py::ssize_t>(wide.shape(), wide.shape() + wide.ndim()));
-  const std::span<const std::int64_t> from(wide.data(), static_cast<std::size_t>(wide.size()));
+  const std::span<const Widest> from(wide.data(), static_cast<std::size_t>(wide.size()));
   int* const to = rows.mutable_data();
   unlocked([&] {
     for (std::size_t i = 0; i < from.size(); ++i) {
-      to[i] = static_cast<int>(from[i]);
-      if (to[i] != from[i])
+      if (!std::in_range<int>(from[i]))
         throw Error(ErrorKind::kBadSettings, fmt::format("{}: {} is no int32", name, from[i]));
+      to[i] = static_cast<int>(from[i]);
     }
   });
   return rows;
+}
+
+}  // namespace
+
+Whole whole_numbers(const py::handle& value, const char* name, std::initializer_list<py::ssize_t> shape) {
+  const py::array given = checked(value, name, "iu", "int32", shape);
+  if (given.dtype().is(py::dtype::of<int>())) return Whole::ensure(given);
+  return given.dtype().kind() == 'u' ? narrowed<std::uint64_t>(given, name)
+                                     : narrowed<std::int64_t>(given, name);
 }
 
 void throw_not(const char* wanted, const py::handle& value, const std::string& name, const char* hint) {
@@ -81,11 +96,20 @@ void throw_made_otherwise(const char* hint) {
   throw Error(ErrorKind::kBadSettings, hint);
 }
 
+namespace {
+
+constexpr double kBeyond = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
 double number(const py::handle& value, const char* name) {
   const double number = PyFloat_AsDouble(value.ptr());
   if (PyErr_Occurred() == nullptr) return number;
+  const bool too_large = PyErr_ExceptionMatches(PyExc_OverflowError) != 0;
   PyErr_Clear();
-  throw_not("a number", value, name);
+  if (!too_large) throw_not("a number", value, name);
+  // What is beyond every double is beyond every limit too.
+  return value < py::int_(0) ? -kBeyond : kBeyond;
 }
 
 std::int64_t whole_number(const py::handle& value, const char* name) {
@@ -102,13 +126,49 @@ std::int64_t whole_number(const py::handle& value, const char* name) {
   return number;
 }
 
-std::string text(const py::handle& value, const char* name) {
-  if (!py::isinstance<py::str>(value)) throw_not("a text", value, name);
-  return path_of(py::reinterpret_borrow<py::object>(value));
+bool truth(const py::handle& value, const char* name) {
+  const std::string_view type = Py_TYPE(value.ptr())->tp_name;
+  if (PyBool_Check(value.ptr()) == 0 && type != "numpy.bool_" && type != "numpy.bool")
+    throw_not("True or False", value, name);
+  return PyObject_IsTrue(value.ptr()) == 1;
 }
 
-std::string path_of(const py::object& file) {
-  return py::module_::import("os").attr("fsencode")(file).cast<std::string>();
+std::string shown(const py::handle& text) {
+  const auto ascii = py::reinterpret_steal<py::str>(PyObject_ASCII(text.ptr()));
+  if (!ascii) throw py::error_already_set();
+  constexpr std::size_t kLongest = 40;
+  const auto whole = ascii.cast<std::string>();
+  return whole.size() <= kLongest ? whole : whole.substr(0, kLongest) + "...";
+}
+
+namespace {
+
+// The bytes of a text, as os.fsencode() has them: halves of characters that stand for bytes are these.
+std::string bytes_of(const py::handle& text, const std::string& name) {
+  const auto bytes = py::reinterpret_steal<py::object>(PyUnicode_EncodeFSDefault(text.ptr()));
+  if (bytes) return bytes.cast<std::string>();
+  PyErr_Clear();
+  throw Error(ErrorKind::kBadSettings, fmt::format("{} ({}): no UTF-8", name, shown(text)));
+}
+
+}  // namespace
+
+std::string text(const py::handle& value, const char* name) {
+  if (!py::isinstance<py::str>(value)) throw_not("a text", value, name);
+  return bytes_of(value, name);
+}
+
+std::string path_of(const py::handle& file, const std::string& name, const char* wanted) {
+  const auto path = py::reinterpret_steal<py::object>(PyOS_FSPath(file.ptr()));
+  if (!path) {
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
+    PyErr_Clear();
+    throw_not(wanted, file, name);
+  }
+  std::string bytes = py::isinstance<py::bytes>(path) ? path.cast<std::string>() : bytes_of(path, name);
+  if (bytes.find('\0') != std::string::npos)
+    throw Error(ErrorKind::kBadSettings, fmt::format("{} ({}): a NUL, which no path has", name, shown(path)));
+  return bytes;
 }
 
 py::object path_text(const std::string& path) {
@@ -149,7 +209,7 @@ py::object to_python(const nlohmann::ordered_json& json) {
 }
 
 py::object parsed(const std::string& json_text) {
-  return to_python(nlohmann::ordered_json::parse(json_text));
+  return to_python(pipeline::whole_json<nlohmann::ordered_json>(json_text));
 }
 
 }  // namespace hotblade::python

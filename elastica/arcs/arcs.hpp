@@ -87,6 +87,7 @@ struct ArcFit {
 // There must be at least 4 points, finite and each distinct from its neighbours (std::logic_error). The
 // bound is against the spline. Pieces on which the spline is no spiral to rounding are halved until they are
 // arcs within the tolerance.
+inline constexpr std::size_t kFewestArcPoints = 4;
 [[nodiscard]] ArcFit fit_arcs(std::span<const Eigen::Vector2d> points, double tolerance, ArcOrder order);
 
 // Arc lengths 0 = s0 < s1 < ... = length between which the curvature of an elastica is monotone and of one

@@ -175,7 +175,7 @@ std::vector<double> spiral_breaks(const Elastica& e) {
 }
 
 ArcFit fit_arcs(std::span<const Vector2d> points, double tolerance, ArcOrder order) {
-  if (!(tolerance > 0) || points.size() < 4) {
+  if (!(tolerance > 0) || points.size() < kFewestArcPoints) {
     throw std::logic_error("fit_arcs needs a positive tolerance and at least 4 points");
   }
   for (std::size_t i = 0; i < points.size(); ++i) {

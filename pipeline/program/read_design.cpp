@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <numbers>
 #include <optional>
+#include <string_view>
 
+#include "pipeline/settings/assignments.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/settings_fields.hpp"
 
 namespace hotblade::pipeline {
 
@@ -58,12 +63,35 @@ surface::DesignSurface read_design(const std::filesystem::path& file, const Desi
   return surface::read_surface(file, read_options(settings));
 }
 
-surface::DesignSurface read_design(const std::filesystem::path& file, const Program& program) {
+DesignSettings read_by(const Program& program) {
   DesignSettings settings = program.settings.design;
   settings.units = program.design.source_units;
   settings.up = std::string(1, program.design.up);
   if (program.design.format) settings.format = surface::name(*program.design.format);
-  return read_design(file, settings);
+  return settings;
+}
+
+std::optional<ReadOtherwise> read_otherwise(const DesignSettings& one, const DesignSettings& other,
+                                            const std::set<std::string>& keys) {
+  Settings first, second, unsaid;
+  first.design = one;
+  second.design = other;
+  for (const SettingField& field : setting_fields()) {
+    constexpr std::array kHowRead{"units", "up", "format", "group", "facing", "facing_max_deg", "stitch_mm"};
+    if (field.section != "design" || !keys.contains(full_key(field)) ||
+        std::find(kHowRead.begin(), kHowRead.end(), field.key) == kHowRead.end())
+      continue;
+    const auto text = [&field](Settings& of) { return toml_text(field.place(of)).value_or(kAbsent); };
+    const std::string a = text(first), b = text(second), left_open = text(unsaid);
+    const bool may_be_open = field.key == "units" || field.key == "format";
+    if (a != b && !(may_be_open && (a == left_open || b == left_open)))
+      return ReadOtherwise{std::string(field.key), a, b};
+  }
+  return std::nullopt;
+}
+
+surface::DesignSurface read_design(const std::filesystem::path& file, const Program& program) {
+  return read_design(file, read_by(program));
 }
 
 }  // namespace hotblade::pipeline

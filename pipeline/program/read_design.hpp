@@ -2,6 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
 
 #include "pipeline/program/program.hpp"
 #include "pipeline/settings/settings.hpp"
@@ -20,6 +23,20 @@ void take_format(const std::filesystem::path& file, bool up_given, DesignSetting
 // Throws Error (kBadSettings) where the settings say how far faces may look aside, and not from what. It is
 // asked of what is to be planned: programs may keep such settings, and resolve() sees parts of them.
 void expect_facing(const DesignSettings& settings);
+
+// Returns how the program's plan read its design.
+[[nodiscard]] DesignSettings read_by(const Program& program);
+
+// A setting of how a design is read, that two sides have otherwise.
+struct ReadOtherwise {
+  std::string key;  // "units", of the section design
+  std::string one, other;
+};
+// Returns the first of `keys` ("design.units") about reading that the two have otherwise; a unit or a format
+// that one of them leaves open is none.
+[[nodiscard]] std::optional<ReadOtherwise> read_otherwise(const DesignSettings& one,
+                                                          const DesignSettings& other,
+                                                          const std::set<std::string>& keys);
 
 // Return the design of a file, as settings say or as the program's plan read it. Throw as
 // surface::read_surface() does.

@@ -13,4 +13,7 @@ namespace hotblade::pipeline {
 // Returns it with the bound of all places: "2.959 mm (nowhere over 2.981 mm)"; a capped one has no bound.
 [[nodiscard]] std::string largest_and_bound_text(const VerifyReport& report);
 
+// Returns which limits a cut is measured to be over, each with its value: "" where it is within tolerance.
+[[nodiscard]] std::string over_text(const VerifyReport& report, const VerifyOptions& options);
+
 }  // namespace hotblade::pipeline

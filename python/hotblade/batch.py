@@ -69,7 +69,7 @@ class Job:
         file = self._files()[1]
         design = read(file, settings=self.settings)
         if design.sha256 != self._batch._hashes(self)[0]:
-            raise InputError(f"{file}: not the design of its name any more")
+            raise InputError(f"{file}: not the design of its name any more", str(file))
         return design
 
 
@@ -77,7 +77,7 @@ class Batch(Sequence[Job]):
     """The jobs of a directory that `hotblade batch init` made, in their order."""
 
     def __init__(self, directory: Union[str, "os.PathLike[str]"]) -> None:
-        self.directory = pathlib.Path(directory)
+        self.directory = pathlib.Path(_batch.path(directory))
         facts, keys, jobs = _batch.open(self.directory)
         self.facts: Dict[str, Any] = facts
         self.keys: Tuple[str, ...] = tuple(keys)

@@ -1,5 +1,4 @@
 """What goes wrong, by name; exit_code is that of the commands (docs/commands.md)."""
-import re
 
 
 class Error(Exception):
@@ -16,11 +15,9 @@ class InputError(Error, ValueError):
     """A mesh or a program that cannot be used; `file` and `line` where they are known."""
     exit_code = 3
 
-    def __init__(self, message=""):
+    def __init__(self, message="", file=None, line=None):
         super().__init__(message)
-        place = re.match(r"([^\n]*?)(?::(\d+))?: ", message)
-        self.file = place[1] if place else None
-        self.line = int(place[2]) if place and place[2] else None
+        self.file, self.line = file, line
 
 
 class NotCuttable(Error):
@@ -41,3 +38,21 @@ class ControllerError(Error):
 class FileError(Error, OSError):
     """A file is missing, unreadable, unwritable or already there."""
     exit_code = 7
+
+
+# Hints of the commands that name their options, and what stands for them here.
+HINTS = (("use --force to overwrite", "say force=True to overwrite"),
+         ("plan it with --cell", "plan it with cell="),
+         ("check --units", "check units="),
+         ("read that with --up y", "read that with up=\"y\""),
+         ("or say with --format what it is", "or say with format= what it is"),
+         ("say which with --format or design.format", "say which with format= or design.format"),
+         ("ask again with --partial", "ask again with partial=True"))
+
+
+def raised(name, message, file=None, line=None):
+    """The error of this name, in words of Python."""
+    for of_command, here in HINTS:
+        message = message.replace(of_command, here)
+    kind = globals()[name]
+    return kind(message, file, line) if kind is InputError else kind(message)

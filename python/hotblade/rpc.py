@@ -5,7 +5,7 @@
     answer = hotblade.plan({"vertices": ..., "triangles": ..., "units": "mm"}, {"design.tolerance_mm": 1})
 
 A design is {"file": ..., "units": ...} or {"vertices", "triangles", "units", "name"}; further keys of it are those of
-hotblade.read and Design.from_arrays. A program is the dictionary of program.json. Errors are raised as in hotblade.
+hotblade.read and Design.from_arrays, its `settings` on top of those of the call. A program is the dictionary of program.json. Errors are raised as in hotblade.
 """
 from __future__ import annotations
 
@@ -28,8 +28,9 @@ def _is_given(what: str, value: object, wanted: str) -> None:
 def _design(design: Json, settings: Optional[_hb.Settings] = None) -> _hb.Design:
     _is_given("design", design, "a dictionary of file, or of vertices and triangles, and of units")
     words = dict(design)
+    own = words.get("settings")
     if settings is not None:
-        words["settings"] = settings
+        words["settings"] = settings if own is None else settings.changed(own)
     if "file" in words:
         return _hb.read(**words)
     return _hb.Design.from_arrays(**words)

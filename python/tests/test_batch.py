@@ -102,8 +102,10 @@ def test_a_batch_without_results_says_so(facade):
     batch = hb.Batch(facade / "none")
     job = batch[0]
     assert job.result is None and job.report is None and job.program is None and job.design.units == "mm"
-    with pytest.raises(hb.FileError, match="has no result"):
+    with pytest.raises(hb.FileError, match="has no result: .* ask again with partial=True"):
         batch.table()
+    with pytest.raises(hb.UsageError, match="partial: str .True or False needed"):
+        batch.table("x")
     table = batch.table(partial=True)
     assert table["verdict"] == ["missing"] * len(batch) and np.isnan(table["machine_s"]).all()
 
@@ -112,5 +114,6 @@ def test_what_is_no_batch_is_told(tmp_path):
     with pytest.raises(hb.FileError):
         hb.Batch(tmp_path)
     (tmp_path / "batch.json").write_text("{}")
-    with pytest.raises(hb.InputError):
+    with pytest.raises(hb.InputError) as wrong:
         hb.Batch(tmp_path)
+    assert (wrong.value.file, wrong.value.line) == (str(tmp_path / "batch.json"), None)

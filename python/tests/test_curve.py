@@ -48,6 +48,11 @@ def test_residuals_of_one_are_those_of_the_command(program):
         assert r.status == said["status"]
 
 
+def test_numbers_of_more_bits_are_rounded():
+    bezier = np.array([[0, 0], [30, 40], [70, 40], [100, 0]])
+    assert curve.residual(bezier.astype(np.longdouble)) == curve.residual(bezier.astype(float))
+
+
 def test_residuals_of_many_are_those_of_one_within_their_bounds():
     beziers = cubics(5000)
     many = curve.residuals(beziers)
@@ -161,7 +166,8 @@ def test_arcs_are_those_of_the_command(program, order):
     (lambda: curve.equilibria([0, 0, 0], [1, 0], 2), hb.UsageError, r"b: shape \(2,\)"),
     (lambda: curve.equilibria([0, 0, 0], [1, 0, 0], -2), hb.UsageError, "length: out of range"),
     (lambda: curve.equilibria([0, 0, 0], [1, 0, 200], 2), hb.UsageError, "turning"),
-    (lambda: curve.arcs(np.zeros((2, 2)), 0.1), hb.InputError, ""),
+    (lambda: curve.arcs(np.zeros((3, 2)), 0.1), hb.UsageError, "curve: 3 points .at least 4 needed"),
+    (lambda: curve.arcs(np.zeros((4, 2)), 0.1), hb.InputError, "curve: .* neighbours distinct"),
     (lambda: curve.arcs([0] * 6 + [1], 0), hb.UsageError, "tolerance: out of range"),
 ])
 def test_what_is_wrong_is_told_by_its_name(call, kind, said):

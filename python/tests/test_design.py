@@ -3,6 +3,7 @@ import hashlib
 import json
 import os
 import pickle
+import re
 import shutil
 import threading
 import time
@@ -77,6 +78,8 @@ def test_a_design_of_arrays_is_known_by_the_bytes_it_saves(tmp_path):
     (SQUARE, [[0, 1, 4]], r"triangles\[0\]: no such vertex \(4, limits 0 and 3\)"),
     (SQUARE, [[0, 1, -1]], r"triangles\[0\]: no such vertex \(-1"),
     (SQUARE, [[0, 1, 2**40]], "triangles: 1099511627776 is no int32"),
+    (SQUARE, np.array([[0, 1, 2**64 - 1]], "u8"), "triangles: 18446744073709551615 is no int32"),
+    (np.full((4, 3), np.longdouble("1e4000")), FACES, r"vertices\[0\]: not finite"),
 ])
 def test_wrong_arrays_are_told_by_their_argument(vertices, triangles, said):
     with pytest.raises(hb.UsageError, match=said):
@@ -97,6 +100,32 @@ def test_wrong_arrays_are_told_by_their_argument(vertices, triangles, said):
     (lambda bump: hb.verify(bump[2], bump[0]), r"program: Plan \(hotblade.Program needed: a plan's .program"),
     (lambda bump: hb.verify(bump[2].program, bump[2]), "design: Plan .hotblade.Design needed"),
     (lambda bump: hb.verify(bump[2].program, bump[0], "2.5"), "sample_mm: str .a number needed"),
+    (lambda bump: hb.verify(bump[2].program, bump[0], 10**400), "sample_mm .inf, limits 0.05 and 100"),
+    (lambda bump: hb.verify(bump[2].program, bump[0], -10**400), "sample_mm .-inf, limits 0.05 and 100"),
+    (lambda bump: hb.read(None, "mm"), "file: NoneType .a path needed"),
+    (lambda bump: hb.read("a.obj\0x", "mm"), r"file \('a.obj\\x00x'\): a NUL, which no path has"),
+    (lambda bump: hb.read("\ud800", "mm"), r"file \('\\ud800'\): no UTF-8"),
+    (lambda bump: bump[2].program.save("a\0b"), "file .*a NUL"),
+    (lambda bump: bump[2].program.save("a", force="no"), "force: str .True or False needed"),
+    (lambda bump: bump[0].save(5), "file: int .a path needed"),
+    (lambda bump: bump[0].save("a", None), "force: NoneType .True or False needed"),
+    (lambda bump: hb.Design.from_arrays(SQUARE, FACES, "mm", "a\0b"), "name .*a NUL"),
+    (lambda bump: hb.Design.from_arrays(SQUARE, FACES, "mm", settings={"design.format": "stl"}),
+     "settings: design.format .stl, must be obj"),
+    (lambda bump: hb.Program.load(5), "file: int .a path needed"),
+    (lambda bump: hb.Program.from_json('{"\ud800":1}'), r"text \('.*ud800.*\): no UTF-8"),
+    (lambda bump: hb.Cell.load(5), r"file: int .a path or a name of Cell.names\(\) needed"),
+    (lambda bump: hb.plan(*bump[:2], cell=5), "cell: int .hotblade.Cell, a path or a name"),
+    (lambda bump: hb.Settings.load([5]), "files: int .a path or a list of paths needed"),
+    (lambda bump: hb.Settings.load(5), "files: int .a path or a list of paths needed"),
+    (lambda bump: hb.Settings.load(["a\0b"]), "files .*a NUL"),
+    (lambda bump: hb.Batch(None), "directory: NoneType .a path needed"),
+    (lambda bump: hb.Batch("a\0b"), "directory .*a NUL"),
+    (lambda bump: hb.curve.arcs([[0, 0], [1, 1], [2, 0]], 0.1), "curve: 3 points .at least 4 needed"),
+    (lambda bump: hb.Settings({"design.tolerance_mm": 10**19}), "design.tolerance_mm .1e.19, must be 0.01 to 100"),
+    (lambda bump: hb.Settings({"design.tolerance_mm": -10**5000}), "design.tolerance_mm .-inf, must be 0.01 to 100"),
+    (lambda bump: hb.Settings({"blade.free_lengths_mm": [10**19]}), "blade.free_lengths_mm .1e.19, must be"),
+    (lambda bump: hb.Settings({"fit.max_splits": 10**19}), "fit.max_splits .2.147483647e.09, must be"),
     (lambda bump: hb.Program.from_json({"strips": []}), "text: dict .a text needed"),
     (lambda bump: hb.Settings("bump.toml"), "settings: str .hotblade.Settings or a mapping"),
     (lambda bump: hb.Settings.load((), 7), "settings: int .hotblade.Settings or a mapping"),
@@ -151,6 +180,57 @@ def test_errors_have_the_exit_codes_of_the_commands(samples, tmp_path):
         hb.read(bad, "mm")
     assert (wrong.value.exit_code, wrong.value.file, wrong.value.line) == (3, str(bad), 2)
     assert isinstance(wrong.value, hb.Error)
+    again = pickle.loads(pickle.dumps(wrong.value))
+    assert (str(again), again.file, again.line) == (str(wrong.value), str(bad), 2)
+
+
+@pytest.mark.parametrize("name", ["a: dir", "a:1: dir"])
+def test_errors_of_the_input_name_files_that_are_files(name, bump, samples, tmp_path, program):
+    def place(call):
+        with pytest.raises(hb.InputError) as wrong:
+            call()
+        return wrong.value.file, wrong.value.line
+    file = tmp_path / name / "x.obj"
+    file.parent.mkdir()
+    file.write_text("v 0 0 0\nv 1 0 x\n")
+    assert place(lambda: hb.read(file, "mm")) == (str(file), 2)
+    file.write_text(bump[2].program.to_json()[:-9])
+    assert place(lambda: hb.Program.load(file))[0] == str(file)
+    assert place(lambda: hb.Program.from_json('{\n"a" 1}')) == (None, 2)
+    assert place(lambda: hb.curve.fit([[0, 0], [0, 0], [1, 1], [1, 1]])) == (None, None)
+    assert place(lambda: hb.verify(bump[2].program, bump[0], cell="two_kr50")) == (None, None)
+    assert place(lambda: hb.verify(bump[2].program, hb.read(samples / "petal.obj", "mm")))[0] == str(samples / "petal.obj")
+    batch = tmp_path / name / "batch"
+    program("batch", "init", batch, "--design", samples / "bump.obj", "--units", "mm", "-q")
+    (batch / "jobs.csv").write_text("job\n")
+    assert place(lambda: hb.Batch(batch)) == (str(batch / "jobs.csv"), None)
+
+
+# Rooms whose errors come through the module, and which of their files name options of what only commands do.
+ROOMS = ("surface/read", "surface/slice", "pipeline/settings", "pipeline/cell", "pipeline/program", "pipeline/plan",
+         "pipeline/verify", "pipeline/batch")
+OF_COMMANDS = {"settings.cpp": "--set", "settings_fields.cpp": "--units", "strip_jobs.cpp": "--override",
+               "as_cut.cpp": "--no-equilibrium", "batch.cpp": "--update", "init.cpp": "--update",
+               "split.cpp": "--group-index", "run.cpp": None, "asked.cpp": None}
+
+
+def test_hints_are_those_of_python(bump, samples, tmp_path):
+    (tmp_path / "there").touch()
+    (tmp_path / "far.obj").write_text("v 0 0 0\nv 1e9 0 0\nv 0 1 0\nf 1 2 3\n")
+    (tmp_path / "drawing.dxf").write_text("0\nSECTION\n")
+    for call in (lambda: bump[2].program.save(tmp_path / "there"), lambda: hb.read(tmp_path / "far.obj", "m"),
+                 lambda: hb.verify(bump[2].program, bump[0], cell="two_kr50"),
+                 lambda: hb.read(tmp_path / "drawing.dxf", "mm")):
+        with pytest.raises(hb.Error) as wrong:
+            call()
+        assert "--" not in str(wrong.value) and re.search("force=True|cell=|units=|format=", str(wrong.value))
+    known = " ".join(hint for hint, _ in hb.errors.HINTS)
+    for room in ROOMS:
+        for file in (samples.parent / room).rglob("*.[ch]pp"):
+            for line in file.read_text().splitlines():
+                texts = " ".join(re.findall(r'"(?:[^"\\]|\\.)*"', line.split("//")[0]))
+                for option in re.findall("--[a-z][a-z-]+", texts):
+                    assert option in known or OF_COMMANDS.get(file.name, "") in (None, option), (file, option)
 
 
 def test_settings_are_a_mapping_that_names_what_is_wrong(samples):
@@ -176,7 +256,9 @@ def test_settings_are_a_mapping_that_names_what_is_wrong(samples):
 
 
 def test_settings_read_back(tmp_path):
-    settings = hb.Settings({"design.units": "mm", "motion.feed_mm_s": 7 + 0.1 + 0.2})
+    settings = hb.Settings({"design.units": "mm", "motion.feed_mm_s": 7 + 0.1 + 0.2, "job.number": "a\x7f\x01b",
+                            "job.author": 10**19})
+    assert settings["job.number"] == "a\x7f\x01b" and settings["job.author"] == "1" + 19 * "0"
     file = tmp_path / "job.toml"
     file.write_text(settings.to_toml())
     assert hb.Settings.load(file) == settings

@@ -3,6 +3,7 @@ import gc
 import json
 import math
 import os
+import pickle
 import re
 import shutil
 import signal
@@ -59,6 +60,9 @@ def test_programs_are_saved_and_loaded(bump, bump_cut, tmp_path, program, sample
         bump[2].program.save(tmp_path / "program.json")
     with pytest.raises(hb.InputError, match="not JSON"):
         hb.Program.load(samples / "bump.obj")
+    for behind in ("\0", "\0garbage{{{"):
+        with pytest.raises(hb.InputError, match="not JSON: a NUL byte"):
+            hb.Program.from_json(text + behind)
 
 
 def test_verify_measures_what_the_command_does(bump, bump_cut, program, samples):
@@ -69,6 +73,42 @@ def test_verify_measures_what_the_command_does(bump, bump_cut, program, samples)
     check.check()
     with pytest.raises(hb.InputError, match="not the design of this program"):
         hb.verify(bump[2].program, hb.read(samples / "petal.obj", "mm"))
+
+
+@pytest.mark.parametrize("words", [{"units": "cm"}, {"units": "mm", "up": "y"}, {"units": "mm", "facing": [0, 0, 1]},
+                                   {"units": "mm", "stitch_mm": 0.001}])
+def test_a_design_that_was_read_otherwise_is_not_the_programs(bump, samples, words):
+    design = hb.read(samples / "bump.obj", **words)
+    key = list(words)[-1]
+    with pytest.raises(hb.UsageError, match=f"design: bump.obj was read with design.{key} = .* settings=program.settings"):
+        hb.verify(bump[2].program, design)
+    again = hb.read(samples / "bump.obj", settings=bump[2].program.settings)
+    assert hb.verify(bump[2].program, again).within_tolerance
+
+
+def test_a_part_is_not_the_design_of_a_program(tmp_path, bump, samples):
+    file = tmp_path / "two.obj"
+    lines = (samples / "bump.obj").read_text().splitlines()
+    faces = [i for i, line in enumerate(lines) if line.startswith("f ")]
+    lines.insert(faces[len(faces) // 2], "g right")
+    lines.insert(faces[0], "g left")
+    file.write_text("\n".join(lines) + "\n")
+    values = {key: value for key, value in bump[1].items() if not key.startswith("design.")}
+    whole = hb.plan(hb.read(file, "mm"), values, remedies="none")
+    with pytest.raises(hb.UsageError, match='design.group = "left", and for this program with ""'):
+        hb.verify(whole.program, hb.read(file, "mm", group="left"))
+
+
+def test_a_check_names_the_limit_that_broke(bump):
+    cut = json.loads(bump[2].program.to_json())
+    cut["strips"].pop()
+    check = hb.verify(hb.Program.from_json(json.dumps(cut)), bump[0])
+    with pytest.raises(hb.OverTolerance) as over:
+        check.check()
+    said = check.report
+    uncut = f"uncut {said['uncut_mm2']:.0f} mm2 ({100 * said['uncut_share']:.2f} % of the design, limit"
+    assert said["uncut_share"] > 0.01 and uncut in str(over.value)
+    assert ("deviation" in str(over.value)) == (said["deviation_mm"]["bound"] > check.tolerance_mm)
 
 
 def test_poses_are_arrays_of_the_program(bump):
@@ -229,6 +269,25 @@ def test_settings_that_contradict_the_design_are_told(bump, samples):
         hb.plan(hb.read(samples / "bump.obj", "cm"), bump[1])
 
 
+@pytest.mark.parametrize("words, values", [
+    ({"up": "y"}, {"design.up": "z"}), ({"facing": [0, 0, 1]}, {"design.facing": None}),
+    ({"stitch_mm": 0.001}, {"design.stitch_mm": 0}), ({}, {"design.group": "roof"}), ({}, {"design.format": "stl"})])
+def test_settings_that_say_what_is_the_default_say_it(samples, tmp_path, words, values):
+    design = hb.read(samples / "bump.obj", "mm", **words)
+    said = hb.Settings(values)
+    for settings in (values, said, pickle.loads(pickle.dumps(said)), hb.Settings(said), said.changed({"fit.max_splits": 7}),
+                     hb.Settings.load((), said)):
+        with pytest.raises(hb.UsageError, match=f"{list(values)[0]}: the settings say something else .* than bump.obj was read by"):
+            hb.plan(design, settings, remedies="none")
+
+
+def test_settings_that_say_nothing_of_the_design_are_taken(samples):
+    design = hb.read(samples / "bump.obj", "mm", up="y", format="obj")
+    for settings in (None, hb.Settings(), hb.Settings(hb.Settings()), {"design.format": "auto", "design.units": ""},
+                     {"design.up": "y"}, pickle.loads(pickle.dumps(hb.Settings({"design.units": "mm"})))):
+        assert hb.plan(design, settings, remedies="none").program.settings["design.up"] == "y"
+
+
 def test_progress_is_told_and_its_exception_comes_through(bump):
     told = []
     hb.plan(bump[0], bump[1], progress=lambda stage, share: told.append((stage, share)))
@@ -328,3 +387,67 @@ def test_the_module_draws_nothing():
     library = sys.modules["hotblade._hotblade"].__file__
     linked = subprocess.run(["ldd", library], capture_output=True, text=True, check=True).stdout
     assert "libtbb" in linked and not re.search("vtk|GL|X11", linked), linked
+
+
+def run_python(text, *words):
+    return subprocess.run([sys.executable, "-c", text, *map(str, words)], capture_output=True, text=True, timeout=120)
+
+
+ENDS = """
+import sys, threading, time
+import hotblade as hb
+design = hb.read(sys.argv[1], "mm")
+def work():
+    began.set()
+    while True:
+        hb.read(sys.argv[1], "mm") if sys.argv[2] == "read" else hb.plan(design, progress=told)
+told = (lambda stage, share: time.sleep(0.2)) if sys.argv[2] == "told" else None
+began = threading.Event()
+for _ in range(2):
+    threading.Thread(target=work, daemon=True).start()
+began.wait()
+time.sleep(float(sys.argv[3]))
+"""
+
+
+@pytest.mark.parametrize("work", ["plan", "told", "read"])
+@pytest.mark.parametrize("after", [0, 0.1, 0.3, 0.5])
+def test_python_ends_beside_threads_that_work(samples, work, after):
+    done = run_python(ENDS, samples / "bump.obj", work, after)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_python_calls_at_its_end_may_plan(samples):
+    done = run_python("""
+import atexit, sys
+atexit.register(lambda: print(hb.plan(hb.read(sys.argv[1], settings=settings), settings).status))
+import hotblade as hb
+settings = hb.Settings.load(sys.argv[2], {"design.units": "mm"})
+""", samples / "bump.obj", samples / "bump.toml")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "passed\n", "")
+
+
+def test_a_fork_ends_without_the_threads_of_its_parent(samples):
+    done = run_python("""
+import os, sys, threading, time
+import hotblade as hb
+design = hb.read(sys.argv[1], "mm")
+threading.Thread(target=lambda: [hb.plan(design) for _ in range(99)], daemon=True).start()
+time.sleep(0.2)
+child = os.fork()
+if child:
+    assert os.waitpid(child, 0)[1] == 0
+""", samples / "bump.obj")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_more_threads_than_cores_are_no_warning(samples):
+    done = run_python("""
+import os, sys
+import hotblade as hb
+settings = hb.Settings.load(sys.argv[2], {"design.units": "mm"})
+design = hb.read(sys.argv[1], settings=settings)
+for more in (1, 3, 2, 40):
+    hb.plan(design, settings, os.cpu_count() + more)
+""", samples / "bump.obj", samples / "bump.toml")
+    assert (done.returncode, done.stderr) == (0, "")

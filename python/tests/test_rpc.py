@@ -29,6 +29,21 @@ def test_a_plan_of_a_file_is_the_modules(bump, samples):
     assert plain(rpc.verify(answer["program"], {"file": str(samples / "bump.obj")}))["within_tolerance"]
 
 
+def test_a_design_has_settings_of_its_own(bump, samples):
+    file = str(samples / "bump.obj")
+    answer = rpc.plan({"file": file, "settings": {"design.units": "mm"}}, None, str(samples / "bump.toml"), remedies="none")
+    assert answer["program"] == json.loads(bump[2].program.to_json())
+    with pytest.raises(hb.UsageError, match="design.units: the settings say something else"):
+        rpc.plan({"file": file, "settings": {"design.units": "mm"}}, {"design.units": "cm"})
+
+
+@pytest.mark.parametrize("words", [{"units": "cm"}, {"up": "y"}, {"settings": {"design.units": "cm"}}])
+def test_a_program_is_verified_by_its_own_reading(bump, samples, words):
+    answer = json.loads(bump[2].program.to_json())
+    with pytest.raises(hb.UsageError, match="design: bump.obj was read with design"):
+        rpc.verify(answer, {"file": str(samples / "bump.obj"), **words})
+
+
 def test_a_refused_plan_has_reasons_and_no_program(samples):
     answer = plain(rpc.plan({"file": str(samples / "bump.obj")}, {"design.units": "mm", "blade.free_lengths_mm": [50]}, str(samples / "bump.toml")))
     assert answer["status"] == "refused" and answer["refusals"] and answer["program"] is None
