@@ -288,6 +288,32 @@ def test_settings_that_say_nothing_of_the_design_are_taken(samples):
         assert hb.plan(design, settings, remedies="none").program.settings["design.up"] == "y"
 
 
+def test_what_gltf_says_of_itself_contradicts_no_settings(bump, tmp_path):
+    points = (bump[0].vertices[:, [0, 2, 1]] * [1, 1, -1] / 1000).astype("<f4")
+    corners = bump[0].triangles.astype("<u4")
+    (tmp_path / "bump.bin").write_bytes(points.tobytes() + corners.tobytes())
+    (tmp_path / "bump.gltf").write_text(json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": points.nbytes + corners.nbytes, "uri": "bump.bin"}],
+        "bufferViews": [{"buffer": 0, "byteLength": points.nbytes},
+                        {"buffer": 0, "byteOffset": points.nbytes, "byteLength": corners.nbytes}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3",
+                       "min": points.min(0).tolist(), "max": points.max(0).tolist()},
+                      {"bufferView": 1, "componentType": 5125, "count": corners.size, "type": "SCALAR"}]}))
+    file = tmp_path / "all.toml"
+    file.write_text(bump[1].changed({"design.units": ""}).to_toml())
+    settings = hb.Settings.load(file)
+    assert settings["design.up"] == "z"
+    design = hb.read(tmp_path / "bump.gltf", settings=settings)
+    result = hb.plan(design, settings)
+    assert result.status == "passed" and hb.verify(result.program, design).within_tolerance
+    assert hb.verify(result.program, hb.read(tmp_path / "bump.gltf")).within_tolerance
+    for key, word in (("design.units", "mm"), ("design.format", "obj")):
+        with pytest.raises(hb.UsageError, match=key):
+            hb.plan(design, {key: word})
+
+
 def test_progress_is_told_and_its_exception_comes_through(bump):
     told = []
     hb.plan(bump[0], bump[1], progress=lambda stage, share: told.append((stage, share)))
