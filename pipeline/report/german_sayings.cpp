@@ -39,7 +39,7 @@ constexpr std::pair<std::string_view, std::string_view> kWords[] = {
     {"joint acceleration of an arm", "Gelenkbeschleunigung eines Arms"},
     {"distance of an arm from singular", "Abstand eines Arms von der Singularität"},
     {"branch of an arm", "Zweig eines Arms"},
-    {"clearance of an arm", "Abstand eines Arms"},
+    {"clearance in the cell", "Abstand in der Zelle"},
     {"jerk of an arm", "Ruck eines Arms"},
     {"distance of the blade from the planned shape", "Abstand der Klinge von der geplanten Form"},
     {"the clamps lead the blade to another shape than the plan's",
@@ -203,6 +203,8 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
     {"{}: another jaw, or bases farther apart", "{}: eine andere Backe, oder Füße weiter auseinander"},
     {"{}: another jaw, or another place of the block or of what stands there",
      "{}: eine andere Backe, oder ein anderer Ort des Blocks oder dessen, was dort steht"},
+    {"{}: another place of the block (cell.place = \"search\" looks for one) or of what stands there",
+     "{}: ein anderer Ort des Blocks (cell.place = \"search\" sucht einen) oder dessen, was dort steht"},
     {"{} would slow the cut to {:.2g} mm/s, {:.2g} mm/s at least (motion.min_feed_mm_s): tilt the jaw or "
      "turn the block",
      "{} würde den Schnitt auf {:.2g} mm/s bremsen, mindestens {:.2g} mm/s (motion.min_feed_mm_s): die "

@@ -323,6 +323,9 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     {"arm to blade", "Arm zu Klinge"},
     {"arm to itself", "Arm zu sich selbst"},
     {"arm to obstacle", "Arm zu Hindernis"},
+    {"blade to table", "Klinge zu Tisch"},
+    {"blade to obstacle", "Klinge zu Hindernis"},
+    {"block to obstacle", "Block zu Hindernis"},
     {"Error budget", "Fehlerbudget"},
     {"What each step of the chain may add, each measured on its own; the sum is the worst case, in which "
      "all add up. A measured deviation over the tolerance is refused; a sum over it makes the verdict amber.",

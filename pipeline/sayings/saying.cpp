@@ -69,6 +69,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kRaise, "{}: raise the block (cell.raise_mm)"},
     {Saying::kOtherJawOrBases, "{}: another jaw, or bases farther apart"},
     {Saying::kOtherJawOrPlaces, "{}: another jaw, or another place of the block or of what stands there"},
+    {Saying::kOtherPlaces,
+     "{}: another place of the block (cell.place = \"search\" looks for one) or of what stands there"},
     {Saying::kJointTooSlow,
      "{} would slow the cut to {:.2g} mm/s, {:.2g} mm/s at least (motion.min_feed_mm_s): tilt the jaw or "
      "turn the block"},

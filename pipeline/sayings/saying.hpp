@@ -56,6 +56,7 @@ enum class Saying : std::uint8_t {
   kRaise,
   kOtherJawOrBases,
   kOtherJawOrPlaces,
+  kOtherPlaces,
   kJointTooSlow,
   kRaised,
   kRaisedMoved,

@@ -60,7 +60,9 @@ class Scene {
       for (const Bodies& bodies : arms_) {
         for (const auto& body : bodies) add_standing(one.what, *body, *standing_.back());
       }
+      add_blade(one.what, *standing_.back());
     }
+    add_blocks(standing);
   }
 
   [[nodiscard]] const std::vector<Pair>& pairs() const { return pairs_; }
@@ -73,7 +75,6 @@ class Scene {
   }
 
   void add_standing(Standing::What what, const MovingBody& body, const MovingBody& other) {
-    if (body.joints == 0) return;
     const Clearances& least = cell_.clearances;
     switch (what) {
       case Standing::What::kBlock:
@@ -87,21 +88,45 @@ class Scene {
         if (body.joints >= 2) add(PairKind::kTable, body, other, least.others_mm);
         return;
       case Standing::What::kObstacle:
-        add(PairKind::kObstacle, body, other, least.others_mm);
+        if (body.joints >= 1) add(PairKind::kObstacle, body, other, least.others_mm);
         return;
+    }
+  }
+
+  // The blade cuts the block and leaves it below, where the plinth has to end beside the cut.
+  void add_blade(Standing::What what, const MovingBody& other) {
+    const BladeBand& band = path_.blade;
+    const bool table = what == Standing::What::kTable;
+    if (band.corners.empty() || (!table && what != Standing::What::kObstacle)) return;
+    add(table ? PairKind::kBladeTable : PairKind::kBladeObstacle,
+        blade_between(0, band.corners[0].size() / 2 - 1), other, cell_.clearances.others_mm + band.skin_mm);
+  }
+
+  // Of what stands, block and plinth alone are put anywhere.
+  void add_blocks(const std::vector<Standing>& standing) {
+    for (std::size_t i = 0; i < standing.size(); ++i) {
+      if (standing[i].what != Standing::What::kBlock && standing[i].what != Standing::What::kPlinth) continue;
+      for (std::size_t j = 0; j < standing.size(); ++j) {
+        if (standing[j].what == Standing::What::kObstacle)
+          add(PairKind::kBlockObstacle, *standing_[i], *standing_[j], cell_.clearances.others_mm);
+      }
     }
   }
 
   void add_blade(const MovingBody& body) {
     const BladeBand& band = path_.blade;
-    if (band.corners.empty() || body.joints == 0) return;
+    if (band.corners.empty()) return;
     std::size_t from = 0, to = band.corners[0].size() / 2 - 1;
     if (body.tool)
       (body.arm == path_.arm_at_a ? from : to) = body.arm == path_.arm_at_a ? band.free_from : band.free_to;
     if (from >= to) return;
+    add(PairKind::kBlade, body, blade_between(from, to), cell_.clearances.others_mm + band.skin_mm);
+  }
+
+  const MovingBody& blade_between(std::size_t from, std::size_t to) {
     const auto [blade, is_new] = blades_.try_emplace({from, to});
     if (is_new) blade->second = blade_body(path_, from, to);
-    add(PairKind::kBlade, body, *blade->second, cell_.clearances.others_mm + band.skin_mm);
+    return *blade->second;
   }
 
   void add_self(const Bodies& bodies) {
@@ -309,6 +334,12 @@ const char* name(PairKind kind) {
       return "self";
     case PairKind::kObstacle:
       return "obstacle";
+    case PairKind::kBladeTable:
+      return "blade_table";
+    case PairKind::kBladeObstacle:
+      return "blade_obstacle";
+    case PairKind::kBlockObstacle:
+      return "block_obstacle";
   }
   return "";
 }
@@ -316,8 +347,9 @@ const char* name(PairKind kind) {
 std::string pair_words(const std::string& name) {
   // In the order of kPairKinds.
   constexpr std::array<const char*, kPairKinds.size()> kWords{
-      "arm to arm",   "tool to block", "arm to block",  "arm to plinth",
-      "arm to table", "arm to blade",  "arm to itself", "arm to obstacle"};
+      "arm to arm",     "tool to block",     "arm to block",     "arm to plinth",
+      "arm to table",   "arm to blade",      "arm to itself",    "arm to obstacle",
+      "blade to table", "blade to obstacle", "block to obstacle"};
   for (std::size_t i = 0; i < kPairKinds.size(); ++i) {
     if (name == robot::name(kPairKinds[i])) return kWords[i];
   }

@@ -19,10 +19,23 @@
 namespace hotblade::robot {
 
 // Kinds of pairs, as programs name them.
-enum class PairKind { kArms, kToolBlock, kLinkBlock, kPlinth, kTable, kBlade, kSelf, kObstacle };
-inline constexpr std::array kPairKinds{PairKind::kArms,   PairKind::kToolBlock, PairKind::kLinkBlock,
-                                       PairKind::kPlinth, PairKind::kTable,     PairKind::kBlade,
-                                       PairKind::kSelf,   PairKind::kObstacle};
+enum class PairKind {
+  kArms,
+  kToolBlock,
+  kLinkBlock,
+  kPlinth,
+  kTable,
+  kBlade,
+  kSelf,
+  kObstacle,
+  kBladeTable,
+  kBladeObstacle,
+  kBlockObstacle  // its plinth too
+};
+inline constexpr std::array kPairKinds{
+    PairKind::kArms,       PairKind::kToolBlock,     PairKind::kLinkBlock,    PairKind::kPlinth,
+    PairKind::kTable,      PairKind::kBlade,         PairKind::kSelf,         PairKind::kObstacle,
+    PairKind::kBladeTable, PairKind::kBladeObstacle, PairKind::kBlockObstacle};
 // Returns the word that programs have for it: "arm_arm".
 [[nodiscard]] const char* name(PairKind kind);
 // Returns a pair that a program names so in words, "arm to block" for "link_block"; any other as it is.
@@ -85,10 +98,12 @@ struct Clearance {
 };
 
 // Returns what is proved, up to the first pair that is not clear. Pairs: all bodies of one arm with all of
-// the other; links 1 to 6 and tool with block, plinth, obstacles and (from link 2 on) the table; links and
-// tools with the blade, of which a tool's own end is left out; links of an arm that are two joints apart or
-// more, but for the tool and link 4, and for links of the wrist that touch at joint angles of zero. `between`
-// is called between distances, every few ms: what it throws ends the proof.
+// the other; all of them with block and plinth, links 1 to 6 and tool with obstacles and (from link 2 on) the
+// table; all of them with the blade, of which a tool's own end is left out; the blade with table and
+// obstacles, not with block and plinth, as it cuts the one and leaves it below, where the other has to end
+// beside the cut; block and plinth with obstacles, which do not move either; links of an arm that are two
+// joints apart or more, but for the tool and link 4, and for links of the wrist that touch at joint angles of
+// zero. `between` is called between distances, every few ms: what it throws ends the proof.
 [[nodiscard]] Clearance prove_clear(
     const Cell& cell, const std::vector<Standing>& standing, const CellPath& path,
     const std::function<void()>& between = [] {});

@@ -49,6 +49,18 @@ ArmsOther other_of(Standing::What what) {
   return ArmsOther::kNothing;
 }
 
+bool between_arms(const ArmCell::Pair& pair) {
+  return pair.other == ArmsOther::kOtherArm || pair.other == ArmsOther::kItself;
+}
+
+protocol::ArmsDetail detail_of(const ArmCell& cell, const ArmCell::Pair& pair, double too_near_mm) {
+  const auto um = static_cast<std::int32_t>(std::lround(too_near_mm * 1000));
+  if (pair.of != ArmsOther::kNothing) return {0, static_cast<std::uint8_t>(pair.of), pair.other, 0, um};
+  const ArmCell::Body& body = cell.bodies()[pair.body];
+  return {static_cast<std::uint8_t>(body.arm + 1), body.link, pair.other,
+          between_arms(pair) ? cell.bodies()[pair.with].link : std::uint8_t{0}, um};
+}
+
 }  // namespace
 
 ArmCell::ArmCell(Cell cell, std::uint64_t id, const Limits& limits,
@@ -102,7 +114,7 @@ bool ArmCell::built_to_touch(const Body& a, const Body& b) const {
 void ArmCell::add_pairs_of_arms() {
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Body& a = bodies_[i];
-    if (a.moved_by > 0) pairs_.push_back({ArmsOther::kBlade, i, 0, cell_.clearances.others_mm});
+    pairs_.push_back({ArmsOther::kBlade, i, 0, cell_.clearances.others_mm});
     for (std::size_t j = i + 1; j < bodies_.size(); ++j) {
       const Body& b = bodies_[j];
       if (a.arm != b.arm) {
@@ -119,14 +131,20 @@ void ArmCell::add_pairs_of_arms() {
 
 void ArmCell::add_standing(const Standing& standing, std::vector<Pair>& pairs) {
   const ArmsOther other = other_of(standing.what);
-  const std::size_t least_joints = other == ArmsOther::kTable ? 2 : 1;
   const bool tools_nearer = other == ArmsOther::kBlock || other == ArmsOther::kPlinth;
+  const std::size_t least_joints = tools_nearer ? 0 : other == ArmsOther::kTable ? 2 : 1;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (bodies_[i].moved_by < least_joints) continue;
     const bool tool = bodies_[i].link == kToolLink;
     pairs.push_back({other, i, standing_.size(),
                      tool && tools_nearer ? cell_.clearances.tool_mm : cell_.clearances.others_mm});
   }
+  // The blade cuts the block and leaves it below, where the plinth has to end beside the cut.
+  if (!tools_nearer)
+    pairs.push_back({other, 0, standing_.size(), cell_.clearances.others_mm, ArmsOther::kBlade});
+  if (other == ArmsOther::kObstacle) obstacles_.push_back(standing_.size());
+  for (const std::size_t obstacle : tools_nearer ? obstacles_ : std::vector<std::size_t>{})
+    pairs.push_back({ArmsOther::kObstacle, standing_.size(), obstacle, cell_.clearances.others_mm, other});
   standing_.emplace_back(standing.shapes);
 }
 
@@ -180,46 +198,49 @@ void ArmWatch::move_blade(const BladeNow& blade) {
 }
 
 double ArmWatch::moved(const ArmCell::Pair& pair) const {
-  switch (pair.other) {
-    case ArmsOther::kOtherArm:
-    case ArmsOther::kItself:
-      return moved_mm_[pair.body] + moved_mm_[pair.with];
-    case ArmsOther::kBlade:
-      return moved_mm_[pair.body] + blade_moved_mm_;
-    default:
-      return moved_mm_[pair.body];
-  }
+  const double first = pair.of == ArmsOther::kNothing ? moved_mm_[pair.body]
+                       : pair.of == ArmsOther::kBlade ? blade_moved_mm_
+                                                      : 0;
+  if (between_arms(pair)) return first + moved_mm_[pair.with];
+  return pair.other == ArmsOther::kBlade ? first + blade_moved_mm_ : first;
 }
 
-double ArmWatch::distance(const ArmCell& cell, const ArmCell::Pair& pair) const {
-  const ArmCell::Body& body = cell.bodies()[pair.body];
-  const Isometry3d& at = at_[pair.body];
-  if (pair.other == ArmsOther::kOtherArm || pair.other == ArmsOther::kItself)
-    return distance_mm(body.solid, at, cell.bodies()[pair.with].solid, at_[pair.with], kFarthest_mm);
-  if (pair.other != ArmsOther::kBlade)
-    return distance_mm(body.solid, at, cell.standing()[pair.with], Isometry3d::Identity(), kFarthest_mm);
+// The blade, without what a jaw that it is asked for holds; none: that holds all of it.
+std::optional<Solid> ArmWatch::blade_beside(const ArmCell::Body* holder) const {
   std::size_t from = 0, to = kChords;
-  if (body.link == kToolLink) {
+  if (holder != nullptr && holder->link == kToolLink) {
     const auto held =
         static_cast<std::size_t>(std::ceil(kHeldBlade_mm / blade_length_mm_ * static_cast<double>(kChords)));
-    if (2 * held >= kChords) return kFarthest_mm;
-    (body.arm == arm_at_a_ ? from : to) = body.arm == arm_at_a_ ? held : kChords - held;
+    if (2 * held >= kChords) return std::nullopt;
+    (holder->arm == arm_at_a_ ? from : to) = holder->arm == arm_at_a_ ? held : kChords - held;
   }
   std::vector<Triangle> sheet;
   for (std::size_t i = 2 * from; i < 2 * to; i += 2) {
     sheet.push_back({corners_[i], corners_[i + 1], corners_[i + 2]});
     sheet.push_back({corners_[i + 1], corners_[i + 3], corners_[i + 2]});
   }
-  return distance_mm(body.solid, at, Solid(std::move(sheet)), Isometry3d::Identity(), kFarthest_mm);
+  return Solid(std::move(sheet));
 }
 
-// Surfaces of a body within another are apart.
-bool ArmWatch::inside_at_first(const ArmCell& cell, const ArmCell::Pair& pair) const {
-  if (begun_ || pair.other == ArmsOther::kBlade) return false;
-  const Solid& body = cell.bodies()[pair.body].solid;
-  const bool arms = pair.other == ArmsOther::kOtherArm || pair.other == ArmsOther::kItself;
-  return arms ? one_inside_other(body, at_[pair.body], cell.bodies()[pair.with].solid, at_[pair.with])
-              : one_inside_other(body, at_[pair.body], cell.standing()[pair.with], Isometry3d::Identity());
+double ArmWatch::distance(const ArmCell& cell, const ArmCell::Pair& pair, bool first_look) const {
+  const ArmCell::Body* body = pair.of == ArmsOther::kNothing ? &cell.bodies()[pair.body] : nullptr;
+  std::optional<Solid> blade;
+  if (pair.has_blade()) {
+    blade = blade_beside(body);
+    if (!blade) return kFarthest_mm;
+  }
+  const Isometry3d standing = Isometry3d::Identity();
+  const Solid& a = body != nullptr                ? body->solid
+                   : pair.of == ArmsOther::kBlade ? *blade
+                                                  : cell.standing()[pair.body];
+  const Isometry3d& at_a = body != nullptr ? at_[pair.body] : standing;
+  const Solid& b = between_arms(pair)                ? cell.bodies()[pair.with].solid
+                   : pair.other == ArmsOther::kBlade ? *blade
+                                                     : cell.standing()[pair.with];
+  const Isometry3d& at_b = between_arms(pair) ? at_[pair.with] : standing;
+  // Surfaces of a body within another are apart.
+  if (first_look && one_inside_other(a, at_a, b, at_b)) return 0;
+  return distance_mm(a, at_a, b, at_b, kFarthest_mm);
 }
 
 std::optional<ArmWatch::TooNear> ArmWatch::look(const ArmCell& cell, const std::array<ArmPosture, 2>& arms,
@@ -229,20 +250,14 @@ std::optional<ArmWatch::TooNear> ArmWatch::look(const ArmCell& cell, const std::
   std::optional<TooNear> found;
   for (std::size_t i = 0; i < pairs_.size() && !found; ++i) {
     const ArmCell::Pair& pair = pairs_[i];
-    if (pair.other == ArmsOther::kBlade && !blade) continue;
+    if (pair.has_blade() && !blade) continue;
     if (moved(pair) <= clear_until_mm_[i]) continue;
     ++asked_;
-    const double mm = inside_at_first(cell, pair) ? 0 : distance(cell, pair);
-    const double least =
-        pair.clearance_mm - kRegisters_mm - (pair.other == ArmsOther::kBlade ? blade_sag_mm_ : 0);
+    const double mm = distance(cell, pair, clear_until_mm_[i] < 0);
+    const double least = pair.clearance_mm - kRegisters_mm - (pair.has_blade() ? blade_sag_mm_ : 0);
     clear_until_mm_[i] = moved(pair) + mm - least;
     if (mm >= least) continue;
-    const ArmCell::Body& body = cell.bodies()[pair.body];
-    const bool of_arm = pair.other == ArmsOther::kOtherArm || pair.other == ArmsOther::kItself;
-    found = TooNear{{static_cast<std::uint8_t>(body.arm + 1), body.link, pair.other,
-                     of_arm ? cell.bodies()[pair.with].link : std::uint8_t{0},
-                     static_cast<std::int32_t>(std::lround((pair.clearance_mm - mm) * 1000))},
-                    mm};
+    found = TooNear{detail_of(cell, pair, pair.clearance_mm - mm), mm};
   }
   begun_ = true;
   return found;

@@ -44,12 +44,18 @@ class ArmCell {
     std::vector<MimicJoint> mimics;
     Solid solid;
   };
-  // A body with another, with what stands, or with the blade between two of its stations.
+  // A body with another, with what stands, or with the blade between two of its stations; the blade with what
+  // stands; or two that stand.
   struct Pair {
     protocol::ArmsOther other = protocol::ArmsOther::kNothing;
     std::size_t body = 0;
     std::size_t with = 0;  // index of a body or of what stands
     double clearance_mm = 0;
+    // In a body's place: the blade, or the block or plinth, whose index among what stands is `body`.
+    protocol::ArmsOther of = protocol::ArmsOther::kNothing;
+    [[nodiscard]] bool has_blade() const {
+      return other == protocol::ArmsOther::kBlade || of == protocol::ArmsOther::kBlade;
+    }
   };
   [[nodiscard]] const std::vector<Body>& bodies() const { return bodies_; }
   [[nodiscard]] const std::vector<Solid>& standing() const { return standing_; }
@@ -67,6 +73,7 @@ class ArmCell {
   Limits limits_;
   std::vector<Body> bodies_;
   std::vector<Solid> standing_;
+  std::vector<std::size_t> obstacles_;  // indices of what stands
   std::vector<Pair> pairs_;
   std::map<std::uint64_t, std::vector<Pair>> block_pairs_;
 };
@@ -97,8 +104,8 @@ class ArmWatch {
  private:
   void move_bodies(const ArmCell& cell, const std::array<ArmPosture, 2>& arms);
   void move_blade(const BladeNow& blade);
-  [[nodiscard]] bool inside_at_first(const ArmCell& cell, const ArmCell::Pair& pair) const;
-  [[nodiscard]] double distance(const ArmCell& cell, const ArmCell::Pair& pair) const;
+  [[nodiscard]] double distance(const ArmCell& cell, const ArmCell::Pair& pair, bool first_look) const;
+  [[nodiscard]] std::optional<Solid> blade_beside(const ArmCell::Body* holder) const;
   [[nodiscard]] double moved(const ArmCell::Pair& pair) const;
 
   std::vector<ArmCell::Pair> pairs_;

@@ -44,7 +44,7 @@ constexpr auto kLimits = std::to_array<LimitInfo>({
     {Limit::kJointAcceleration, "joint acceleration of an arm", "rad/s2", "", 24, "joint acceleration"},
     {Limit::kNearSingular, "distance of an arm from singular", "", "", 25, "arm is next to singular"},
     {Limit::kConfiguration, "branch of an arm", "", "", 26, "arm's configuration would change"},
-    {Limit::kArmClearance, "clearance of an arm", "mm", "", 27, "arm comes too near"},
+    {Limit::kArmClearance, "clearance in the cell", "mm", "", 27, "too near in the cell"},
     {Limit::kJointJerk, "jerk of an arm", "", "", 28, "jerk of a joint or clamp"},
 
     {Limit::kPlannedShape, "distance of the blade from the planned shape", "mm",

@@ -25,12 +25,9 @@ std::string link_name(std::uint8_t link) {
   return link == 0 ? "base" : "link " + std::to_string(link);
 }
 
-std::string other_name(const ArmsDetail& detail, const std::array<std::string, 2>& names) {
-  switch (detail.other) {
-    case ArmsOther::kOtherArm:
-      return arm_name(static_cast<std::uint8_t>(3 - detail.arm), names) + " " + link_name(detail.other_part);
-    case ArmsOther::kItself:
-      return "its own " + link_name(detail.other_part);
+// What is no link of an arm.
+std::string thing_name(ArmsOther thing) {
+  switch (thing) {
     case ArmsOther::kBlade:
       return "the blade";
     case ArmsOther::kTable:
@@ -41,10 +38,21 @@ std::string other_name(const ArmsDetail& detail, const std::array<std::string, 2
       return "the block";
     case ArmsOther::kPlinth:
       return "the plinth";
-    case ArmsOther::kNothing:
-      break;
+    default:
+      return "something";
   }
-  return "something";
+}
+
+std::string first_name(const ArmsDetail& detail, const std::array<std::string, 2>& names) {
+  if (detail.arm == 0) return thing_name(static_cast<ArmsOther>(detail.part));
+  return arm_name(detail.arm, names) + " " + link_name(detail.part);
+}
+
+std::string other_name(const ArmsDetail& detail, const std::array<std::string, 2>& names) {
+  if (detail.other == ArmsOther::kOtherArm)
+    return arm_name(static_cast<std::uint8_t>(3 - detail.arm), names) + " " + link_name(detail.other_part);
+  if (detail.other == ArmsOther::kItself) return "its own " + link_name(detail.other_part);
+  return thing_name(detail.other);
 }
 
 constexpr double kMillionth = 1e-6, kThousandth = 1e-3, kDegrees = 180 / 3.14159265358979323846;
@@ -71,8 +79,8 @@ std::string describe(const ArmsDetail& detail, Limit limit, const std::array<std
     case Limit::kConfiguration:
       return arm + (detail.part == 1 ? " shoulder" : detail.part == 3 ? " elbow" : " wrist");
     case Limit::kArmClearance:
-      return arm + " " + link_name(detail.part) + " and " + other_name(detail, arm_names) + ", " +
-             number(mm) + " mm too near";
+      return first_name(detail, arm_names) + " and " + other_name(detail, arm_names) + ", " + number(mm) +
+             " mm too near";
     case Limit::kJointJerk:
       if (detail.arm > 0) return arm + " joint " + part + ", " + number(rad) + " rad/s3 over";
       return std::string("clamp ") + (detail.part == 1 ? "A" : "B") + ", " +

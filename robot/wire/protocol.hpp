@@ -151,8 +151,8 @@ struct Ident {
 
 // What a limit of the arms speaks of, besides its code: `arm` 1 or 2, in the cell's order, `part` its joint,
 // or its link of which 7 is the tool. Near singular the part is 5, 3 or 1: wrist, elbow or shoulder. Without
-// an arm the part is clamp 1 or 2. `other` is what it comes too near to, `other_part` that one's link; of a
-// clamp's jerk `other` says 1 where it is that of its turn.
+// an arm the part is clamp 1 or 2, or an ArmsOther: blade, block or plinth. `other` is what it comes too near
+// to, `other_part` that one's link; of a clamp's jerk `other` says 1 where it is that of its turn.
 enum class ArmsOther : std::uint8_t {
   kNothing,
   kOtherArm,

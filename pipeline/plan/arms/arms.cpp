@@ -211,7 +211,11 @@ Saying help_of(robot::PairKind kind) {
     case robot::PairKind::kPlinth:
       return Saying::kRaiseOrSmallerPlinth;
     case robot::PairKind::kTable:
+    case robot::PairKind::kBladeTable:
       return Saying::kRaise;
+    case robot::PairKind::kBladeObstacle:
+    case robot::PairKind::kBlockObstacle:
+      return Saying::kOtherPlaces;
     case robot::PairKind::kArms:
       return Saying::kOtherJawOrBases;
     default:
@@ -280,7 +284,7 @@ struct ScoredPlace {
 class Placement {
  public:
   Placement(const Strip& strip, const Program& program, const robot::Cell& cell)
-      : strip_(strip), program_(program), cell_(cell), limits_(planned_limits(program)) {}
+      : strip_(strip), program_(program), cell_(cell), limits_(planned_limits(program)), free_(cell) {}
 
   std::optional<Tried> choose() {
     std::vector<ScoredPlace> order = scored(heights(cell_.place), -1);
@@ -313,6 +317,8 @@ class Placement {
       const double off = outside(strip_, place, limits_);
       least_outside_mm_ = std::min(least_outside_mm_, off);
       if (off > 0 && moved_mm(place) > 0) continue;
+      // Heights are tried all the same, so that a refusal names what stands in the way.
+      if (least >= 0 && !free_(strip_.block, placed(strip_.design_to_cell, place))) continue;
       const double value = score(place);
       if (value > least || least < 0) list.push_back({place, value});
     }
@@ -335,6 +341,7 @@ class Placement {
   const Program& program_;
   const robot::Cell& cell_;
   robot::MotionLimits limits_;
+  FreePlaces free_;
   std::vector<Tried> failed_;
   double least_outside_mm_ = 1e9;
 };

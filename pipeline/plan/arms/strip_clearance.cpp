@@ -56,6 +56,21 @@ void add_plinth(std::vector<Standing>& all, const Isometry3d& middle, const Vect
   all.push_back({Standing::What::kPlinth, "the plinth", {box_at(place, foot)}});
 }
 
+std::vector<Standing> block_and_plinth(const Block& block, const Pose& design_to_cell, double inset_mm) {
+  std::vector<Standing> all;
+  const Isometry3d middle =
+      in_cell(design_to_cell) * axes_of(block.frame) * Eigen::Translation3d(block.size_mm / 2);
+  all.push_back({Standing::What::kBlock, "the block", {box_at(middle, block.size_mm)}});
+  add_plinth(all, middle, block.size_mm, inset_mm);
+  return all;
+}
+
+robot::Shape shape_of(const robot::Obstacle& obstacle) {
+  robot::Shape shape = obstacle.shape;
+  shape.place = in_cell(obstacle.at) * shape.place;
+  return shape;
+}
+
 double largest_curvature(const Strip& strip) {
   double largest = 1e-6;
   for (const BladePose& pose : strip.poses)
@@ -96,23 +111,34 @@ Stations stations_of(double length, double curvature) {
 }  // namespace
 
 std::vector<Standing> surroundings(const Strip& strip, const robot::Cell& cell) {
-  std::vector<Standing> all;
-  const Vector3d size = strip.block.size_mm;
-  const Isometry3d middle =
-      in_cell(strip.design_to_cell) * axes_of(strip.block.frame) * Eigen::Translation3d(size / 2);
-  all.push_back({Standing::What::kBlock, "the block", {box_at(middle, size)}});
-  add_plinth(all, middle, size, cell.plinth_inset_mm);
+  std::vector<Standing> all = block_and_plinth(strip.block, strip.design_to_cell, cell.plinth_inset_mm);
   if (cell.table_mm) {
     Isometry3d place = Isometry3d::Identity();
     place.translation().z() = -cell.table_mm->z() / 2;
     all.push_back({Standing::What::kTable, "the table", {box_at(place, *cell.table_mm)}});
   }
-  for (const robot::Obstacle& obstacle : cell.obstacles) {
-    robot::Shape shape = obstacle.shape;
-    shape.place = in_cell(obstacle.at) * shape.place;
-    all.push_back({Standing::What::kObstacle, obstacle.id, {shape}});
-  }
+  for (const robot::Obstacle& obstacle : cell.obstacles)
+    all.push_back({Standing::What::kObstacle, obstacle.id, {shape_of(obstacle)}});
   return all;
+}
+
+FreePlaces::FreePlaces(const robot::Cell& cell) : cell_(cell) {
+  for (const robot::Obstacle& obstacle : cell.obstacles)
+    obstacles_.emplace_back(std::vector<robot::Shape>{shape_of(obstacle)});
+}
+
+bool FreePlaces::operator()(const Block& block, const Pose& design_to_cell) const {
+  if (obstacles_.empty()) return true;
+  const double least = cell_.clearances.others_mm;
+  const Isometry3d here = Isometry3d::Identity();
+  for (const Standing& standing : block_and_plinth(block, design_to_cell, cell_.plinth_inset_mm)) {
+    const robot::Solid solid(standing.shapes);
+    for (const robot::Solid& obstacle : obstacles_) {
+      if (distance_mm(solid, here, obstacle, here, least) < least) return false;
+      if (one_inside_other(solid, here, obstacle, here)) return false;
+    }
+  }
+  return true;
 }
 
 robot::CellPath cell_path(const Strip& strip, const robot::BladeSection& blade, const HeldJoints& held) {

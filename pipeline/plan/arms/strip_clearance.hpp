@@ -9,6 +9,7 @@
 #include "robot/arm/arm.hpp"
 #include "robot/arm/cell.hpp"
 #include "robot/arm/clearance.hpp"
+#include "robot/arm/solid.hpp"
 
 namespace hotblade::pipeline {
 
@@ -21,6 +22,18 @@ struct HeldJoints {
 // Returns what stands around a strip's arms in the cell: its block as a whole, what it stands on, the table
 // and obstacles.
 [[nodiscard]] std::vector<robot::Standing> surroundings(const Strip& strip, const robot::Cell& cell);
+
+// Whether a block and its plinth may stand at a place: clear of the cell's obstacles, as the proof asks too.
+class FreePlaces {
+ public:
+  // The cell must outlive it.
+  explicit FreePlaces(const robot::Cell& cell);
+  [[nodiscard]] bool operator()(const Block& block, const Pose& design_to_cell) const;
+
+ private:
+  const robot::Cell& cell_;
+  std::vector<robot::Solid> obstacles_;
+};
 
 // Returns the strip's arms and blade along its poses.
 [[nodiscard]] robot::CellPath cell_path(const Strip& strip, const robot::BladeSection& blade,

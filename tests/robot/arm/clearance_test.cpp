@@ -171,6 +171,57 @@ TEST(ProvedClear, MissesNothingThatIsCrossedBetweenTwoPoses) {
   }
 }
 
+// A flat blade that sinks by 300 mm a step, past a needle halfway between two poses; arms stay where they
+// are.
+TEST(ProvedClear, FindsANeedleThatTheBladeAloneCrossesBetweenTwoPoses) {
+  Swing s = swing(5, 0);
+  for (std::size_t k = 0; k < s.path.t.size(); ++k) {
+    const double z = 1500 - 300 * static_cast<double>(k);
+    s.path.blade.corners.push_back(
+        {{-100, -4, z}, {-100, 4, z}, {0, -4, z}, {0, 4, z}, {100, -4, z}, {100, 4, z}});
+  }
+  s.path.blade.free_to = 2;
+  const auto at = [](Standing::What what, double z) {
+    return std::vector<Standing>{
+        {what, "it", {{Isometry3d(Eigen::Translation3d(30, 0, z)), Box{{1, 1, 60}}}}}};
+  };
+  EXPECT_FALSE(sampled_clearance(s.cell, at(Standing::What::kObstacle, 1050), s.path, 1).worst);
+  const Clearance crossed = prove_clear(s.cell, at(Standing::What::kObstacle, 1050), s.path);
+  ASSERT_TRUE(crossed.worst);
+  EXPECT_EQ(crossed.worst->kind, PairKind::kBladeObstacle);
+  EXPECT_EQ(crossed.worst->first, "the blade");
+  EXPECT_EQ(crossed.worst->second, "it");
+  EXPECT_EQ(prove_clear(s.cell, at(Standing::What::kTable, 1050), s.path).worst->kind, PairKind::kBladeTable);
+  // What the blade cuts, and what it leaves the block towards.
+  for (const Standing::What what : {Standing::What::kBlock, Standing::What::kPlinth})
+    EXPECT_FALSE(prove_clear(s.cell, at(what, 1050), s.path).worst);
+}
+
+TEST(ProvedClear, KeepsBlockAndPlinthFromObstaclesAndBases) {
+  Swing s = swing(3, 0);
+  const auto box = [](Standing::What what, const std::string& name, const Vector3d& at, double size) {
+    return Standing{what, name, {{Isometry3d(Eigen::Translation3d(at)), Box{Vector3d::Constant(size)}}}};
+  };
+  for (const Standing::What what : {Standing::What::kBlock, Standing::What::kPlinth}) {
+    const Standing block = box(what, "block", {0, 0, 500}, 100);
+    for (const double beside : {0.0, 65.0, 74.0}) {
+      const Clearance near =
+          prove_clear(s.cell, {block, box(Standing::What::kObstacle, "post", {beside, 0, 500}, 10)}, s.path);
+      ASSERT_TRUE(near.worst) << beside;
+      EXPECT_EQ(near.worst->kind, PairKind::kBlockObstacle);
+      EXPECT_NEAR(near.worst->distance_mm, std::max(0.0, beside - 55), 1e-9);
+    }
+    EXPECT_FALSE(
+        prove_clear(s.cell, {block, box(Standing::What::kObstacle, "post", {76, 0, 500}, 10)}, s.path).worst);
+  }
+  for (CellArm& arm : s.cell.arms)
+    std::erase_if(arm.model.bodies, [](const Body& body) { return body.moved_by > 0; });
+  const Clearance at_base =
+      prove_clear(s.cell, {box(Standing::What::kBlock, "block", {-2100, 0, 50}, 100)}, s.path);
+  ASSERT_TRUE(at_base.worst);
+  EXPECT_EQ(at_base.worst->first, "arm R1 base_link");
+}
+
 // Needles and thin plates on a random surface point of a random body, where it is at a random moment between
 // two poses of a random way.
 TEST(ProvedClear, MissesNoneOfAThousandThatAreCrossed) {

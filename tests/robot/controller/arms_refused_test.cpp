@@ -59,6 +59,33 @@ TEST_F(ArmCheckTest, TheBladeLiesWhereAClampThatIsOffHoldsIt) {
   EXPECT_NEAR(by_offset.amount, by_jaw.amount, kRegisters_um);
 }
 
+// No arm comes near: the blade does, and the block stands there.
+TEST_F(ArmCheckTest, BladeAndBlockKeepFromObstacles) {
+  use(sample_cell(), testing::sample_job(kJobWaypoints));
+  const Waypoint middle = protocol::decode_waypoint(job.raw[kJobWaypoints / 2]).waypoint;
+  Obstacle pin{"pin", {}, {Eigen::Isometry3d::Identity(), Box{{4, 60, 40}}}};
+  pin.at.p = (middle.a.p + middle.b.p) / 2;
+  cell.obstacles.push_back(pin);
+  begin();
+  ASSERT_EQ(refused(), Limit::kArmClearance);
+  const protocol::ArmsDetail blade = controller->status().arms;
+  EXPECT_EQ(blade.arm, 0);
+  EXPECT_EQ(blade.part, static_cast<std::uint8_t>(ArmsOther::kBlade));
+  EXPECT_EQ(blade.other, ArmsOther::kObstacle);
+  EXPECT_EQ(describe(blade, Limit::kArmClearance, {"R1", "R2"}).substr(0, 26), "the blade and an obstacle,");
+
+  const Shape around{testing::place_of(pin.at), Box{{200, 200, 200}}};
+  const ArmCell known(cell, testing::kCellId, {},
+                      {{job.id, {{Standing::What::kBlock, "the block", {around}}}}});
+  const std::array<ArmPosture, 2> arms{posture_of(cell.arms[0], joints[0][0]),
+                                       posture_of(cell.arms[1], joints[1][0])};
+  const auto stands = ArmWatch(known, job.id, 8).look(known, arms, std::nullopt);
+  ASSERT_TRUE(stands);
+  EXPECT_EQ(stands->detail, (protocol::ArmsDetail{0, static_cast<std::uint8_t>(ArmsOther::kBlock),
+                                                  ArmsOther::kObstacle, 0, 20000}));
+  EXPECT_FALSE(ArmWatch(known, job.id + 1, 8).look(known, arms, std::nullopt)) << "another job's block";
+}
+
 // The STATE of a START that comes too early is none of the arms' any more.
 TEST_F(ArmCheckTest, TheRightArmsTakeBackWhatWasSaidOfTheWrong) {
   use(sample_cell(), testing::sample_job(kJobWaypoints));

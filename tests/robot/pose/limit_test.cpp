@@ -75,7 +75,7 @@ TEST(Limits, CodesAreThoseOfTheProtocol) {
       {24, {Limit::kJointAcceleration, "joint acceleration"}},
       {25, {Limit::kNearSingular, "arm is next to singular"}},
       {26, {Limit::kConfiguration, "arm's configuration would change"}},
-      {27, {Limit::kArmClearance, "arm comes too near"}},
+      {27, {Limit::kArmClearance, "too near in the cell"}},
       {28, {Limit::kJointJerk, "jerk of a joint or clamp"}},
   };
   std::size_t coded = 0;

@@ -321,6 +321,8 @@ TEST(Status, SaysWhichPartOfAnArmBreaksALimit) {
             "arm 1 shoulder, 2.5 mm too near to axis 1");
   EXPECT_EQ(describe({1, 4, ArmsOther::kOtherArm, 6, 1000}, Limit::kArmClearance, {"R1", "R2"}),
             "arm R1 link 4 and arm R2 link 6, 1 mm too near");
+  EXPECT_EQ(describe({0, 3, ArmsOther::kObstacle, 0, 20400}, Limit::kArmClearance, {"R1", "R2"}),
+            "the blade and an obstacle, 20.4 mm too near");
   EXPECT_EQ(describe(s.arms, Limit::kSpeed, {}), "");
   EXPECT_FALSE(describe({15, 15, static_cast<ArmsOther>(15), 15, -1}, Limit::kArmClearance, {}).empty())
       << "registers may hold anything";

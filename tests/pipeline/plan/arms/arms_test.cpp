@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
 
+#include "elastica/curve/elastica.hpp"
 #include "pipeline/cell/cell_file.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/plan/arms/strip_arms.hpp"
@@ -259,7 +261,7 @@ TEST(WithArms, RefusesAFenceInTheWayByName) {
   fence.at.p = {-1300, 0, 1000};
   cell.obstacles.push_back(fence);
   const std::string said = refusal_in(cell, slow_vault(), Limit::kArmClearance);
-  EXPECT_THAT(said, HasSubstr("S001: clearance of an arm 0 mm (limit 20 mm) in phase"));
+  EXPECT_THAT(said, HasSubstr("S001: clearance in the cell 0 mm (limit 20 mm) in phase"));
   EXPECT_THAT(said, HasSubstr("from fence, 20 at least (20.0 mm too near)"));
   EXPECT_THAT(
       said,
@@ -288,6 +290,56 @@ TEST(WithArms, RefusesWhatStandsInTheWayOfTheStraightBlade) {
   EXPECT_THAT(said, HasSubstr(" before the strip begins: arm R"));
   EXPECT_THAT(said, HasSubstr("tool is 0.0 mm from post"));
   EXPECT_THAT(said, HasSubstr("where the straight blade is bent to the strip's first shape"));
+}
+
+robot::Obstacle box_at(const std::string& id, const Vector3d& at, const Vector3d& size) {
+  robot::Obstacle box{id, {}, {Isometry3d::Identity(), robot::Box{size}}};
+  box.at.p = at;
+  return box;
+}
+
+// A pin beside the block where no arm comes, but the blade does.
+TEST(WithArms, RefusesWhatStandsInTheBladesWayByName) {
+  robot::Cell cell = cell_named("two_irb4600");
+  const Program program = clear_vault(cell);
+  cell.place.how = robot::Placing::kFixed;
+  Program armed = with_arms(program, cell).program;
+  ASSERT_TRUE(armed.cell);
+  EXPECT_THAT(describe_arms(armed), HasSubstr("blade to table"));
+  const Strip& strip = program.strips[0];
+  const BladePose& first = strip.poses.front();
+  const elastica::CurvePoint middle = elastica::ElasticaCurve(first.blade).at(strip.blade_length_mm / 2);
+  const Pose at = robot::transformed(strip.design_to_cell, {first.frame.point(middle.x, middle.y), {}});
+  cell.obstacles.push_back(box_at("pin", at.p, {4, 4, 40}));
+  EXPECT_THAT(refusal_in(cell, program, Limit::kArmClearance),
+              HasSubstr("the blade is 0.0 mm from pin, 20.4"));
+  // A program of this cell that was not held against the pin.
+  armed.cell->sha256 = cell_sha256(cell);
+  EXPECT_THAT(check_joints(armed, cell).breaches,
+              ::testing::Contains(HasSubstr("the blade is 0.0 mm from pin")));
+}
+
+TEST(WithArms, RefusesABlockInAnObstacleAndASearchMovesItAway) {
+  robot::Cell cell = cell_named("two_irb4600");
+  const Program program = clear_vault(cell);
+  const Strip& strip = program.strips[0];
+  // Within the block, deep below the cut.
+  const Vector3d low = strip.block.frame.origin + Vector3d(strip.block.size_mm.x() / 2, 125, 20);
+  const Pose at = robot::transformed(strip.design_to_cell, {low, {}});
+  cell.obstacles.push_back(box_at("stump", at.p, {20, 20, 20}));
+  cell.place.how = robot::Placing::kFixed;
+  EXPECT_THAT(refusal_in(cell, program, Limit::kArmClearance),
+              HasSubstr("the block is 0.0 mm from stump, 20 at least (20.0 mm too near): another place"));
+  cell.place.how = robot::Placing::kSearch;
+  const ArmedProgram moved = with_arms(program, cell);
+  ASSERT_THAT(moved.report.refusals, IsEmpty());
+  const StripArms& arms = *moved.program.strips[0].arms;
+  EXPECT_GT(std::abs(arms.dx_mm) + std::abs(arms.dy_mm), 0);
+  EXPECT_THAT(check_joints(moved.program, cell).breaches, IsEmpty());
+  const auto block = std::find_if(arms.nearest_mm.begin(), arms.nearest_mm.end(),
+                                  [](const auto& pair) { return pair.kind == "block_obstacle"; });
+  ASSERT_NE(block, arms.nearest_mm.end());
+  EXPECT_GE(block->mm, cell.clearances.others_mm);
 }
 
 TEST(WithArms, RefusesALimitJustBelowNeed) {
@@ -450,8 +502,7 @@ TEST(CheckJoints, FindsPlantedFaults) {
     for (const std::string& line : check.breaches) all += line + "\n";
     return all;
   };
-  EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].b[2] += 1e-8; }),
-              HasSubstr(" s: arm R2: jaw"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].b[2] += 1e-8; }), HasSubstr(" s: arm R2: jaw"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].design_to_cell.p.z() += 0.001; }),
               HasSubstr("off clamp a"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].arms->a.flip = !p.strips[0].arms->a.flip; }),
