@@ -1,9 +1,9 @@
 // An arm from its maker's description: the part of URDF that says where axes and bodies are.
 //
 // Read: robot, link, collision (origin, geometry with mesh, box, cylinder or sphere), joint revolute,
-// continuous or fixed (origin, parent, child, axis, limit, mimic). Visuals, inertias, materials and what
-// simulators add are left out and counted. Everything else is an error with its line: an arm that is half
-// read is another arm.
+// continuous or fixed (origin, parent, child, axis, limit, the soft limits of safety_controller, mimic).
+// Visuals, inertias, materials and what simulators add are left out and counted. Everything else is an error
+// with its line: an arm that is half read is another arm.
 #pragma once
 
 #include <filesystem>

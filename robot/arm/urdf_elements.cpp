@@ -25,7 +25,10 @@ using tinyxml2::XMLElement;
 constexpr std::size_t kMostBytes = 4'000'000;
 // No link is so long; a number beyond is in millimetres or a slip.
 constexpr double kLongest_m = 100;
-constexpr double kMostAngle_rad = 1000, kMostSpeed_rad_s = 100;
+constexpr double kMostSpeed_rad_s = 100, kMostFactor = 1000;
+// Wrists of makers turn by two turns or three either way, and what turns on is continuous; an arm in degrees
+// has some limit beyond, which would be 31 degrees.
+constexpr double kMostAngle_rad = 5 * 2 * M_PI;
 // A joint without limits may turn so often either way, more than any program asks for.
 constexpr double kContinuous_rad = 100 * 2 * M_PI;
 // Axes are written with five digits or more; a shorter or longer one has a slip in it.
@@ -139,14 +142,21 @@ class Elements {
     return "<" + std::string(element.Name()) + "> " + attribute + "=\"" + text + "\"";
   }
 
-  double number(const XMLElement& element, const char* attribute, double least, double most) const {
+  double number(const XMLElement& element, const char* attribute, double least, double most,
+                const std::string& hint = "") const {
     const double value = numbers(element, attribute, 1).front();
     if (!(value >= least && value <= most)) {
       std::ostringstream range;
       range << least << " to " << most;
-      fail(element, said(element, attribute, text_of(element, attribute)) + ": must be " + range.str());
+      fail(element,
+           said(element, attribute, text_of(element, attribute)) + ": must be " + range.str() + hint);
     }
     return value;
+  }
+
+  double angle(const XMLElement& element, const char* attribute) const {
+    return number(element, attribute, -kMostAngle_rad, kMostAngle_rad,
+                  ": angles are in rad; a joint that turns on without end is continuous");
   }
 
   Vector3d vector(const XMLElement& element, const char* attribute, const Vector3d& absent,
@@ -271,8 +281,9 @@ class Elements {
     found.line = element.GetLineNum();
     if (!joint_names_.insert(found.name).second) fail(element, "a second joint \"" + found.name + "\"");
     for (const XMLElement* e = element.FirstChildElement(); e != nullptr; e = e->NextSiblingElement()) {
-      static constexpr std::string_view kRead[] = {"origin", "parent", "child", "axis", "limit", "mimic"};
-      static constexpr std::string_view kIgnored[] = {"dynamics", "calibration", "safety_controller"};
+      static constexpr std::string_view kRead[] = {"origin", "parent",           "child", "axis", "limit",
+                                                   "mimic",  "safety_controller"};
+      static constexpr std::string_view kIgnored[] = {"dynamics", "calibration"};
       if (std::find(std::begin(kIgnored), std::end(kIgnored), e->Name()) != std::end(kIgnored)) {
         ignore(*e);
       } else if (std::find(std::begin(kRead), std::end(kRead), e->Name()) == std::end(kRead)) {
@@ -314,9 +325,23 @@ class Elements {
     const XMLElement& e = *child(joint, "limit", true);
     only(e, {"lower", "upper", "velocity", "effort"});
     found.speed_rad_s = number(e, "velocity", 1e-3, kMostSpeed_rad_s);
-    found.min_rad = limited ? number(e, "lower", -kMostAngle_rad, kMostAngle_rad) : -kContinuous_rad;
-    found.max_rad = limited ? number(e, "upper", -kMostAngle_rad, kMostAngle_rad) : kContinuous_rad;
+    found.min_rad = limited ? angle(e, "lower") : -kContinuous_rad;
+    found.max_rad = limited ? angle(e, "upper") : kContinuous_rad;
     if (!(found.min_rad < found.max_rad)) fail(e, "joint \"" + found.name + "\": lower is not below upper");
+    read_soft_limits(joint, found);
+  }
+
+  // Where the arm's controller holds a joint back before its limit: of both the narrower counts.
+  void read_soft_limits(const XMLElement& joint, UrdfJoint& found) const {
+    const XMLElement* e = child(joint, "safety_controller", false);
+    if (e == nullptr) return;
+    only(*e, {"soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"});
+    if (e->Attribute("soft_lower_limit") != nullptr)
+      found.min_rad = std::max(found.min_rad, angle(*e, "soft_lower_limit"));
+    if (e->Attribute("soft_upper_limit") != nullptr)
+      found.max_rad = std::min(found.max_rad, angle(*e, "soft_upper_limit"));
+    if (!(found.min_rad < found.max_rad))
+      fail(*e, "joint \"" + found.name + "\": soft and hard limits leave no range to turn in");
   }
 
   void read_mimic(const XMLElement& joint, UrdfJoint& found) const {
@@ -325,9 +350,8 @@ class Elements {
     only(*e, {"joint", "multiplier", "offset"});
     UrdfMimic mimic{text_of(*e, "joint"), 1, 0, e->GetLineNum()};
     if (e->Attribute("multiplier") != nullptr)
-      mimic.factor = number(*e, "multiplier", -kMostAngle_rad, kMostAngle_rad);
-    if (e->Attribute("offset") != nullptr)
-      mimic.offset_rad = number(*e, "offset", -kMostAngle_rad, kMostAngle_rad);
+      mimic.factor = number(*e, "multiplier", -kMostFactor, kMostFactor);
+    if (e->Attribute("offset") != nullptr) mimic.offset_rad = angle(*e, "offset");
     found.mimic = mimic;
   }
 

@@ -232,6 +232,16 @@ INSTANTIATE_TEST_SUITE_P(
                "is no number"},
         Broken{"nan", kLimit3, R"(<limit lower="nan" upper="1.3")", R"(lower="nan")", "is no number"},
         Broken{"in_degrees", kLimit3, R"(<limit lower="-1800" upper="1.3")", R"(lower="-1800")", "must be"},
+        Broken{"few_degrees", kLimit3, R"(<limit lower="-90" upper="1.3")", R"(lower="-90")",
+               "must be -31.4159 to 31.4159: angles are in rad"},
+        Broken{"turned_in_degrees", R"(<origin xyz="0 0 1.095"/>)",
+               R"(<origin xyz="0 0 1.095" rpy="0 90 0"/>)", R"(rpy="0 90 0")", "angles in rad"},
+        Broken{"soft_in_degrees", kJoint3, kJoint3 + R"(<safety_controller soft_upper_limit="60"/>)",
+               "<safety_controller", "angles are in rad"},
+        Broken{"soft_leaves_nothing", kJoint3, kJoint3 + R"(<safety_controller soft_lower_limit="1.4"/>)",
+               "<safety_controller", "leave no range to turn in"},
+        Broken{"soft_unknown", kJoint3, kJoint3 + R"(<safety_controller soft_lower="0"/>)",
+               "<safety_controller", "has no attribute soft_lower"},
         Broken{"no_speed", R"(upper="1.3089969389957472" effort="0" velocity="3.0543261909900767")",
                R"(upper="1.3089969389957472" effort="0" velocity="0")",
                R"(upper="1.3089969389957472" effort="0" velocity="0")", "velocity"},
@@ -285,6 +295,30 @@ INSTANTIATE_TEST_SUITE_P(
                "radius=\"1\"/></geometry></collision></link>",
                "<link name=\"x\">", "does not hang on base_link"}),
     [](const auto& instance) { return instance.param.name; });
+
+// The narrower of hard and soft limits, on each side, and those alone that are given.
+TEST(Urdf, SoftLimitsNarrowThoseOfTheJoint) {
+  const Joint hard = parse_urdf(own_text(), "arm.urdf", {}).arm.joints()[2];
+  const auto soft = [](const std::string& attributes) {
+    return parse_urdf(with(own_text(), kJoint3, kJoint3 + "<safety_controller " + attributes + "/>"),
+                      "arm.urdf", {})
+        .arm.joints()[2];
+  };
+  const Joint narrow = soft(R"(soft_lower_limit="-0.5" soft_upper_limit="0.4" k_velocity="1")");
+  EXPECT_EQ(narrow.min_rad, -0.5);
+  EXPECT_EQ(narrow.max_rad, 0.4);
+  const Joint wide = soft(R"(soft_lower_limit="-4" soft_upper_limit="0.4" k_position="1" k_velocity="1")");
+  EXPECT_EQ(wide.min_rad, hard.min_rad);
+  EXPECT_EQ(wide.max_rad, 0.4);
+  const Joint speed_alone = soft(R"(k_velocity="1")");
+  EXPECT_EQ(speed_alone.min_rad, hard.min_rad);
+  EXPECT_EQ(speed_alone.max_rad, hard.max_rad);
+  const std::string on =
+      with(own_text(), R"(<joint name="joint_6" type="revolute">)",
+           R"(<joint name="joint_6" type="continuous"><safety_controller soft_lower_limit="-9")"
+           R"( soft_upper_limit="9" k_velocity="1"/>)");
+  EXPECT_EQ(parse_urdf(on, "arm.urdf", {}).arm.joints()[5].max_rad, 9);
+}
 
 TEST(Urdf, ASpringFollowsItsJoint) {
   const std::string text =
