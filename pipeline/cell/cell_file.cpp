@@ -1,5 +1,7 @@
 #include "pipeline/cell/cell_file.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -350,6 +352,10 @@ std::vector<std::string> warnings(const robot::Cell& cell) {
   for (const robot::CellArm& arm : cell.arms) {
     if (arm.acceleration_assumed) lines.push_back(say(Saying::kAccelerationsAssumed, {arm.id}));
     if (arm.tool.shapes.empty()) lines.push_back(say(Saying::kToolHasNoShape, {arm.id}));
+    if (!arm.model.shapeless.empty()) {
+      lines.push_back(
+          say(Saying::kLinksHaveNoShape, {arm.id, fmt::format("{}", fmt::join(arm.model.shapeless, ", "))}));
+    }
   }
   if (!cell.table_mm) lines.push_back(say(Saying::kNoTable));
   return lines;

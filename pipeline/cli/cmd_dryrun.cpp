@@ -15,6 +15,7 @@
 #include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/controller_cell.hpp"
+#include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/run/dryrun.hpp"
 #include "pipeline/settings/json_text.hpp"
@@ -98,7 +99,8 @@ std::string table(const DryRunReport& report) {
   return text;
 }
 
-std::string to_json(const DryRunReport& report, const std::string& as_cut, bool arms_unchecked) {
+std::string to_json(const DryRunReport& report, const std::string& as_cut,
+                    const std::vector<std::string>& arms_unchecked) {
   nlohmann::ordered_json json;
   json["holds"] = report.holds();
   json["strips"] = nlohmann::ordered_json::array();
@@ -114,16 +116,22 @@ std::string to_json(const DryRunReport& report, const std::string& as_cut, bool 
   json["as_cut"] = as_cut.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json::parse(as_cut);
   json["not_checked"] = nlohmann::ordered_json::array();
   if (as_cut.empty()) json["not_checked"].push_back("as-cut deviation");
-  if (arms_unchecked) json["not_checked"].push_back("arms");
+  for (const std::string& item : arms_unchecked) json["not_checked"].push_back(item);
   return json_text(json, 2) + "\n";
 }
 
 // Measures what the log says was cut, and prints everything.
 Exit judge(const StripJobs& work, const DryRunReport& report, const LogFile& log,
-           const std::optional<surface::DesignSurface>& design, const DryRunArguments& arguments) {
-  const bool json = arguments.json, arms_unchecked = work.program.cell && arguments.cell.empty();
-  if (!json && arms_unchecked && report.holds())
-    std::cout << "arms: not checked, give " + cell_word(arguments.program, work.program) + "\n";
+           const std::optional<surface::DesignSurface>& design, const robot::ArmCell* cell,
+           const DryRunArguments& arguments) {
+  const bool json = arguments.json, no_cell = work.program.cell && cell == nullptr;
+  std::vector<std::string> arms_unchecked;
+  if (cell != nullptr) arms_unchecked = not_looked_at(cell->cell());
+  if (!json && report.holds()) {
+    if (no_cell) std::cout << "arms: not checked, give " + cell_word(arguments.program, work.program) + "\n";
+    for (const std::string& item : arms_unchecked) std::cout << "not checked: " + item + "\n";
+  }
+  if (no_cell) arms_unchecked.emplace_back("arms");
   if (!report.holds() || !design) {
     std::cout << (json ? to_json(report, "", arms_unchecked) : table(report));
     if (!json && report.holds())
@@ -160,7 +168,7 @@ Exit dryrun(const DryRunArguments& arguments, const Console& console) {
   for (const StripDryRun& strip : report.strips) waypoints += strip.proof.executed;
   console.note(fmt::format("dry run: {} waypoints in {:.1f} s, {:.0f} a second with every check on",
                            waypoints, seconds, static_cast<double>(waypoints) / seconds));
-  const Exit exit = judge(work, report, log, design, arguments);
+  const Exit exit = judge(work, report, log, design, options.arms.get(), arguments);
   if (report.interrupted) return Exit::kInterrupted;
   if (report.holds()) return exit;
   const StripDryRun& last = report.strips.back();

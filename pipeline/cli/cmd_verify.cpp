@@ -14,6 +14,7 @@
 #include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
+#include "pipeline/plan/arms/arms.hpp"
 #include "pipeline/plan/arms/check_joints.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/program/program.hpp"
@@ -165,9 +166,13 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
                                   static_cast<std::size_t>(threads));
   const EndsOnSignal ends(console, "interrupted: not measured to the end");
   if (!arguments.as_cut.empty()) return verify_as_cut(arguments, console);
-  const Program program = read_program(arguments.program);
+  Program program = read_program(arguments.program);
   std::optional<JointCheck> joints;
-  if (!arguments.cell.empty()) joints = check_joints(program, read_cell(arguments.cell));
+  if (!arguments.cell.empty()) {
+    const robot::Cell cell = read_cell(arguments.cell);
+    joints = check_joints(program, cell);
+    tell_not_looked_at(program, cell);
+  }
   const fs::path design_file = find_design(arguments, program);
   console.report_progress("read", 0.1);
   const surface::DesignSurface design = read_design_of(program, design_file);

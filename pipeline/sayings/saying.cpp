@@ -105,6 +105,7 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kAccelerationsAssumed,
      "arm {}: accelerations are assumed: give acceleration_rad_s2 of the arm's maker"},
     {Saying::kToolHasNoShape, "arm {}: the tool has no shape: give its boxes"},
+    {Saying::kLinksHaveNoShape, "arm {}: no collision shape in its model: {}"},
     {Saying::kNoTable, "no table: give [table] size_mm"},
     {Saying::kSmallExtent, "largest extent {:.6g} mm is less than clamps are apart ({:g} mm)"},
     {Saying::kMostlyLost, "{:.0f} % of the area is too steep or too sharp for the blade in any planes"},
@@ -156,6 +157,8 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kPlinthAside, "plinth outside the kept side"},
     {Saying::kJerkUnlimited, "jerk of the clamps"},
     {Saying::kJerkOfHolds, "jerk of the clamps in the ramps of a hold"},
+    {Saying::kShapelessLinks, "collisions of links that have no shape, of arm {}: {}"},
+    {Saying::kShapelessTool, "collisions of the tool of arm {}, which has no shape"},
     {Saying::kArmsBeyond, "the arms' approach from park, cables, load and torque"},
 });
 

@@ -74,6 +74,7 @@ enum class Saying : std::uint8_t {
   kWristNearStraight,
   kAccelerationsAssumed,
   kToolHasNoShape,
+  kLinksHaveNoShape,
   kNoTable,
   kSmallExtent,
   kMostlyLost,
@@ -115,6 +116,8 @@ enum class Saying : std::uint8_t {
   kPlinthAside,
   kJerkUnlimited,
   kJerkOfHolds,
+  kShapelessLinks,
+  kShapelessTool,
   kArmsBeyond,
 };
 

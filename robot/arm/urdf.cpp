@@ -44,7 +44,7 @@ class Tree {
                    joint.max_rad, joint.speed_rad_s};
     }
     check_axes(joints);
-    return {arm(joints), bodies_, elements_.ignored};
+    return {arm(joints), bodies_, elements_.ignored, shapeless()};
   }
 
  private:
@@ -93,8 +93,17 @@ class Tree {
     }
   }
 
+  std::vector<std::string> shapeless() const {
+    std::vector<std::string> names = moving_;
+    std::erase_if(names, [this](const std::string& name) {
+      return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& b) { return b.link == name; });
+    });
+    return names;
+  }
+
   void place(const Place& here) {
     placed_[here.link] = here.at;
+    if (here.body == here.link) moving_.push_back(here.link);
     const UrdfLink& link = *links_.at(here.link);
     for (const Shape& shape : link.shapes)
       body_of(here).shapes.push_back({here.at * shape.place, shape.solid});
@@ -173,6 +182,7 @@ class Tree {
   std::vector<const UrdfJoint*> chain_;
   std::map<std::string, Isometry3d> placed_;
   std::vector<Body> bodies_;
+  std::vector<std::string> moving_;  // the base and links on joints that turn
 };
 
 }  // namespace

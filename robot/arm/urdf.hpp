@@ -34,6 +34,8 @@ struct ArmModel {
   Arm arm;
   std::vector<Body> bodies;
   std::vector<std::string> ignored;  // "visual x7"
+  // The base and links that move, by name, where neither they nor what is fixed to them have a shape.
+  std::vector<std::string> shapeless;
 };
 
 // Returns the motions of all bodies from where they are at zero.

@@ -1,6 +1,7 @@
 #include "pipeline/plan/arms/arms.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -356,7 +357,31 @@ void forget_arms(Strip& strip) {
   arms.joints_s = arms.jerk_s = 0;
 }
 
+bool begins_like(const std::string& item, Saying saying) {
+  const std::string_view english = sayings()[static_cast<std::size_t>(saying)].english;
+  return item.starts_with(english.substr(0, english.find('{')));
+}
+
 }  // namespace
+
+std::vector<std::string> not_looked_at(const robot::Cell& cell) {
+  std::vector<std::string> lines;
+  for (const robot::CellArm& arm : cell.arms) {
+    if (!arm.model.shapeless.empty())
+      lines.push_back(
+          say(Saying::kShapelessLinks, {arm.id, fmt::format("{}", fmt::join(arm.model.shapeless, ", "))}));
+    if (arm.tool.shapes.empty()) lines.push_back(say(Saying::kShapelessTool, {arm.id}));
+  }
+  return lines;
+}
+
+void tell_not_looked_at(Program& program, const robot::Cell& cell) {
+  std::vector<std::string>& items = program.verification.not_checked;
+  std::erase_if(items, [](const std::string& item) {
+    return begins_like(item, Saying::kShapelessLinks) || begins_like(item, Saying::kShapelessTool);
+  });
+  for (std::string& line : not_looked_at(cell)) items.push_back(std::move(line));
+}
 
 std::string cell_sha256(const robot::Cell& cell) {
   robot::Cell placed_anyhow = cell;
@@ -388,6 +413,7 @@ ArmedProgram with_arms(const Program& program, const robot::Cell& cell) {
     for (std::string& item : armed.program.verification.not_checked) {
       if (item == say(Saying::kArmsNotLookedAt)) item = say(Saying::kArmsBeyond);
     }
+    tell_not_looked_at(armed.program, cell);
     return armed;
   }
   armed.program = program;

@@ -34,6 +34,13 @@ struct ArmedProgram {
 };
 [[nodiscard]] ArmedProgram with_arms(const Program& program, const robot::Cell& cell);
 
+// Returns a line for each arm's links, and for each tool, that have no shape: nothing is known of what they
+// hit.
+[[nodiscard]] std::vector<std::string> not_looked_at(const robot::Cell& cell);
+
+// Puts these lines among what the program says was not checked, in place of those of any other cell.
+void tell_not_looked_at(Program& program, const robot::Cell& cell);
+
 // Returns a table for people, a line a strip: which arm holds which clamp, what the block is raised by, what
 // is left to limits and to a straight wrist. Empty for a program without arms.
 [[nodiscard]] std::string describe_arms(const Program& program);

@@ -296,6 +296,22 @@ INSTANTIATE_TEST_SUITE_P(
                "<link name=\"x\">", "does not hang on base_link"}),
     [](const auto& instance) { return instance.param.name; });
 
+// A world below, frames and a flange have nothing that could hit anything; links that move have.
+TEST(Urdf, LinksThatNoShapeIsGivenAreNamed) {
+  for (const auto& file : arm_files()) EXPECT_THAT(read_urdf(file).shapeless, ::testing::IsEmpty()) << file;
+  std::string bare = own_text();
+  for (const std::string link : {"link_2", "link_5"}) {
+    const auto from = bare.find("<link name=\"" + link + "\">"), to = bare.find("</link>", from);
+    ASSERT_NE(from, std::string::npos);
+    bare.replace(from, to - from, "<link name=\"" + link + "\">");
+  }
+  bare = with(bare, "<link name=\"tool0\"/>",
+              "<link name=\"tool0\"/><link name=\"world\"/><link name=\"mark\"/>"
+              "<joint name=\"w\" type=\"fixed\"><parent link=\"world\"/><child link=\"base_link\"/></joint>"
+              "<joint name=\"m\" type=\"fixed\"><parent link=\"link_3\"/><child link=\"mark\"/></joint>");
+  EXPECT_THAT(parse_urdf(bare, "arm.urdf", {}).shapeless, ::testing::ElementsAre("link_2", "link_5"));
+}
+
 // The narrower of hard and soft limits, on each side, and those alone that are given.
 TEST(Urdf, SoftLimitsNarrowThoseOfTheJoint) {
   const Joint hard = parse_urdf(own_text(), "arm.urdf", {}).arm.joints()[2];

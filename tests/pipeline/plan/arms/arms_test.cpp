@@ -471,6 +471,27 @@ TEST(WithArms, SaysWhatIsLeftToLookAt) {
   EXPECT_THAT(armed.verification.not_checked[1], HasSubstr("the arms' approach from park"));
 }
 
+TEST(WithArms, SaysWhatHasNoShape) {
+  const robot::Cell cell = cell_named("two_irb4600");
+  robot::Cell bare = cell;
+  bare.arms[0].model.shapeless = {"link_2", "link_4"};
+  bare.arms[1].tool.shapes.clear();
+  const std::string links = "collisions of links that have no shape, of arm R1: link_2, link_4",
+                    tool = "collisions of the tool of arm R2, which has no shape";
+  const ArmedProgram armed = with_arms(slow_vault(), bare);
+  EXPECT_THAT(armed.report.warnings,
+              ::testing::Contains("arm R1: no collision shape in its model: link_2, link_4"));
+  EXPECT_THAT(armed.report.warnings, ::testing::Contains("arm R2: the tool has no shape: give its boxes"));
+  EXPECT_THAT(not_looked_at(bare), ::testing::ElementsAre(links, tool));
+  const auto& items = armed.program.verification.not_checked;
+  EXPECT_THAT(items, ::testing::Contains(links).Times(1));
+  EXPECT_THAT(items, ::testing::Contains(tool).Times(1));
+  // In another cell they are looked at.
+  EXPECT_THAT(with_arms(armed.program, cell).program.verification.not_checked,
+              ::testing::Not(::testing::Contains(HasSubstr("collisions of"))));
+  EXPECT_THAT(not_looked_at(cell), IsEmpty());
+}
+
 Program armed_vault(const robot::Cell& cell) {
   return with_arms(slow_vault(), cell).program;
 }
