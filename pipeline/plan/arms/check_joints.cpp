@@ -233,10 +233,15 @@ void check_clear(const Strip& strip, const robot::BladeSection& blade, const rob
     for (const auto& nearest : {proved.nearest[i], sampled.nearest[i]}) {
       if (nearest) measured = std::min(measured, nearest->mm);
     }
-    const double claimed = said == strip.arms->nearest_mm.end() ? robot::kWidest_mm : said->mm;
+    const bool silent = said == strip.arms->nearest_mm.end();
+    const double claimed = silent ? robot::kWidest_mm : said->mm;
     if (claimed > measured + robot::kNearestWithin_mm) {
-      check.breaches.push_back(fmt::format("{}: {} comes within {:.1f} mm, the program says {:.1f}", strip.id,
-                                           robot::pair_words(key), measured, claimed));
+      const std::string says =
+          silent ? fmt::format("has none within {:.0f}: an older version may have placed it, place it again",
+                               claimed)
+                 : fmt::format("says {:.1f}", claimed);
+      check.breaches.push_back(fmt::format("{}: {} comes within {:.1f} mm, the program {}", strip.id,
+                                           robot::pair_words(key), measured, says));
     }
     if (measured < robot::kWidest_mm)
       check.nearest.push_back(fmt::format("{} {} {:.1f} mm", strip.id, robot::pair_words(key), measured));

@@ -532,6 +532,8 @@ TEST(CheckJoints, FindsPlantedFaults) {
               HasSubstr("of its limit, 3 are kept"));
   EXPECT_THAT(breach([](Program& p) { p.strips[0].joints[7].a[4] = 0.01; }),
               HasSubstr("from straight, 5 at least"));
+  EXPECT_THAT(breach([](Program& p) { p.strips[0].arms->nearest_mm.clear(); }),
+              HasSubstr("mm, the program has none within 500: an older version may have placed it"));
   const std::string fast = breach([](Program& p) {
     for (BladePose& pose : p.strips[0].poses) pose.t /= 1000;
   });
