@@ -10,10 +10,12 @@
 #include <utility>
 
 #include "pipeline/cell/cell_file.hpp"
+#include "pipeline/cli/backend_option.hpp"
 #include "pipeline/cli/cell_word.hpp"
 #include "pipeline/cli/command.hpp"
 #include "pipeline/cli/ends_on_signal.hpp"
 #include "pipeline/plan/arms/arms.hpp"
+#include "pipeline/plan/placed_plan.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/report/emit.hpp"
 
@@ -21,7 +23,7 @@ namespace hotblade::pipeline {
 namespace {
 
 struct PlaceArguments {
-  std::string program, cell, output, how;
+  std::string program, cell, output, how, design;
   bool force = false, gzip = false;
 };
 
@@ -40,6 +42,24 @@ void tell_left_out(const Emitted& emitted, const std::filesystem::path& director
       directory.string(), fmt::join(emitted.left_out, ", ")));
 }
 
+// Measures the cut again where the arms have changed it: what the program says is what its motion cuts.
+// Returns the backend that measured; empty where the cut is as it was.
+std::string measure_changed(const PlaceArguments& arguments, const Program& before, const Console& console,
+                            ArmedProgram& armed) {
+  if (!cuts_otherwise(armed.program, before)) return "";
+  console.note("the arms change the blade's speed, and it melts by that: the cut is measured again");
+  const std::filesystem::path file = given_or_at_hand(arguments.design, arguments.program, before);
+  const surface::DesignSurface design = read_design_of(before, file);
+  const gpu::Backend backend = backend_named("auto");
+  PlanResult result = plan_of(std::move(armed.program));
+  measure_again(design, backend, result);
+  tell_backend(result.verification, backend, console);
+  armed.program = std::move(result.program);
+  armed.report.refusals = std::move(result.refusals);
+  armed.report.warnings.insert(armed.report.warnings.end(), result.warnings.begin(), result.warnings.end());
+  return backend_text(result.verification);
+}
+
 Exit place(const PlaceArguments& arguments, const Console& console) {
   const auto start = std::chrono::steady_clock::now();
   const std::filesystem::path directory = arguments.output;
@@ -54,16 +74,13 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   const EndsOnSignal ends(console, "interrupted: nothing was written",
                           [&output] { return output.abandon(); });
   ArmedProgram armed = with_arms(program, cell);
+  RunFacts facts;
+  if (armed.report.refusals.empty()) facts.backend = measure_changed(arguments, program, console, armed);
   for (const std::string& line : armed.report.warnings) console.warn("warning: " + line);
   for (const Refusal& refusal : armed.report.refusals) console.warn("refused: " + describe(refusal));
   if (!armed.report.refusals.empty()) return Exit::kNotCuttable;
-  if (program.blade.melt.by_speed())
-    console.warn(
-        "warning: the arms may have made the blade slower, and it melts more then: measure the new program "
-        "with "
-        "`hotblade verify`, or plan with --cell");
-  RunFacts facts;
-  facts.design_path = design_path(arguments.program, program).value_or("");
+  facts.design_path = arguments.design;
+  if (facts.design_path.empty()) facts.design_path = design_path(arguments.program, program).value_or("");
   if (!facts.design_path.empty()) facts.design_path = std::filesystem::absolute(facts.design_path);
   facts.cell = kept_cell(arguments.cell);
   facts.threads = tbb::info::default_concurrency();
@@ -93,11 +110,17 @@ void add_place(CLI::App& app, const Console& console, Action& action) {
                    "Instead of the cell's own: may blocks be raised, moved and turned?")
       ->check(CLI::IsMember({"fixed", "raise", "search"}))
       ->type_name("fixed|raise|search");
+  command
+      ->add_option("--design", arguments->design,
+                   "The design's file, where a blade that melts by its speed is measured again (default: "
+                   "beside the program, or as planned)")
+      ->type_name("FILE");
   command->add_flag("--gzip", arguments->gzip, "Write program.json.gz, a quarter as large");
   command->add_flag("--force", arguments->force, "Overwrite results that are there");
   command->footer(
-      "Cuts stay as they are, waypoints are met later where joints ask for it. Exit code 4 when a strip's "
-      "arms cannot do it: which, when and by how "
+      "Curves stay as they are, waypoints are met later where joints ask for it; a blade that melts by its "
+      "speed is measured again then. Exit code 4 when a strip's "
+      "arms cannot do it, or what it cuts then is over the tolerance: which, when and by how "
       "much.\n"
       "Example: hotblade place vault_cut/program.json --cell two_irb4600 -o vault_armed");
   command->callback([arguments, &console, &action] {

@@ -36,13 +36,8 @@ struct VerifyArguments {
   int jobs = 0;  // all cores
 };
 
-// The design: as given, or found again.
 fs::path find_design(const VerifyArguments& arguments, const Program& program) {
-  if (!arguments.design.empty()) return arguments.design;
-  if (const auto found = design_at_hand(arguments.program, program)) return *found;
-  throw Error(ErrorKind::kFile, (fs::path(arguments.program).parent_path() / program.design.file).string() +
-                                    ": the design is neither beside the program nor where run.json says: say "
-                                    "--design FILE");
+  return given_or_at_hand(arguments.design, arguments.program, program);
 }
 
 // One line a strip: the branch of shapes found from its clamp poses.
@@ -88,8 +83,23 @@ Exit expect_passed(const Program& program, const Console& console) {
   return Exit::kNotCuttable;
 }
 
-// The colour that the plan's own status and budget amount to.
-void print_verdict(const Program& program) {
+// What was measured, against the program's limits.
+Exit judged(const VerifyReport& report, const std::optional<JointCheck>& joints) {
+  if (joints && !joints->breaches.empty()) return Exit::kDeviation;
+  if (!report.within_tolerance || !report.ribs.mismatches.empty() || !report.ribs.far.empty())
+    return Exit::kDeviation;
+  return report.holds() ? Exit::kOk : Exit::kNotCuttable;
+}
+
+// The colour that the program's own status and budget amount to, where what was measured leaves them
+// standing.
+void print_verdict(const Program& program, bool stands) {
+  if (!stands) {
+    std::cout << "verdict " << painted(name(VerdictColor::kRed), Paint::kBad, STDOUT_FILENO)
+              << ": measured now, the program does not hold: it says " << name(program.verification.status)
+              << "\n";
+    return;
+  }
   const Verdict verdict = verdict_of(program);
   std::cout << budget_text(verdict) << "\n";
   std::cout << "verdict of the plan " << painted(name(verdict.color), paint_of(verdict.color), STDOUT_FILENO)
@@ -145,7 +155,6 @@ void print_report(const Program& program, const VerifyReport& report, const Veri
                              report.clamp_mismatch_mm, kClampMismatchMm);
   }
   std::cout << (report.within_tolerance ? "within tolerance\n" : "over tolerance\n");
-  print_verdict(program);
 }
 
 void print_joints(const JointCheck& check) {
@@ -181,17 +190,15 @@ Exit verify_program(const VerifyArguments& arguments, const Console& console) {
   const VerifyReport report = verify(program, design, options);
   console.report_progress("done", 1);
   tell_backend(report, options.backend, console);
+  const Exit code = judged(report, joints);
   if (arguments.json) {
     std::cout << verify_json(program, report, options, joints ? to_json(*joints) : nlohmann::ordered_json());
   } else {
     print_report(program, report, options);
     if (joints) print_joints(*joints);
+    print_verdict(program, code == Exit::kOk);
   }
-  if (joints && !joints->breaches.empty()) return Exit::kDeviation;
-  if (!report.within_tolerance || !report.ribs.mismatches.empty() || !report.ribs.far.empty())
-    return Exit::kDeviation;
-  if (!report.holds()) return Exit::kNotCuttable;
-  return expect_passed(program, console);
+  return code == Exit::kOk ? expect_passed(program, console) : code;
 }
 
 }  // namespace

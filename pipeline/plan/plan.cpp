@@ -581,7 +581,10 @@ void measure_again(const surface::DesignSurface& design, gpu::Backend backend, P
   for (std::size_t i = 0; i < result.strips.size(); ++i)
     set_bands(result.program.strips[i].poses, result.program.settings, result.strips[i]);
   judge(result.program.settings, result);
+  // What was looked at since is no question of times.
+  std::vector<std::string> not_checked = std::move(result.program.verification.not_checked);
   conclude(design, result);
+  result.program.verification.not_checked = std::move(not_checked);
   judge_budget(result.program.settings, result);
 }
 

@@ -61,6 +61,14 @@ std::optional<fs::path> design_at_hand(const fs::path& program_file, const Progr
   return path && fs::exists(*path, ignored) ? path : std::nullopt;
 }
 
+fs::path given_or_at_hand(const fs::path& given, const fs::path& program_file, const Program& program) {
+  if (!given.empty()) return given;
+  if (const auto found = design_at_hand(program_file, program)) return *found;
+  throw Error(ErrorKind::kFile, (program_file.parent_path() / program.design.file).string() +
+                                    ": the design is neither beside the program nor where run.json says: say "
+                                    "--design FILE");
+}
+
 std::optional<fs::path> cell_given(const fs::path& program_file) {
   return path_in_run(program_file, "cell");
 }

@@ -14,6 +14,12 @@ namespace hotblade::pipeline {
 [[nodiscard]] std::optional<std::filesystem::path> design_at_hand(const std::filesystem::path& program_file,
                                                                   const Program& program);
 
+// Returns the design that was given, else the one at hand. Throws Error (kFile) when neither is there, with
+// where it was looked for.
+[[nodiscard]] std::filesystem::path given_or_at_hand(const std::filesystem::path& given,
+                                                     const std::filesystem::path& program_file,
+                                                     const Program& program);
+
 // Returns where the design is, or was when the program was planned: beside the program, or as run.json says;
 // nothing when neither is known.
 [[nodiscard]] std::optional<std::filesystem::path> design_path(const std::filesystem::path& program_file,

@@ -21,8 +21,9 @@ struct Side {
   double height = 0;
 };
 
-// Largest distance between a blade point and the line between its neighbours in time: linear interpolation's
-// error, and what a denser sampling of the same motion would move.
+}  // namespace
+
+// Linear interpolation's error, and what a denser sampling of the same motion would move.
 double interpolation_mm(const Program& program) {
   double worst = 0;
   for (const Strip& strip : program.strips) {
@@ -37,8 +38,6 @@ double interpolation_mm(const Program& program) {
   }
   return worst;
 }
-
-}  // namespace
 
 double mesh_chord_mm(const surface::TriangleMesh& mesh, const surface::CreaseLimits& limits) {
   std::vector<int> face_of;
@@ -96,12 +95,12 @@ std::vector<std::pair<std::string, double>> error_budget(const surface::DesignSu
   }
   return {{"mesh", mesh_chord_mm(design.mesh, crease_limits(program.settings, program.blade))},
           {"fit", std::max(0.0, fit - errors.joint_fit_mm)},
-          {"joint_fit", std::min(fit, errors.joint_fit_mm)},
+          {kJointFitLine, std::min(fit, errors.joint_fit_mm)},
           {"between_ribs", std::max(0.0, program.verification.deviation_mm.max - fit)},
-          {"interpolation", interpolation_mm(program) + errors.off_plane_mm},
+          {kInterpolationLine, interpolation_mm(program) + errors.off_plane_mm},
           {"quantisation", std::max(kQuantisationMm, errors.told_mm)},
-          {"gravity_droop", errors.droop_mm},
-          {"gravity_in_plane", errors.in_plane_mm},
+          {kDroopLine, errors.droop_mm},
+          {kInPlaneLine, errors.in_plane_mm},
           {kClampErrorLine, errors.clamp_mm}};
 }
 

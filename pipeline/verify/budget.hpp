@@ -32,8 +32,13 @@ struct PoseErrors {
                                                                        const Program& program,
                                                                        const PoseErrors& errors);
 
-// The budget's line of the clamps' errors.
-inline constexpr const char* kClampErrorLine = "clamp_error";
+// The budget's lines of what no measurement of the cut tells.
+inline constexpr const char *kJointFitLine = "joint_fit", *kInterpolationLine = "interpolation",
+                            *kDroopLine = "gravity_droop", *kInPlaneLine = "gravity_in_plane",
+                            *kClampErrorLine = "clamp_error";
+
+// Returns the largest distance between a clamp and the line between its neighbours in time, mm.
+[[nodiscard]] double interpolation_mm(const Program& program);
 
 // Returns the sum of an error budget's lines, mm: the worst case, in which none takes off from another.
 [[nodiscard]] double budget_sum_mm(const std::vector<std::pair<std::string, double>>& budget_mm);

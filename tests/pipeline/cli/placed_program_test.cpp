@@ -149,5 +149,102 @@ TEST_F(PlacedProgram, NamesACellAsTheOptionTakesIt) {
               HasSubstr("give --cell with the file of the cell \"two IRB 4600\"\n"));
 }
 
+// A blade that melts more where it is slower, in a cell whose arms make it so.
+class PlacedMelt : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    planned_ = std::make_unique<testing::TemporaryDirectory>();
+    const std::string samples = hotblade::testing::source_dir() + "/samples/";
+    const Ended ended = hotblade({"plan", samples + "hypar.obj", "--config", samples + "hypar.toml", "--set",
+                                  "foam.melt_mm2_s=10", "--set", "foam.loss_mm_s=1", "-o",
+                                  planned_->path().string(), "--force", "--no-pictures"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+  }
+  static void TearDownTestSuite() { planned_.reset(); }
+
+  // The shipped cell, with arms that are hundreds of times slower.
+  [[nodiscard]] std::string slow_cell() const {
+    std::string text = read_bytes(hotblade::testing::source_dir() + "/samples/cells/two_irb4600.toml");
+    const std::string share = "speed_share = 0.8";
+    for (std::size_t at = text.find(share); at != std::string::npos; at = text.find(share, at + 1))
+      text.replace(at, share.size(),
+                   "speed_share = 0.01\nacceleration_rad_s2 = [0.01, 0.01, 0.01, 0.01, 0.01, 0.01]");
+    const fs::path file = files_ / "slow.toml";
+    std::ofstream(file) << text;
+    return file.string();
+  }
+
+  [[nodiscard]] Ended place(const fs::path& program, const std::string& cell,
+                            const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words{"place", program.string(), "--cell", cell, "-o", armed_.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return hotblade(words);
+  }
+
+  inline static std::unique_ptr<testing::TemporaryDirectory> planned_;
+  testing::TemporaryDirectory files_;
+  fs::path armed_ = files_ / "armed";
+};
+
+TEST_F(PlacedMelt, IsRefusedWhereSlowArmsMakeItCutBeyondTheTolerance) {
+  const Ended refused = place(*planned_ / "program.json", slow_cell());
+  EXPECT_EQ(refused.code, 4);
+  EXPECT_THAT(refused.err, HasSubstr("refused: S001"));
+  EXPECT_THAT(refused.err, HasSubstr("deviation 1."));
+  EXPECT_FALSE(fs::exists(armed_));
+}
+
+TEST_F(PlacedMelt, HasTheFiguresOfItsOwnCut) {
+  const Ended placed = place(*planned_ / "program.json", "two_irb4600");
+  ASSERT_EQ(placed.code, 0) << placed.err;
+  const Program before = read_program(*planned_ / "program.json"),
+                program = read_program(armed_ / "program.json");
+  const Ended verified = hotblade({"verify", (armed_ / "program.json").string(), "--json"});
+  EXPECT_EQ(verified.code, 0) << verified.err;
+  const auto measured = nlohmann::json::parse(verified.out);
+  const double most = measured.at("deviation_mm").at("max").get<double>();
+  EXPECT_NE(most, before.verification.deviation_mm.max);
+  EXPECT_NEAR(program.verification.deviation_mm.max, most, 1e-9);
+  // What no measurement tells is as it was planned.
+  ASSERT_EQ(program.verification.budget_mm.size(), before.verification.budget_mm.size());
+  for (std::size_t i = 0; i < before.verification.budget_mm.size(); ++i) {
+    const auto& [line, mm] = before.verification.budget_mm[i];
+    EXPECT_EQ(program.verification.budget_mm[i].first, line);
+    if (line == "between_ribs") continue;
+    EXPECT_NEAR(program.verification.budget_mm[i].second, mm, 1e-12) << line;
+  }
+  EXPECT_THAT(program.verification.not_checked,
+              ::testing::Not(::testing::Contains("arm reach and arm collision")));
+}
+
+TEST_F(PlacedMelt, AsksForTheDesignThatItCannotBeMeasuredWithout) {
+  const fs::path alone = files_ / "program.json";
+  fs::copy_file(*planned_ / "program.json", alone);
+  const Ended without = place(alone, slow_cell());
+  EXPECT_EQ(without.code, 7);
+  EXPECT_THAT(without.err, HasSubstr("say --design FILE"));
+  EXPECT_FALSE(fs::exists(armed_));
+  const std::string design = hotblade::testing::source_dir() + "/samples/hypar.obj";
+  const Ended placed = place(alone, "two_irb4600", {"--design", design});
+  EXPECT_EQ(placed.code, 0) << placed.err;
+  EXPECT_EQ(hotblade({"verify", (armed_ / "program.json").string()}).code, 0);
+}
+
+TEST_F(PlacedMelt, IsNotCalledGreenByVerifyWhereItDoesNotHold) {
+  const fs::path alone = files_ / "program.json";
+  std::string text = read_bytes(*planned_ / "program.json");
+  const std::string key = "\"tolerance_mm\":";
+  const std::size_t at = text.find(key, text.rfind("\"verification\""));
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, text.find(',', at) - at, key + "0.01");
+  std::ofstream(alone) << text;
+  const Ended verified = hotblade(
+      {"verify", alone.string(), "--design", hotblade::testing::source_dir() + "/samples/hypar.obj"});
+  EXPECT_EQ(verified.code, 5);
+  EXPECT_THAT(verified.out,
+              ::testing::EndsWith("verdict red: measured now, the program does not hold: it says passed\n"));
+  EXPECT_THAT(verified.out, ::testing::Not(HasSubstr("can be cut")));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline
