@@ -426,7 +426,7 @@ Exit Runner::run_strip(const StripJobs& work, std::size_t index, const Plan& pla
   const robot::StreamReport report = robot::stream(job, options);
   console_.end_progress();
   const Exit code = report.outcome == StreamOutcome::kDone ? Exit::kOk : exit_of(kind_of(report.outcome));
-  if (code == Exit::kOk) journal_.remove();
+  if (code == Exit::kOk || report.given_back) journal_.remove();
   if (code != Exit::kOk) console_.warn(report.message + place_of(work.program.strips[index], report.at));
   if (code == Exit::kInterrupted || report.outcome == StreamOutcome::kLinkLost)
     console_.warn("to go on: " + run_line(arguments_, {"--resume"}));

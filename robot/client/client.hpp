@@ -69,6 +69,7 @@ struct StreamReport {
   int reconnects = 0;
   int restarts = 0;                 // of the controller, seen by its boot id
   std::uint64_t windows = 0;        // sent, repeated ones included
+  bool given_back = false;          // refused before anything moved, and closed on the controller
   std::optional<std::uint32_t> at;  // the waypoint a refusal or a fault speaks of
 };
 

@@ -111,6 +111,25 @@ TEST_F(ControllerCommands, DryrunWithACellChecksTheArmsThatTheProgramWasPlannedF
   EXPECT_EQ(hotblade({"run", armed, "--connect", place(), "--yes"}).code, 0);
 }
 
+// Nothing was under way: the controller is free at once, and no journal is left.
+TEST_F(ControllerCommands, ARunThatIsRefusedBeforeItMovesLeavesNothingOpen) {
+  write(testing::motion_program(1, 400));
+  const std::string armed = (directory_ / "armed" / "program.json").string();
+  ASSERT_EQ(
+      hotblade({"place", file_.string(), "--cell", "two_irb4600", "-o", (directory_ / "armed").string()})
+          .code,
+      0);
+  start_sim("max", {"--cell", "two_irb4600"});
+  const Ended refused = hotblade(run_arguments());
+  EXPECT_EQ(refused.code, 6);
+  EXPECT_THAT(refused.err, HasSubstr("STATE: this controller checks its arms, and the program has none"));
+  EXPECT_EQ(status().state, State::kIdle);
+  for (const auto& entry : std::filesystem::directory_iterator(directory_.path()))
+    EXPECT_NE(entry.path().extension(), ".resume");
+  const Ended at_once = hotblade({"run", armed, "--connect", place(), "--yes"});
+  EXPECT_EQ(at_once.code, 0) << at_once.err;
+}
+
 TEST_F(ControllerCommands, AProgramThatDidNotPassNeedsAnOverride) {
   auto program = testing::motion_program(1, 400);
   program.verification.status = VerificationStatus::kRefused;
