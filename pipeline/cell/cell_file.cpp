@@ -3,11 +3,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
 
 #include "pipeline/cell/embedded.hpp"
+#include "pipeline/cell/robot_names.hpp"
 #include "pipeline/cell/toml_table.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/settings/error.hpp"
@@ -53,11 +55,12 @@ class CellReader {
     auto head = top.table("cell");
     if (!head) top.fail("", "needs [cell] with a name");
     read_head(*head, cell);
-    for (TomlTable& arm : top.tables("arm")) cell.arms.push_back(read_arm(arm, cell.arms.size()));
+    for (TomlTable& arm : top.tables("arm")) {
+      cell.arms.push_back(read_arm(arm, cell.arms.size()));
+      if (cell.arms.size() == 2) expect_apart(arm, cell.arms[0], cell.arms[1]);
+    }
     if (cell.arms.size() != 2)
       top.fail("arm", std::to_string(cell.arms.size()) + " arms, must be two [[arm]]");
-    if (cell.arms[0].id == cell.arms[1].id)
-      top.fail("arm", "both arms have the id \"" + cell.arms[0].id + "\"");
     if (auto table = top.table("table")) {
       const auto size = table->numbers<3>("size_mm", 1, kFarthest_mm);
       if (!size) table->fail("", "needs size_mm");
@@ -107,9 +110,48 @@ class CellReader {
     head.expect_all_read();
   }
 
+  // Robot programs, and the files that they are in, are named by the arms' ids; both tasks are of one
+  // controller.
+  static void expect_apart(const TomlTable& arm, const robot::CellArm& first, const robot::CellArm& second) {
+    if (first.id == second.id) arm.fail("id", "both arms have the id \"" + first.id + "\"");
+    const std::string a = robot_name_of(first.id), b = robot_name_of(second.id);
+    if (same_robot_name(a, b)) {
+      arm.fail("id", "\"" + second.id + "\" beside \"" + first.id + "\": robot programs are named " + a +
+                         " and " + b + ", the same to a controller");
+    }
+    if (same_robot_name(first.rapid.task, second.rapid.task))
+      arm.fail("rapid", "both arms have the task \"" + first.rapid.task + "\"");
+  }
+
+  using Names = std::array<std::pair<const char*, std::string*>, 3>;
+
+  // Names that stand in one space: what an arm's program declares or switches.
+  static void read_names(TomlTable& table, RobotLanguage language, const Names& names) {
+    for (const auto& [key, place] : names) read_name(table, language, key, *place);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (!same_robot_name(*names[i].second, *names[j].second)) continue;
+        // The one that the file gives.
+        const auto& [key, place] = table.has(names[i].first) ? names[i] : names[j];
+        const char* other = table.has(names[i].first) ? names[j].first : names[i].first;
+        table.fail(key, "\"" + *place + "\" is the name of " + other + " as well");
+      }
+    }
+  }
+
+  static void read_name(TomlTable& table, RobotLanguage language, const char* key, std::string& place) {
+    take(table.text(key), place);
+    if (const std::string fault = robot_name_fault(language, place); !fault.empty())
+      table.fail(key, "\"" + place + "\" " + fault);
+  }
+
   robot::CellArm read_arm(TomlTable& arm, std::size_t index) const {
     const auto id = arm.text("id");
     if (!id) arm.fail("", "needs an id");
+    if (id->size() > kLongestArmId) {
+      arm.fail("id", std::to_string(id->size()) + " bytes (limit " + std::to_string(kLongestArmId) +
+                         "): robot programs are named by it");
+    }
     const auto model = arm.text("model");
     if (!model) arm.fail("", "needs a model: the path of a URDF");
     auto [text, description] = model_of(arm, *model);
@@ -123,40 +165,22 @@ class CellReader {
     if (auto tool = arm.table("tool")) found.tool = read_tool(*tool);
     found.rapid.task = "T_ROB" + std::to_string(index + 1);
     if (auto rapid = arm.table("rapid")) {
-      for (auto [key, place] : {std::pair{"task", &found.rapid.task},
-                                {"tool", &found.rapid.tool},
-                                {"wobj", &found.rapid.wobj},
-                                {"heat", &found.rapid.heat}}) {
-        take(rapid->text(key), *place);
-        if (!is_name(*place, kRapidName))
-          rapid->fail(key, "\"" + *place + "\" is no name in RAPID: letters, digits and _, 32 at most");
-      }
+      robot::RapidNames& names = found.rapid;
+      read_name(*rapid, RobotLanguage::kRapid, "task", names.task);
+      read_names(*rapid, RobotLanguage::kRapid,
+                 {{{"tool", &names.tool}, {"wobj", &names.wobj}, {"heat", &names.heat}}});
       rapid->expect_all_read();
     }
     if (auto krl = arm.table("krl")) {
       take(krl->whole("tool", 1, 128), found.krl.tool);
       take(krl->whole("base", 0, 128), found.krl.base);
-      for (auto [key, place] : {std::pair{"heat", &found.krl.heat},
-                                {"ready_out", &found.krl.ready_out},
-                                {"ready_in", &found.krl.ready_in}}) {
-        take(krl->text(key), *place);
-        if (!is_name(*place, kKrlName))
-          krl->fail(key, "\"" + *place + "\" is no name in KRL: letters, digits and _, 24 at most");
-      }
+      robot::KrlNames& names = found.krl;
+      read_names(*krl, RobotLanguage::kKrl,
+                 {{{"heat", &names.heat}, {"ready_out", &names.ready_out}, {"ready_in", &names.ready_in}}});
       krl->expect_all_read();
     }
     arm.expect_all_read();
     return found;
-  }
-
-  // Characters of the longest name in each language.
-  static constexpr std::size_t kRapidName = 32, kKrlName = 24;
-
-  static bool is_name(const std::string& name, std::size_t longest) {
-    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-    const auto part = [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_'; };
-    return !name.empty() && name.size() <= longest && letter(name.front()) &&
-           std::all_of(name.begin(), name.end(), part);
   }
 
   // The description beside the cell's file, else one that the program brings.

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
+#include "pipeline/cell/robot_names.hpp"
 #include "pipeline/program/block_place.hpp"
 #include "pipeline/program/straight_start.hpp"
 #include "pipeline/settings/error.hpp"
@@ -230,9 +230,7 @@ RobotJob job_of(const Strip& strip, const robot::Cell* cell, std::size_t arm) {
 std::array<RobotTask, 2> robot_tasks(const Program& program, const robot::Cell* cell) {
   std::array<RobotTask, 2> tasks;
   for (std::size_t arm = 0; arm < tasks.size(); ++arm) {
-    tasks[arm].id = cell == nullptr ? (arm == 0 ? "a" : "b") : cell->arms[arm].id;
-    for (char& c : tasks[arm].id)
-      if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+    tasks[arm].id = cell == nullptr ? (arm == 0 ? "a" : "b") : robot_name_of(cell->arms[arm].id);
     tasks[arm].arm = cell == nullptr ? nullptr : &cell->arms[arm];
     tasks[arm].heats = arm == 0;
     for (const Strip& strip : program.strips) tasks[arm].jobs.push_back(job_of(strip, cell, arm));

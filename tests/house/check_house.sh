@@ -67,7 +67,7 @@ pipeline/report/json: elastica/* robot/* pipeline/settings pipeline/program pipe
 pipeline/run: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
 pipeline/preview/drawing: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify pipeline/preview
-pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/program pipeline/verify
+pipeline/export: elastica/* surface/* gpu/* robot/* pipeline/settings pipeline/cell pipeline/program pipeline/verify
 pipeline/report: elastica/* surface/* gpu/* robot/* pipeline/sayings pipeline/settings pipeline/program pipeline/verify pipeline/plan/ribs pipeline/plan/motion pipeline/plan/direction pipeline/stock pipeline/plan pipeline/advice pipeline/report/json pipeline/preview pipeline/export
 pipeline/study: elastica/* pipeline/settings pipeline/program
 pipeline/batch: elastica/* surface/* pipeline/settings pipeline/program pipeline/stock

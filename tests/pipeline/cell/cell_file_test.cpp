@@ -117,7 +117,31 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"yaw_and_q", "yaw_deg = 180 }", "yaw_deg = 180, q = [1, 0, 0, 0] }", "q = [1",
                "must stand alone"},
         Broken{"q_of_two", "yaw_deg = 180 }", "q = [1, 1, 0, 0] }", "q = [1, 1", "must be 1: [w, x, y, z]"},
-        Broken{"same_id", "\"R2\"", "\"R1\"", "[[arm]]", "both arms have the id"},
+        Broken{"same_id", "\"R2\"", "\"R1\" #", "\"R1\" #", "both arms have the id"},
+        Broken{"id_by_case", "\"R2\"", "\"r1\"", "\"r1\"", "named R1 and r1, the same to a controller"},
+        Broken{"id_long", "\"R2\"", "\"aaaaaaaaaaaaaaaa\"", "aaaa",
+               "arm[1].id: 16 bytes (limit 15): robot programs are named by it"},
+        Broken{"same_task", "\"T_ROB2\"", "\"t_rob1\"", "[arm.rapid]\ntask = \"t_rob1\"",
+               "both arms have the task \"T_ROB1\""},
+        Broken{"tool_is_wobj", "tool = \"hb_clamp\"", "tool = \"HB_cell\"", "wobj",
+               "arm[0].rapid.wobj: \"hb_cell\" is the name of tool as well"},
+        Broken{"tool_is_heat", "tool = \"hb_clamp\"", "tool = \"hb_heat\"", "hb_heat",
+               "arm[0].rapid.tool: \"hb_heat\" is the name of heat as well"},
+        Broken{"tool_is_a_routine", "tool = \"hb_clamp\"", "tool = \"Hb_Main\"", "Hb_Main",
+               "what exported programs call something of their own"},
+        Broken{"tool_is_a_strip", "tool = \"hb_clamp\"", "tool = \"hb_S001\"", "hb_S001",
+               "what exported programs call something of their own"},
+        Broken{"tool_is_a_word", "tool = \"hb_clamp\"", "tool = \"IF\"", "IF", "is a word of RAPID"},
+        Broken{"tool_is_brought", "tool = \"hb_clamp\"", "tool = \"tool0\"", "tool0",
+               "what a controller calls something of its own"},
+        Broken{"heat_is_ready", "tool = \"hb_clamp\"",
+               "tool = \"hb_clamp\"\n[arm.krl]\nheat = \"hb_ready_out\"", "hb_ready_out",
+               "arm[0].krl.heat: \"hb_ready_out\" is the name of ready_out as well"},
+        Broken{"ready_in_is_out", "tool = \"hb_clamp\"",
+               "tool = \"hb_clamp\"\n[arm.krl]\nready_in = \"HB_READY_OUT\"", "HB_READY_OUT",
+               "arm[0].krl.ready_in: \"HB_READY_OUT\" is the name of ready_out as well"},
+        Broken{"heat_is_a_word", "tool = \"hb_clamp\"", "tool = \"hb_clamp\"\n[arm.krl]\nheat = \"FALSE\"",
+               "FALSE", "is a word of KRL"},
         Broken{"share_over_one", "speed_share = 0.8", "speed_share = 80", "= 80",
                "arm[0].speed_share: 80, must be 0.01 to 1"},
         Broken{"wider_than_the_model", "speed_share = 0.8", "max_deg = [180, 150, 90, 400, 120, 400]",
@@ -169,6 +193,20 @@ TEST(CellFile, SaysWhatIsMissing) {
   EXPECT_EQ(kind_of(text).first, ErrorKind::kBadInput);
   EXPECT_THAT(kind_of(text).second, HasSubstr("arm.urdf:2: <link> needs the attribute name"));
   EXPECT_THROW((void)read_cell("two_irb460"), Error);
+}
+
+// "R 1" and "R_1" are one to whoever names files and modules by them.
+TEST(CellFile, TakesNoIdsThatRobotProgramsCannotTellApart) {
+  std::string text = text_of("two_irb4600");
+  text.replace(text.find("\"R1\""), 4, "\"R 1\"");
+  text.replace(text.find("\"R2\""), 4, "\"R_1\"");
+  try {
+    (void)parse_cell(text, "two.toml", {});
+    FAIL() << "they were taken";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind, ErrorKind::kBadSettings);
+    EXPECT_THAT(error.what(), HasSubstr("arm[1].id: \"R_1\" beside \"R 1\""));
+  }
 }
 
 }  // namespace
