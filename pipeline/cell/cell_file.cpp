@@ -364,6 +364,7 @@ robot::Cell read_cell(const std::string& file_or_name) {
   try {
     text = robot::read_model_file(file_or_name);
   } catch (const robot::ModelError& error) {
+    if (!error.missing) throw Error(ErrorKind::kBadSettings, error.what());
     std::string names;
     for (const std::string& name : embedded_cells()) names += (names.empty() ? "" : ", ") + name;
     throw Error(ErrorKind::kFile, std::string(error.what()) + " Cells that need no file: " + names);

@@ -44,7 +44,10 @@ std::string bytes_of(const std::filesystem::path& file) {
   if (const auto size = std::filesystem::file_size(file, error); !error) text.reserve(size);
   std::array<char, 1 << 16> block;
   while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
+    const std::size_t before = text.size();
     text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    // No text has a zero byte: what has one is no program, and may be a device that has no end.
+    if (!is_gzip_name(file) && text.find('\0', before) != std::string::npos) break;
   }
   if (!stream.is_open() || stream.bad()) {
     const std::string reason = errno ? " (" + std::generic_category().message(errno) + ")" : "";

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -430,14 +431,19 @@ std::string read_text(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(file, code)) {
     throw Error(ErrorKind::kFile, file.string() + ": is a directory: name a TOML file");
   }
+  // No configuration is so long, and a device may have no end.
+  constexpr std::size_t kMostBytes = 4'000'000;
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) {
-    // An empty file copies nothing, which the stream counts as a failure.
-    if (in && std::filesystem::file_size(file, code) == 0 && !code) return "";
+  const bool opened = in.is_open();
+  std::string text;
+  std::array<char, 1 << 14> block;
+  while (text.size() <= kMostBytes && (in.read(block.data(), block.size()) || in.gcount() > 0))
+    text.append(block.data(), static_cast<std::size_t>(in.gcount()));
+  if (!opened || in.bad())
     throw Error(ErrorKind::kFile, file.string() + ": cannot read the configuration: does the file exist?");
-  }
-  return text.str();
+  if (text.size() > kMostBytes)
+    fail(file.string(), "longer than " + std::to_string(kMostBytes) + " bytes: is this a configuration?");
+  return text;
 }
 
 void apply_file(Settings& settings, Origins& origins, const std::filesystem::path& file) {

@@ -68,7 +68,8 @@ std::vector<std::array<Eigen::Vector3d, 3>> parse_stl(std::string_view bytes, co
 
 std::vector<std::array<Eigen::Vector3d, 3>> read_stl(const std::filesystem::path& file,
                                                      const Eigen::Vector3d& scale) {
-  return parse_stl(read_model_file(file), file.string(), scale);
+  return parse_stl(read_model_file(file, kHeader + kCount + std::size_t{kFacet} * kMostTriangles),
+                   file.string(), scale);
 }
 
 }  // namespace hotblade::robot

@@ -21,8 +21,6 @@ using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
-// Expanded arms have some 10 kB; beyond, it is no arm.
-constexpr std::size_t kMostBytes = 4'000'000;
 // No link is so long; a number beyond is in millimetres or a slip.
 constexpr double kLongest_m = 100;
 constexpr double kMostSpeed_rad_s = 100, kMostFactor = 1000;
@@ -40,9 +38,9 @@ class Elements {
   Elements(const std::string& name, const std::filesystem::path& folder) : name_(name), folder_(folder) {}
 
   UrdfElements read(const std::string& text) {
-    if (text.size() > kMostBytes) {
-      throw ModelError(name_ + ": " + std::to_string(text.size()) + " bytes, " + std::to_string(kMostBytes) +
-                       " at most: is this a robot's description?");
+    if (text.size() > kMostTextBytes) {
+      throw ModelError(name_ + ": " + std::to_string(text.size()) + " bytes, " +
+                       std::to_string(kMostTextBytes) + " at most: is this a robot's description?");
     }
     tinyxml2::XMLDocument document;
     if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS)

@@ -209,5 +209,31 @@ TEST(CellFile, TakesNoIdsThatRobotProgramsCannotTellApart) {
   }
 }
 
+// A device has no end.
+TEST(CellFile, IsReadToALimit) {
+  const auto refusal = [](const std::string& file) {
+    try {
+      (void)read_cell(file);
+    } catch (const Error& error) {
+      return std::pair(error.kind, std::string(error.what()));
+    }
+    return std::pair(ErrorKind::kInterrupted, std::string("it was taken"));
+  };
+  EXPECT_EQ(refusal("/dev/zero").first, ErrorKind::kBadSettings);
+  EXPECT_THAT(refusal("/dev/zero").second, HasSubstr("/dev/zero: longer than 4000000 bytes"));
+  testing::TemporaryDirectory folder;
+  std::string text = text_of("two_irb4600");
+  text.replace(text.find("arms/abb_irb4600_40_255/arm.urdf"), 32, "/dev/zero");
+  std::ofstream(folder / "cell.toml") << text;
+  EXPECT_EQ(refusal((folder / "cell.toml").string()).first, ErrorKind::kBadInput);
+  EXPECT_THAT(refusal((folder / "cell.toml").string()).second, HasSubstr("longer than 4000000 bytes"));
+  text = text_of("two_irb4600");
+  text.replace(text.find("size_mm = [40"), std::string("size_mm = [40, 40, 235]").size(),
+               "mesh = \"/dev/zero\"");
+  std::ofstream(folder / "cell.toml") << text;
+  EXPECT_EQ(refusal((folder / "cell.toml").string()).first, ErrorKind::kBadInput);
+  EXPECT_THAT(refusal((folder / "cell.toml").string()).second, HasSubstr("longer than 50000084 bytes"));
+}
+
 }  // namespace
 }  // namespace hotblade::pipeline

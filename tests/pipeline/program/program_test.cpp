@@ -517,6 +517,8 @@ TEST(ReadProgram, TellsAMissingFileFromABadOne) {
   };
   EXPECT_EQ(kind("missing.json"), ErrorKind::kFile);
   EXPECT_EQ(kind("."), ErrorKind::kFile);
+  // A device has no end.
+  EXPECT_EQ(kind("/dev/zero"), ErrorKind::kBadInput);
   EXPECT_EQ(kind("bad.json"), ErrorKind::kBadInput);
 }
 

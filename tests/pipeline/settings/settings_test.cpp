@@ -158,6 +158,14 @@ TEST_F(SettingsFiles, BrokenFilesNameTheLine) {
   EXPECT_THAT(usage_error({{text}, {}, {}}), HasSubstr("text.toml:3: "));
 }
 
+// A device has no end.
+TEST_F(SettingsFiles, AreReadToALimit) {
+  EXPECT_THAT(usage_error({{"/dev/zero"}, {}, {}}), HasSubstr("/dev/zero: longer than 4000000 bytes"));
+  EXPECT_NO_THROW((void)resolve({{write("long.toml", std::string(4'000'000, '\n'))}, {}, {}}));
+  EXPECT_THAT(usage_error({{write("longer.toml", std::string(4'000'001, '\n'))}, {}, {}}),
+              HasSubstr("longer.toml: longer than 4000000 bytes"));
+}
+
 TEST_F(SettingsFiles, UnreadableFilesAreFileErrors) {
   EXPECT_EQ(error_of({{folder_ / "missing.toml"}, {}, {}}).first, ErrorKind::kFile);
   EXPECT_EQ(error_of({{folder_}, {}, {}}).first, ErrorKind::kFile);
