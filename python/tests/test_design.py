@@ -211,7 +211,7 @@ ROOMS = ("surface/read", "surface/slice", "pipeline/settings", "pipeline/cell", 
          "pipeline/verify", "pipeline/batch")
 OF_COMMANDS = {"settings.cpp": "--set", "settings_fields.cpp": "--units", "strip_jobs.cpp": "--override",
                "as_cut.cpp": "--no-equilibrium", "batch.cpp": "--update", "init.cpp": "--update",
-               "split.cpp": "--group-index", "run.cpp": None, "asked.cpp": None}
+               "split.cpp": "--group-index", "design_file.cpp": "--design", "run.cpp": None, "asked.cpp": None}
 
 
 def test_hints_are_those_of_python(bump, samples, tmp_path):
