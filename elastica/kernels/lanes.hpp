@@ -32,6 +32,10 @@ HOTBLADE_INLINE Lanes pick(const Mask& m, const Lanes& yes, const Lanes& no) {
   return m ? yes : no;
 }
 
+HOTBLADE_INLINE Lanes absolute(const Lanes& a) {
+  return pick(a < 0, -a, a);
+}
+
 HOTBLADE_INLINE bool any(const Mask& m) {
   long found = 0;
   for (int lane = 0; lane < kLanes; ++lane) found |= m[lane];

@@ -7,6 +7,7 @@ namespace hotblade::pipeline {
 
 namespace {
 
+using elastica::lanes::absolute;
 using elastica::lanes::any;
 using elastica::lanes::Cell;
 using elastica::lanes::kLanes;
@@ -27,9 +28,6 @@ HOTBLADE_INLINE Lanes3 cross(const Lanes3& a, const Lanes3& b) {
 }
 HOTBLADE_INLINE Lanes dot(const Lanes3& a, const Lanes3& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-HOTBLADE_INLINE Lanes absolute(const Lanes& a) {
-  return pick(a < 0, -a, a);
 }
 HOTBLADE_INLINE Lanes3 lanes(const std::array<Cell, 3>& cells) {
   return {cells[0].v, cells[1].v, cells[2].v};

@@ -11,6 +11,7 @@ namespace hotblade::pipeline {
 
 namespace {
 
+using elastica::lanes::absolute;
 using elastica::lanes::any;
 using elastica::lanes::kLanes;
 using elastica::lanes::Lanes;
@@ -42,10 +43,6 @@ Section section_of(const SweepState& state, const SweepCurve& curve, double x_mm
   s.cosine = std::cos(-state.theta);
   s.sine = std::sin(-state.theta);
   return s;
-}
-
-HOTBLADE_INLINE Lanes absolute(const Lanes& a) {
-  return pick(a < 0, -a, a);
 }
 
 HOTBLADE_INLINE Lanes clamped(const Section& section, const Lanes& s) {
