@@ -16,7 +16,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -474,58 +473,35 @@ std::vector<std::pair<double, double>> SweepLayouts::pieces_of(const SweepPart& 
   return parts;
 }
 
-std::vector<Layout> SweepLayouts::ranked(std::size_t parts, std::vector<PlanesTried>& tried) const {
+std::vector<EvenSplit> SweepLayouts::even_splits(std::size_t parts) const {
   // Splits beyond those that the length asks for are the user's to allow.
   const auto may = [&](const SweepGrid& least, const SweepGrid& grid) {
     return grid.along_sweep >= least.along_sweep && grid.along_ribs >= least.along_ribs &&
            grid.along_ribs <= least.along_ribs + static_cast<std::size_t>(settings_.fit.max_splits);
   };
-  struct Asked {
-    std::size_t planes, named;
-    SweepGrid grid;
-    double missed_mm = 0;
-    bool fitted = false;
-  };
-  std::vector<Asked> asked;
+  std::vector<EvenSplit> splits;
+  std::vector<SectionQuestion> questions;
   std::size_t named = 0;
   for (std::size_t n = 0; n < planes_.size(); ++n) {
-    const SweepGrid& least = whole_[n].least;
     for (std::size_t s = 1; s <= parts; ++s) {
       if (parts % s != 0) continue;
       const SweepGrid grid{s, parts / s};
-      if (may(least, grid)) asked.push_back({n, named, grid, 0, false});
+      if (may(whole_[n].least, grid)) {
+        splits.push_back({planes_[n], n, named, grid});
+        questions.push_back({n, grid.along_ribs});
+      }
       ++named;
     }
   }
-  std::vector<SectionQuestion> questions;
-  for (const Asked& a : asked) questions.push_back({a.planes, a.grid.along_ribs});
   const std::vector<double> misses = elastica_misses_mm(mesh_, planes_, questions);
-  for (std::size_t i = 0; i < asked.size(); ++i) asked[i].missed_mm = misses[i];
-  std::stable_sort(asked.begin(), asked.end(),
-                   [](const Asked& a, const Asked& b) { return a.missed_mm < b.missed_mm; });
-  // As many of each way to split: splits along the sweep make no section easier to follow. 320 panels and
-  // parts of buildings take 563 strips with ten, 557 with fourteen in less time, and 555 with twenty in more.
-  constexpr std::size_t kFitted = 14;
-  std::map<std::size_t, std::size_t> taken;  // by parts along the sweep
-  for (Asked& a : asked) a.fitted = taken[a.grid.along_sweep]++ < kFitted;
-  std::vector<Layout> all(asked.size());
-  tbb::parallel_for(std::size_t{0}, asked.size(), [&](std::size_t i) {
-    if (asked[i].fitted)
-      all[i] = fitted(whole_[asked[i].planes], asked[i].named, asked[i].grid, cheap_effort(), nullptr);
-  });
-  gpu::stop_point();
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    const Asked& a = asked[i];
-    tried.push_back({planes_[a.planes], a.grid.along_sweep, a.grid.along_ribs, a.missed_mm});
-    if (!a.fitted) continue;
-    double largest = 0;
-    for (const PartFit& fit : all[i].fits)
-      largest = std::max(largest, fit.holds() ? fit.max_mm : kHopeless_mm);
-    if (largest < kHopeless_mm) tried.back().fit_mm = largest;
-  }
-  std::erase_if(all, [](const Layout& layout) { return layout.parts.empty(); });
-  std::sort(all.begin(), all.end(), layout_before);
-  return all;
+  for (std::size_t i = 0; i < splits.size(); ++i) splits[i].missed_mm = misses[i];
+  std::stable_sort(splits.begin(), splits.end(),
+                   [](const EvenSplit& a, const EvenSplit& b) { return a.missed_mm < b.missed_mm; });
+  return splits;
+}
+
+Layout SweepLayouts::fitted(const EvenSplit& split) const {
+  return fitted(whole_[split.family], split.named, split.grid, cheap_effort(), nullptr);
 }
 
 FittedPart SweepLayouts::in_best_planes(FittedPart best) const {

@@ -36,6 +36,15 @@ struct PlanesTried {
   std::optional<double> fit_mm{};  // of cheap fits of all parts; none: not fitted, or a part has no fit
 };
 
+// Planes for the whole design and a way to split it evenly.
+struct EvenSplit {
+  surface::PlaneFamily planes;
+  std::size_t family = 0;  // number of these planes among a layout's
+  std::size_t named = 0;   // place among all splits into as many parts
+  SweepGrid grid = {};
+  double missed_mm = 0;  // by elastica, as the Beziers of the sections say (section_beziers.hpp)
+};
+
 // Tells whether a part's planes turn so far that its blades hang by more than this, which no closer fit
 // mends.
 [[nodiscard]] bool hangs_too_far(const SweepPart& part, const PartFit& fit, double most_mm);
@@ -75,10 +84,8 @@ class SweepLayouts {
   // The fewest parts that blocks and blades allow, in any of these planes.
   [[nodiscard]] std::size_t fewest_parts() const;
 
-  // The planes and the ways to split them into so many even parts:
-  // what the Beziers of their sections let one hope for (section_beziers.hpp) by cheap fits, the best first.
-  // `tried` is told of all.
-  [[nodiscard]] std::vector<Layout> ranked(std::size_t parts, std::vector<PlanesTried>& tried) const;
+  // The planes and the ways to split them into so many even parts, those first whose elastica miss least.
+  [[nodiscard]] std::vector<EvenSplit> even_splits(std::size_t parts) const;
 
   // A design of many parts, in the planes whose rows take the fewest: rows of one depth, each cut into parts
   // of one arc length, with axes of their own.
@@ -88,6 +95,9 @@ class SweepLayouts {
   // All parts of a grid fitted, from those of `start` where there are any.
   [[nodiscard]] Layout fitted(const surface::PlaneFamily& planes, std::size_t named, const SweepGrid& grid,
                               const SweepEffort& effort, const Layout* start = nullptr) const;
+
+  // All parts of an even split, fitted cheaply.
+  [[nodiscard]] Layout fitted(const EvenSplit& split) const;
 
   // A part as two, along the sweep or along the ribs, as they are followed best, each in other planes where
   // it is too steep for the part's or turns away in them; none where it is too small to be split, or where

@@ -10,14 +10,14 @@
 #include "gpu/backend/stop.hpp"
 #include "pipeline/plan/sweep/sweep_directions.hpp"
 #include "pipeline/plan/sweep/sweep_layout.hpp"
+#include "pipeline/plan/sweep/sweep_ranking.hpp"
 #include "pipeline/plan/sweep/sweep_tried.hpp"
+#include "pipeline/plan/sweep/sweep_turning.hpp"
 #include "pipeline/sayings/saying.hpp"
 
 namespace hotblade::pipeline {
 
 namespace {
-
-using Eigen::Vector3d;
 
 class Search {
  public:
@@ -30,7 +30,8 @@ class Search {
         most_parts_(most_parts),
         fitter_(settings, watch),
         layouts_(design.mesh, waste_surface(design.mesh, waste_side),
-                 sweep_planes(design.mesh, settings.slice), settings, fitter_) {}
+                 sweep_planes(design.mesh, settings.slice), settings, fitter_),
+        turning_(layouts_, settings) {}
 
   [[nodiscard]] const std::vector<PlanesTried>& tried_planes() const { return tried_planes_; }
 
@@ -85,26 +86,23 @@ class Search {
         if (tried.taken) return;
         if (!tried.layout.parts.empty() && better(tried, nearest)) nearest = std::move(tried);
       }
-      const std::vector<Layout> ranked = layouts_.ranked(parts, tried_planes_);
-      const std::vector<Layout> near = refined(ranked);
-      if (near.empty() && nearest.layout.parts.empty())
+      SweepRanking ranking(layouts_, parts, tolerance, tried_planes_);
+      std::vector<Tried> failed = attempted_best(ranking);
+      if (!failed.empty() && failed.back().taken) return;
+      const std::vector<Layout>& ranked = ranking.layouts();
+      if (failed.empty() && nearest.layout.parts.empty())
         nearest = hanging_too_far(ranked, kNear * tolerance, tolerance);
       if (first.layout.parts.empty() && !ranked.empty()) first = first_try(ranked.front(), SweepWay::kEven);
       for (const Layout& layout : ranked) {
         if (opened.size() < kPartedPlanes && opens(layout, opened))
           open.push_back(first_try(layout, SweepWay::kParted));
       }
-      std::vector<Tried> failed;
-      for (const Layout& layout : near) {
-        failed.push_back(attempt(first_try(layout, SweepWay::kEven)));
-        if (failed.back().taken) return;
-      }
+      tries += failed.empty() ? 0 : 1;
       for (Tried& tried : failed) {
         tried = attempted_further(std::move(tried));
         if (tried.taken) return;
         if (better(tried, nearest)) nearest = std::move(tried);
       }
-      tries += near.empty() ? 0 : 1;
     }
     // Of two layouts that mirror each other one may fail at a corner where the other does not.
     for (int i = 0; i <= kPartedTries; ++i) {
@@ -116,6 +114,34 @@ class Search {
       if (nearest.taken) return;
     }
     if (!first.layout.parts.empty()) (void)settled(std::move(first), kMostRounds);
+  }
+
+  // Attempts the best of the ways that promise the most, and where none is taken the best of all. Returns the
+  // best as attempted, up to one that is taken.
+  [[nodiscard]] std::vector<Tried> attempted_best(SweepRanking& ranking) const {
+    ranking.fit_best();
+    std::vector<Tried> before = attempted(ranking, {});
+    if (ranking.all_fitted() || (!before.empty() && before.back().taken)) return before;
+    ranking.fit_all();
+    return attempted(ranking, std::move(before));
+  }
+
+  // Attempts the best of what is fitted, but those that failed `before`.
+  [[nodiscard]] std::vector<Tried> attempted(const SweepRanking& ranking, std::vector<Tried> before) const {
+    std::vector<Tried> failed;
+    for (Layout& layout : refined(ranking.layouts(), before)) {
+      const auto known = find(before, layout);
+      failed.push_back(known != before.end() ? std::move(*known)
+                                             : attempt(first_try(std::move(layout), SweepWay::kEven)));
+      if (failed.back().taken) break;
+    }
+    return failed;
+  }
+
+  // What was attempted of a layout, however its planes were turned since.
+  [[nodiscard]] static std::vector<Tried>::iterator find(std::vector<Tried>& before, const Layout& layout) {
+    return std::find_if(before.begin(), before.end(),
+                        [&](const Tried& tried) { return tried.layout.named == layout.named; });
   }
 
   // Tells whether a layout is the first in its planes, which are added then.
@@ -396,7 +422,7 @@ class Search {
   // better of both.
   [[nodiscard]] Tried attempted_further(Tried tried) const {
     if (tried.layout.turned) return tried;
-    Layout nearer = turned_on(tried.layout);
+    Layout nearer = turning_.turned_on(tried.layout);
     if (!(nearer.cost_mm < tried.layout.cost_mm)) return tried;
     Tried other = attempt(first_try(std::move(nearer), SweepWay::kTurned));
     if (other.taken || better(other, tried)) return other;
@@ -497,56 +523,24 @@ class Search {
     return next;
   }
 
-  // The best few with more coefficients, turned where need be; none where cheap fits are hopelessly far off.
-  [[nodiscard]] std::vector<Layout> refined(const std::vector<Layout>& ranked) const {
+  // The best few with more coefficients, turned where need be, those attempted `before` as they were; none
+  // where cheap fits are hopelessly far off.
+  [[nodiscard]] std::vector<Layout> refined(const std::vector<Layout>& ranked,
+                                            std::vector<Tried>& before) const {
     constexpr std::size_t kBest = 3;
     const double tolerance = settings_.design.tolerance_mm;
     std::vector<Layout> best;
     for (const Layout& layout : ranked) {
       if (best.size() < kBest && layout.cost_mm <= kNear * tolerance) best.push_back(layout);
     }
-    tbb::parallel_for(std::size_t{0}, best.size(), [&](std::size_t i) { best[i] = turned(best[i]); });
+    tbb::parallel_for(std::size_t{0}, best.size(), [&](std::size_t i) {
+      const auto known = find(before, best[i]);
+      best[i] = known != before.end() ? known->layout : turning_.turned(best[i]);
+    });
     gpu::stop_point();
     constexpr double kHopeful = 1.5;  // tolerances
     std::erase_if(best, [&](const Layout& layout) { return !(layout.cost_mm <= kHopeful * tolerance); });
     std::sort(best.begin(), best.end(), layout_before);
-    return best;
-  }
-
-  // A closer fit, turned on where it does not serve.
-  [[nodiscard]] Layout turned(const Layout& from) const {
-    Layout best = layouts_.fitted(from.planes, from.named, from.grid, close_effort(), &from);
-    return best.cost_mm <= settings_.design.tolerance_mm ? best : turned_on(best);
-  }
-
-  // The planes turned as Gauss and Newton would, as long as that helps. A direction serves all parts alike:
-  // of many, none is worth the fits of all others.
-  [[nodiscard]] Layout turned_on(Layout best) const {
-    constexpr std::size_t kFew = 4;
-    if (!(best.cost_mm < kHopeless_mm) || settings_.slice.direction || best.planes.turns() ||
-        best.parts.size() > kFew)
-      return best;
-    constexpr int kLooks = 8, kWorse = 3;
-    // A tenth of a degree moves no cut by what could be measured. Sections meet other samples in other
-    // planes, which moves the largest distance by some percent: less is no help.
-    constexpr double kLeast_rad = 2e-3, kHelps = 0.98;
-    double most_rad = 0.15;  // that the fit's terms may be trusted for
-    int worse = 0;
-    for (int look = 0; look < kLooks && worse < kWorse; ++look) {
-      const Eigen::Vector2d turn = turn_of(best, most_rad);
-      if (!(turn.norm() >= kLeast_rad)) break;
-      const RibAxes middle = layouts_.axes(best.planes);
-      const Vector3d n = (middle.sweep - turn.x() * middle.y + turn.y() * middle.x).normalized();
-      // Once more, as surface::parallel_about() does: to the last bit the same planes.
-      Layout other = layouts_.fitted(surface::PlaneFamily::parallel(n.normalized(), best.planes.centre()),
-                                     best.named, best.grid, close_effort(), &best);
-      const bool nearer = other.cost_mm < best.cost_mm, helps = other.cost_mm < kHelps * best.cost_mm;
-      if (nearer) best = std::move(other);
-      if (helps) continue;
-      ++worse;
-      if (!nearer) most_rad = 0.4 * turn.norm();
-    }
-    best.turned = true;
     return best;
   }
 
@@ -557,6 +551,7 @@ class Search {
   std::vector<PlanesTried> tried_planes_;
   PartFitter fitter_;
   SweepLayouts layouts_;
+  PlaneTurning turning_;
 };
 
 }  // namespace
