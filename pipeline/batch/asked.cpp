@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string_view>
 
 #include "pipeline/batch/csv.hpp"
@@ -250,10 +251,16 @@ Settings settings_of(const Asked& asked, const std::vector<GivenSetting>& given)
 
 std::vector<NamedDesign> named_designs(const DesignList& list) {
   std::vector<NamedDesign> named;
+  std::set<std::string> taken;  // a file may be called as another's second use would be
+  for (const ListedDesign& design : list.designs) taken.insert(design.name);
   std::map<std::string, int> times;
   for (const ListedDesign& design : list.designs) {
-    const int time = ++times[design.name];
-    named.push_back({design, time > 1 ? fmt::format("{}#{}", design.name, time) : design.name});
+    int& time = times[design.name];
+    std::string name = design.name;
+    if (++time > 1) {
+      while (!taken.insert(name = fmt::format("{}#{}", design.name, time)).second) ++time;
+    }
+    named.push_back({design, std::move(name)});
   }
   return named;
 }

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "pipeline/batch/csv.hpp"
 #include "pipeline/batch/mapped_file.hpp"
@@ -171,6 +172,18 @@ std::vector<PlannedKey> read_chunk(const BatchDirectory& directory, int number) 
     if (row.cells.size() != 3 || !std::all_of(row.cells.begin(), row.cells.end(), is_hash))
       fail_batch(file, fmt::format("line {}: not a key, a design and settings", row.line));
     keys.push_back({row.cells[0], row.cells[1], row.cells[2]});
+  }
+  return keys;
+}
+
+std::vector<PlannedKey> read_chunk(const BatchDirectory& directory, int number, const JobTable& table) {
+  std::vector<PlannedKey> keys = read_chunk(directory, number);
+  std::set<std::string> there;
+  for (const PlannedKey& one : keys) there.insert(one.key);
+  for (const Job& job : table.jobs) {
+    if (job.chunk != number || there.contains(job.key)) continue;
+    fail_batch(directory.chunk(number),
+               fmt::format("is not as it was made: job {} (panel {}) is missing", job.number, job.panel));
   }
   return keys;
 }

@@ -64,6 +64,11 @@ class BatchDirectory {
 [[nodiscard]] JobTable read_jobs(const BatchDirectory& directory, const Batch& batch);
 [[nodiscard]] std::vector<PlannedKey> read_chunk(const BatchDirectory& directory, int number);
 
+// Returns the same, as they have to be for these jobs. Throws Error (kBadInput) besides where a key of a job
+// of the chunk is missing.
+[[nodiscard]] std::vector<PlannedKey> read_chunk(const BatchDirectory& directory, int number,
+                                                 const JobTable& table);
+
 // Return the texts of these files.
 [[nodiscard]] std::string batch_text(const Batch& batch);
 [[nodiscard]] std::string jobs_text(const JobTable& table);

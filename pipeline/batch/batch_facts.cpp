@@ -32,7 +32,7 @@ BatchFacts read_facts(const BatchDirectory& directory, bool partial, const Gathe
   all.table = read_jobs(directory, all.batch);
   std::map<std::string, Failure> failures;  // by key
   for (int chunk = 0; chunk < all.batch.chunks; ++chunk) {
-    for (PlannedKey& planned : read_chunk(directory, chunk)) {
+    for (PlannedKey& planned : read_chunk(directory, chunk, all.table)) {
       const std::string key = planned.key;
       all.planned.emplace(key, std::move(planned));
     }

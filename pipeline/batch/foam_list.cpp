@@ -144,7 +144,10 @@ FoamList foam_list(const CutList& list, const std::function<SoldFoam(std::size_t
   std::map<SoldFoam, std::vector<std::size_t>> alike;
   for (std::size_t b = 0; b < list.blocks.size(); ++b) {
     const SoldFoam sold = sold_for(list.blocks[b].job);
-    if (sold.sizes_mm.empty()) continue;
+    if (sold.sizes_mm.empty()) {
+      foam.unsaid.push_back(b);
+      continue;
+    }
     const bool held = std::any_of(sold.sizes_mm.begin(), sold.sizes_mm.end(),
                                   [&](const BoxSize& size) { return holds(size, list.blocks[b].size_mm); });
     if (held) {
@@ -179,8 +182,8 @@ std::string foam_table(const FoamList& foam, const CutList& list) {
   return text;
 }
 
-std::string foam_page(const std::string& name, const FoamList& foam, const CutList& list) {
-  const std::string title = html_text(name) + ": foam to buy";
+std::string foam_page(const std::string& batch, const FoamList& foam, const CutList& list) {
+  const std::string title = html_text(batch) + ": foam to buy";
   std::string text = kFoamPageHead;
   text += "<title>" + title + "</title></head>\n<body>\n<h1>" + title + "</h1>\n";
   text += fmt::format(
@@ -191,11 +194,14 @@ std::string foam_page(const std::string& name, const FoamList& foam, const CutLi
       "from "
       "the foam's one corner, x along its length. Mark every piece with its id.</p>\n",
       foam.bought_m3, foam.bought.size(), foam.pieces_m3, foam.by_panel_m3, foam.each_m3);
-  if (!foam.too_large.empty()) {
-    text += "<p><b>No size that is sold holds:";
-    for (const std::size_t b : foam.too_large) text += " " + html_text(list.blocks[b].id);
+  const auto name = [&](const char* what, const std::vector<std::size_t>& blocks) {
+    if (blocks.empty()) return;
+    text += fmt::format("<p><b>{}:", what);
+    for (const std::size_t b : blocks) text += " " + html_text(list.blocks[b].id);
     text += "</b></p>\n";
-  }
+  };
+  name("No size that is sold holds", foam.too_large);
+  name("Not among these, as their settings say no size that is sold", foam.unsaid);
   text += to_buy(foam);
   for (std::size_t i = 0; i < foam.bought.size(); ++i) text += bought_text(i + 1, foam.bought[i], list);
   return text + "</body></html>\n";

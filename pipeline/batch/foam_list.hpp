@@ -35,6 +35,7 @@ struct FoamList {
   double each_m3 = 0;                  // what would be bought with a block of its own for every piece,
   double by_panel_m3 = 0;              // and with each panel nested alone
   std::vector<std::size_t> too_large;  // blocks of the cut list that no size holds
+  std::vector<std::size_t> unsaid;     // and those whose settings name no size
   [[nodiscard]] bool empty() const { return bought.empty() && too_large.empty(); }
 };
 

@@ -14,6 +14,7 @@
 #include "pipeline/batch/key.hpp"
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/batch/measured.hpp"
+#include "pipeline/batch/result.hpp"
 #include "pipeline/program/atomic_file.hpp"
 #include "pipeline/program/sha256.hpp"
 #include "pipeline/program/version.hpp"
@@ -73,8 +74,7 @@ class Maker {
       write_file_atomically(directory_.batch(), text, true);
     report.batch = batch_;
     for (const auto& [key, planned] : plans_) {
-      std::error_code ignored;
-      report.plans_there += fs::exists(directory_.result(key), ignored) ? 1U : 0U;
+      report.plans_there += has_result(directory_, key) ? 1U : 0U;
     }
     return report;
   }
@@ -83,8 +83,11 @@ class Maker {
   void check_keys() const {
     if (!list_) return;
     for (const std::string& key : list_->keys) {
-      if (key == "design.group")
-        throw Error(ErrorKind::kBadInput, batch_.asked.list + ":1: design.group: call the column `group`");
+      for (const std::string own : {"group", "units", "up"}) {
+        if (key != "design." + own) continue;
+        throw Error(ErrorKind::kBadInput,
+                    fmt::format("{}:1: {}: call the column `{}`", batch_.asked.list, key, own));
+      }
       if (std::find(cases_.keys.begin(), cases_.keys.end(), key) == cases_.keys.end()) continue;
       throw Error(
           ErrorKind::kBadSettings,
@@ -112,7 +115,7 @@ class Maker {
     if (found != settings_.end() && (found->second.written || !writes)) return found->second.sha256;
     std::vector<GivenSetting> all = given;
     for (std::size_t i = 0; i < one.size(); ++i) all.push_back({"sweep", cases_.keys[i], one[i]});
-    Settings settings = settings_of(batch_.asked, all);
+    Settings settings = settings_at(given, all);
     units_[name_of(given)] = settings.design.units;
     const bool reads_group = std::any_of(given.begin(), given.end(), [](const GivenSetting& setting) {
       return setting.key == "design.group";  // of a design that is not split
@@ -129,6 +132,18 @@ class Maker {
       file.written = true;
     }
     return file.sha256;
+  }
+
+  // A setting that is wrong beside others names no place by itself: the line is what was given last.
+  [[nodiscard]] Settings settings_at(const std::vector<GivenSetting>& given,
+                                     const std::vector<GivenSetting>& all) const {
+    try {
+      return settings_of(batch_.asked, all);
+    } catch (const Error& error) {
+      const std::string what = error.what();
+      if (given.empty() || what.find(given.front().given) != std::string::npos) throw;
+      throw Error(error.kind, given.front().given + ": " + what);
+    }
   }
 
   static std::string name_of(const std::vector<GivenSetting>& given) {

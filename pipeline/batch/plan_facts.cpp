@@ -9,6 +9,7 @@
 
 #include "pipeline/batch/mapped_file.hpp"
 #include "pipeline/batch/result.hpp"
+#include "pipeline/program/sha256.hpp"
 #include "pipeline/settings/error.hpp"
 #include "pipeline/settings/json_bytes.hpp"
 
@@ -96,10 +97,16 @@ const Json& list_at(const Json& report, const char* key) {
   return at != report.end() && at->is_array() ? *at : none;
 }
 
-Json report_of(const fs::path& directory) {
-  std::error_code ignored;
-  if (!fs::exists(directory / "report.json", ignored)) return {};
-  const MappedFile mapped(directory / "report.json");
+// The report as it was when the result was made; none: the plan wrote none.
+Json report_of(const fs::path& directory, const Result& result) {
+  const auto listed = std::find_if(result.files.begin(), result.files.end(),
+                                   [](const ResultFile& file) { return file.name == kReportFile; });
+  if (listed == result.files.end()) return {};
+  const MappedFile mapped(directory / kReportFile);
+  if (sha256_hex(mapped.text()) != listed->sha256)
+    throw Error(ErrorKind::kBadInput, (directory / kReportFile).string() +
+                                          ": was changed, its hash is not that of result.json: remove its "
+                                          "directory, and plan it again");
   return whole_json_if_any<Json>(mapped.text());
 }
 
@@ -212,7 +219,7 @@ std::size_t strip_column(const std::string& name) {
 PlanFacts facts_of(const BatchDirectory& directory, const std::string& key) {
   const fs::path place = directory.result(key);
   const Result result = read_result(place);
-  const Json report = report_of(place);
+  const Json report = report_of(place, result);
   const std::string below = place.lexically_relative(directory.path()).generic_string() + "/";
   PlanFacts facts;
   for (const ResultFile& file : result.files) {

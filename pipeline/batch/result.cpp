@@ -1,5 +1,6 @@
 #include "pipeline/batch/result.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -93,8 +94,19 @@ Result read_result(const std::filesystem::path& directory) {
 }
 
 bool has_result(const BatchDirectory& directory, const std::string& key) {
-  std::error_code ignored;
-  return std::filesystem::exists(directory.result(key) / "result.json", ignored);
+  const std::filesystem::path place = directory.result(key);
+  std::error_code error;
+  if (!std::filesystem::exists(place / "result.json", error)) return false;
+  try {
+    const Result result = read_result(place);
+    return std::all_of(result.files.begin(), result.files.end(), [&](const ResultFile& file) {
+      const std::uintmax_t bytes = std::filesystem::file_size(place / file.name, error);
+      // Who needs the room may take the others away.
+      return error ? file.name != kReportFile : bytes == file.bytes;
+    });
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 std::string utc_now() {

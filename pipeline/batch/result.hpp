@@ -14,6 +14,8 @@ namespace hotblade::pipeline::batch {
 // The verdict of a plan that passed, and the colour of one whose error budget is over its tolerance.
 inline constexpr const char *kPassed = "passed", *kAmber = "amber";
 
+inline constexpr const char* kReportFile = "report.json";
+
 struct ResultFile {
   std::string name;  // from the directory
   std::uintmax_t bytes = 0;
@@ -43,7 +45,8 @@ struct Result {
 // Returns the result of a directory. Throws Error: kFile when it cannot be read, kBadInput when it is none.
 [[nodiscard]] Result read_result(const std::filesystem::path& directory);
 
-// Returns whether the key has a result.
+// Returns whether the key has a result: one that can be read, with its report, and no file of another size
+// than it had. What a damaged disk or an interrupted copy left is none, and is planned again.
 [[nodiscard]] bool has_result(const BatchDirectory& directory, const std::string& key);
 
 // Returns the time now as 2026-01-31T12:00:00Z.

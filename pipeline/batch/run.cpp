@@ -38,6 +38,8 @@ using Json = nlohmann::ordered_json;
 // A crash that comes three times will come again.
 constexpr int kTries = 3;
 constexpr std::size_t kLinesShown = 10;
+// What the plan of a panel takes with pictures.
+constexpr int kPlanMegabytes = 340;
 // How long the runner sleeps at most: `stop` is asked then, and limits of time looked at.
 constexpr int kLongestSleepMs = 500;
 // How often a key that another runner has is asked for.
@@ -100,7 +102,8 @@ class Runner {
   Runner(const BatchDirectory& directory, const RunOptions& options, const RunHooks& hooks)
       : directory_(directory), options_(options), hooks_(hooks), batch_(read_batch(directory)) {
     expect_same_program(directory, batch_);
-    for (Job& job : read_jobs(directory, batch_).jobs) first_job_.emplace(job.key, std::move(job));
+    table_ = read_jobs(directory, batch_);
+    for (const Job& job : table_.jobs) first_job_.emplace(job.key, job);
     clear_left_work(directory);
   }
 
@@ -125,7 +128,7 @@ class Runner {
   void take_chunk(int chunk) {
     ChunkState& state = chunks_[chunk];
     state.list = std::string(MappedFile(directory_.chunk(chunk)).text());
-    for (PlannedKey& planned : read_chunk(directory_, chunk)) {
+    for (PlannedKey& planned : read_chunk(directory_, chunk, table_)) {
       pending_.push_back({std::move(planned), chunk, 0});
       ++state.left;
     }
@@ -222,10 +225,12 @@ class Runner {
   void judge(Running& ended, const ChildEnd& end) {
     const Task& task = ended.task;
     const std::optional<std::string> verdict = verdict_of_exit(end.exit_code);
-    if (verdict && !end.out_of_time) {
+    const Json report = report_of(ended);
+    // What passes says what it cut; a wrapper that started nothing ends with 0 as well.
+    const bool tells = verdict != kPassed || report.is_object();
+    if (verdict && tells && !end.out_of_time) {
       const Job& job = first_job_.at(task.planned.key);
       Result result{job.number, job.panel, task.planned.key, end.exit_code, *verdict, ""};
-      const Json report = report_of(ended);
       result.message = message(ended, end, report);
       if (report.is_object()) result.color = report.value(Json::json_pointer("/verdict/color"), "");
       result.attempts = task.attempts;
@@ -242,9 +247,20 @@ class Runner {
       return end_task(task, true);
     }
     std::string why = fmt::format("exit code {}", end.exit_code);
+    if (!tells) why += fmt::format(" without {}", kReportFile);
     if (end.signal != 0) why = fmt::format("signal {} ({})", end.signal, ::strsignal(end.signal));
+    if (may_want_memory(end))
+      why += fmt::format(", its memory limited to {} MB (--limit-mb)", options_.limit_mb);
     if (end.out_of_time) why = fmt::format("over its {:g} s", options_.limit_s);
     fail_task(task, why, last_lines(ended.place.stderr_file(), kLinesShown));
+  }
+
+  // What ends for want of memory says so in many ways, if at all.
+  [[nodiscard]] bool may_want_memory(const ChildEnd& end) const {
+    constexpr double kNearly = 0.9;
+    const bool broke = end.signal != 0 || end.exit_code == 1;
+    return broke && !end.out_of_time && options_.limit_mb > 0 &&
+           (options_.limit_mb < kPlanMegabytes || end.peak_mb > kNearly * options_.limit_mb);
   }
 
   // What a plan reported; null where it did not.
@@ -320,6 +336,7 @@ class Runner {
   const RunOptions& options_;
   const RunHooks& hooks_;
   const Batch batch_;
+  JobTable table_;
   std::map<std::string, Job> first_job_;  // by key
   std::map<int, ChunkState> chunks_;
   std::deque<Task> pending_, shared_;  // shared: those that other runners have

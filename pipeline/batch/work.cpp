@@ -146,8 +146,9 @@ void WorkPlace::publish(const BatchDirectory& directory, Result result, const st
     const fs::path target = directory.result(result.key);
     ensure_directory(target.parent_path());
     std::error_code error;
+    if (!has_result(directory, result.key)) fs::remove_all(target, error);  // what is left of another
     fs::rename(output(), target, error);
-    if (error && !fs::exists(target / "result.json")) fail_work(target, error);
+    if (error && !has_result(directory, result.key)) fail_work(target, error);
   } catch (const fs::filesystem_error& error) {
     throw Error(ErrorKind::kFile, error.what());
   }

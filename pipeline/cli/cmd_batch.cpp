@@ -21,6 +21,7 @@ struct InitArguments {
   batch::Asked asked;
   SettingsSources sources;
   bool update = false;
+  std::vector<std::string> given;  // options that say what the batch is to be
 };
 
 // A chunk shorter than a second or longer than a week is a slip of the keyboard.
@@ -34,7 +35,13 @@ std::string absolute_or_empty(const std::string& path) {
 std::optional<batch::Asked> asked_in(const InitArguments& arguments) {
   batch::Asked asked = arguments.asked;
   if (asked.design.empty() == asked.list.empty()) {
-    if (asked.design.empty() && arguments.update) return std::nullopt;
+    if (asked.design.empty() && arguments.update) {
+      if (arguments.given.empty()) return std::nullopt;
+      throw Error(ErrorKind::kBadSettings,
+                  fmt::format("{}: without --design or --list, --update makes the batch as it was asked "
+                              "before: give them too, or leave {} out",
+                              arguments.given.front(), arguments.given.front()));
+    }
     throw Error(ErrorKind::kBadSettings, "give --design OBJ or --list designs.csv, one of them");
   }
   if (!asked.list.empty() && asked.split != "none")
@@ -107,7 +114,11 @@ void add_batch_init(CLI::App& batch, const Console& console, Action& action) {
   command->add_flag("--update", arguments->update,
                     "Bring a batch that is there up to date; without --design and --list, as asked before");
   command->footer("Example: hotblade batch init facade --design facade.obj --split group --units mm");
-  command->callback([arguments, &console, &action] {
+  command->callback([arguments, command, &console, &action] {
+    for (const CLI::Option* option : command->get_options()) {
+      if (option->count() == 0 || !option->nonpositional() || option->check_lname("update")) continue;
+      arguments->given.push_back(option->get_name());
+    }
     action = [arguments, &console] { return make_batch(*arguments, console); };
   });
 }

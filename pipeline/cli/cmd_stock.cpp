@@ -43,6 +43,12 @@ std::string named(const std::vector<std::string>& panels) {
                      panels.size() > shown ? fmt::format(", and {} more", panels.size() - shown) : "");
 }
 
+std::vector<std::string> ids_of(const std::vector<std::size_t>& blocks, const batch::CutList& list) {
+  std::vector<std::string> ids;
+  for (const std::size_t block : blocks) ids.push_back(list.blocks[block].id);
+  return ids;
+}
+
 std::string table(const batch::StockReport& report, const fs::path& directory) {
   const batch::CutList& list = report.list;
   std::string text = fmt::format("panels {}, without a plan that passed {}{}\n", list.panels, list.not_cut,
@@ -73,7 +79,11 @@ std::string table(const batch::StockReport& report, const fs::path& directory) {
           fmt::format("  {:24} {:6}\n", fmt::format("{:g} x {:g} x {:g}", size[0], size[1], size[2]), count);
   }
   if (!foam.too_large.empty())
-    text += fmt::format("blocks that no size of stock.sizes_mm holds: {}\n", foam.too_large.size());
+    text += fmt::format("blocks that no size of stock.sizes_mm holds: {}{}\n", foam.too_large.size(),
+                        named(ids_of(foam.too_large, list)));
+  if (!foam.empty() && !foam.unsaid.empty())
+    text += fmt::format("blocks not among these, as their settings have no stock.sizes_mm: {}{}\n",
+                        foam.unsaid.size(), named(ids_of(foam.unsaid, list)));
   if (!foam.empty()) text += fmt::format("sawing {}\n", (directory / "foam.html").string());
   return text + fmt::format("order of cutting {}\npage to print {}\n", (directory / "cut_list.csv").string(),
                             (directory / "cut_list.html").string());
@@ -85,11 +95,15 @@ Json sum_json(const batch::BlockSum& sum) {
 }
 
 Json foam_json(const batch::FoamList& foam, const batch::CutList& list) {
-  Json buy = Json::array(), too_large = Json::array();
+  Json buy = Json::array();
   for (const auto& [size, count] : foam.sizes) buy.push_back({{"size_mm", size}, {"blocks", count}});
-  for (const std::size_t block : foam.too_large) too_large.push_back(list.blocks[block].id);
-  return {{"bought_m3", foam.bought_m3}, {"pieces_m3", foam.pieces_m3}, {"by_panel_m3", foam.by_panel_m3},
-          {"each_m3", foam.each_m3},     {"buy", std::move(buy)},       {"too_large", std::move(too_large)}};
+  return {{"bought_m3", foam.bought_m3},
+          {"pieces_m3", foam.pieces_m3},
+          {"by_panel_m3", foam.by_panel_m3},
+          {"each_m3", foam.each_m3},
+          {"buy", std::move(buy)},
+          {"too_large", ids_of(foam.too_large, list)},
+          {"unsaid", ids_of(foam.unsaid, list)}};
 }
 
 std::string stock_json(const batch::StockReport& report) {

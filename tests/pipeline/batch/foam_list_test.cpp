@@ -100,6 +100,7 @@ TEST(FoamList, WhatNoSizeHoldsIsNamedAndJobsThatSayNothingAreLeftOut) {
   ASSERT_EQ(foam.bought.size(), 1U);
   EXPECT_EQ(foam.bought[0].block.pieces.at(0).piece, 0U);
   EXPECT_THAT(foam.too_large, ElementsAre(1U));
+  EXPECT_THAT(foam.unsaid, ElementsAre(2U));
   EXPECT_THAT(foam_page("facade", foam, list), HasSubstr("No size that is sold holds: 2-1"));
   EXPECT_TRUE(foam_list(list, [](std::size_t) { return SoldFoam{}; }).empty());
 }

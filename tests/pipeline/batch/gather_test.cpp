@@ -136,6 +136,17 @@ TEST(Batch, AJobWithoutAResultIsGatheredOnlyWhenAsked) {
   EXPECT_LT(page.find("data-v=\"failed\""), page.find("data-v=\"passed\""));  // failures first
 }
 
+TEST(Batch, AReportThatWasChangedIsNoneOfItsResult) {
+  const StandInBatch batch({20});
+  (void)batch.run();
+  const fs::path report =
+      batch.directory().result(read_chunk(batch.directory(), 0).front().key) / "report.json";
+  std::string text = read_bytes(report);
+  std::ofstream(report) << text.replace(text.find("0.25"), 4, "0.15");
+  EXPECT_THAT(thrown([&] { (void)gather(batch.directory(), false, {}); }),
+              AllOf(HasSubstr("report.json: was changed"), HasSubstr("remove its directory")));
+}
+
 TEST(Batch, ThePageNeedsNoNetworkAndEscapesNames) {
   const StandInBatch batch({20});
   std::string text = read_bytes(batch.asked().design);

@@ -26,17 +26,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::square_panel;
 using testing::StandInBatch;
-
-// Throws what the function throws as text; "nothing" where it throws nothing.
-template <typename Function>
-std::string thrown(const Function& function) {
-  try {
-    function();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "nothing";
-}
+using testing::thrown;
 
 class BatchInit : public ::testing::Test {
  protected:
@@ -124,6 +114,33 @@ TEST_F(BatchInit, AListGivesEachDesignItsUnitGroupAndSettings) {
 }
 
 // As `plan` takes it, though the batch keeps designs by their hashes.
+// A file may be called as the second use of another would be.
+TEST_F(BatchInit, NoTwoListedDesignsHaveOneName) {
+  DesignList list;
+  for (const char* name : {"x", "x", "x#2", "x", "y", "x#2"}) {
+    list.designs.emplace_back();
+    list.designs.back().name = name;
+  }
+  std::vector<std::string> names;
+  for (const NamedDesign& one : named_designs(list)) names.push_back(one.name);
+  EXPECT_THAT(names, ElementsAre("x", "x#3", "x#2", "x#4", "y", "x#2#2"));
+}
+
+TEST_F(BatchInit, AListGivesUnitsInOnePlaceAndItsLineWithASettingThatIsWrongBesideOthers) {
+  (void)write("a.obj", square_panel("a", 1));
+  Asked asked;
+  const auto refused = [&](const std::string& list) {
+    asked.list = write("list.csv", list);
+    return thrown([&] { (void)init(asked); });
+  };
+  EXPECT_THAT(refused("path,units,design.units\na.obj,mm,cm\n"),
+              HasSubstr("list.csv:1: design.units: call the column `units`"));
+  EXPECT_THAT(refused("path,units,design.up\na.obj,mm,y\n"), HasSubstr("call the column `up`"));
+  const std::string said = refused("path,units,stock.sizes_mm\na.obj,mm,\na.obj,mm,\"[[300, 300, 300]]\"\n");
+  EXPECT_THAT(said, HasSubstr("list.csv:3: "));
+  EXPECT_THAT(said, HasSubstr("is within none of stock.sizes_mm"));
+}
+
 TEST_F(BatchInit, AListedFilesFormatIsThatOfItsOwnNameAndBytes) {
   const std::string text =
       "solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"

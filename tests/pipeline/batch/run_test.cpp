@@ -92,9 +92,10 @@ TEST(Batch, CrashIsRetriedThenNamed) {
     named.push_back(failure.panel + ": " + failure.why);
     EXPECT_EQ(failure.attempts, 3);
   }
-  EXPECT_THAT(named,
-              UnorderedElementsAre("p901: exit code 1", "p907: exit code 7", "p910: signal 6 (Aborted)",
-                                   "p911: over its 3 s", StartsWith("p912: ")));
+  EXPECT_THAT(named, UnorderedElementsAre(
+                         "p901: exit code 1, its memory limited to 40 MB (--limit-mb)", "p907: exit code 7",
+                         "p910: signal 6 (Aborted), its memory limited to 40 MB (--limit-mb)",
+                         "p911: over its 3 s", StartsWith("p912: ")));
   EXPECT_THAT(
       named,
       ::testing::Not(::testing::Contains("p912: over its 3 s")));  // a shell without memory ends as it likes
@@ -207,6 +208,45 @@ TEST(Batch, WhatWasChangedUnderAKeyIsNotPlanned) {
   ASSERT_EQ(report.failures.size(), 1U);
   EXPECT_THAT(report.failures[0].why, HasSubstr(".obj: was changed"));
   EXPECT_EQ(batch.starts(), 0U);
+}
+
+// What a damaged disk or a copy that was cut off leaves.
+TEST(Batch, WhatIsNoWholeResultIsPlannedAgain) {
+  const StandInBatch batch({1, 2, 3, 4, 5, 6});
+  (void)batch.run();
+  std::vector<fs::path> places;
+  for (const PlannedKey& planned : read_chunk(batch.directory(), 0))
+    places.push_back(batch.directory().result(planned.key));
+  ASSERT_EQ(places.size(), 6U);
+  std::ofstream(places[0] / "result.json") << "{\"format\"";
+  fs::remove(places[1] / "result.json");
+  fs::remove(places[2] / "report.json");
+  std::ofstream(places[3] / "program.json") << "";
+  fs::remove(places[4] / "program.json");  // to have room
+  EXPECT_EQ(status_of(batch.directory()).results, 2U);
+  EXPECT_EQ(batch.run().planned, 4U);
+  EXPECT_EQ(status_of(batch.directory()).results, 6U);
+  EXPECT_EQ(batch.starts(), 10U);
+  EXPECT_THAT(batch.litter(), IsEmpty());
+}
+
+TEST(Batch, WhatPassesWithoutAReportHasFailed) {
+  const StandInBatch batch({1});
+  std::ofstream(batch.program()) << "#!/bin/sh\nexit 0\n";
+  const RunReport report = batch.run();
+  ASSERT_EQ(report.failures.size(), 1U);
+  EXPECT_EQ(report.failures[0].why, "exit code 0 without report.json");
+}
+
+TEST(Batch, AChunkWithoutAJobOfItsIsRefused) {
+  const StandInBatch batch({1, 2});
+  (void)batch.run();
+  const fs::path chunk = batch.directory().chunk(0);
+  std::string text = read_bytes(chunk);
+  text.erase(text.find('\n') + 1, 3 * 65);  // a key, a design and settings
+  std::ofstream(chunk) << text;
+  EXPECT_THAT(thrown([&] { (void)batch.run(); }), HasSubstr("0.csv: is not as it was made: job "));
+  EXPECT_THAT(thrown([&] { (void)gather(batch.directory(), false, {}); }), HasSubstr("is missing: run"));
 }
 
 TEST(Batch, FullDisk) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -57,6 +58,17 @@ echo "{}" > "$out/program.json$packed"
 mkdir "$out/ribs"
 echo "ribs" > "$out/ribs/S001.dxf"
 )SH";
+
+// Returns what the function throws as text; "nothing" where it throws nothing.
+template <typename Function>
+std::string thrown(const Function& function) {
+  try {
+    function();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "nothing";
+}
 
 class StandInBatch {
  public:

@@ -67,6 +67,10 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{"help_on_nothing", {"help", "pln"}, "unknown command or option: pln: did you mean plan?"},
         Usage{"help_on_no_tool", {"help", "curve", "fot"}, "did you mean fit?\n`hotblade curve --help`"},
         Usage{"nothing_near", {"nix"}, "unknown command or option: nix: give one of check, "},
+        Usage{"an_update_of_what_was_asked_with_more",
+              {"batch", "init", "none", "--update", "--set", "design.tolerance_mm=2"},
+              "--set: without --design or --list, --update makes the batch as it was asked before: give them "
+              "too, or leave --set out"},
         Usage{"misspelt_global_option", {"--vesion"}, "did you mean --version?"},
         Usage{"unknown_study", {"study", "rays"}, "rays: give one of projection, zone, quadratic, arcs"},
         Usage{"no_address", {"run", "program.json"}, "--connect HOST:PORT is missing: "},
