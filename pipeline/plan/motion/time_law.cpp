@@ -58,6 +58,9 @@ double foam_step(const PathSample& a, const PathSample& b) {
   for (std::size_t i = 0; i < std::min(a.in_foam.size(), b.in_foam.size()); ++i) {
     step = std::max(step, (b.in_foam[i] - a.in_foam[i]).norm());
   }
+  for (std::size_t i = 0; i < std::min(a.along.size(), b.along.size()); ++i) {
+    if (a.in_block[i] || b.in_block[i]) step = std::max(step, (b.along[i] - a.along[i]).norm());
+  }
   return step;
 }
 

@@ -18,7 +18,11 @@ namespace hotblade::pipeline {
 // What a path sample is limited by.
 struct PathSample {
   robot::Pose a, b;                      // clamps, mm
-  std::vector<Eigen::Vector3d> in_foam;  // blade points whose speed the feed limits; empty in air
+  std::vector<Eigen::Vector3d> in_foam;  // points of the rib, whose speed the feed limits; empty in air
+  // Points all along the blade, and which of them are in the block or next to one that is: beside the rib it
+  // cuts what is left of the block there.
+  std::vector<Eigen::Vector3d> along;
+  std::vector<bool> in_block;
 };
 
 // What of both clamps has a limit of acceleration of its own: each clamp's place and each clamp's turn.

@@ -15,6 +15,9 @@ namespace hotblade::pipeline {
 
 namespace {
 
+// Of a blade, as far apart as those of a rib about.
+constexpr std::size_t kAlongPoints = 33;
+
 ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
   ClampedShapes all{std::move(shapes), {}, {}};
   all.frames.resize(all.shapes.size());
@@ -31,6 +34,16 @@ ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
   return all;
 }
 
+// Which of the points along a blade are in the block, or next to one that is.
+std::vector<bool> about_block(const std::vector<Eigen::Vector3d>& along, const Block& block) {
+  std::vector<bool> about(along.size(), false);
+  for (std::size_t k = 0; k < along.size(); ++k) {
+    if (!block.contains(along[k])) continue;
+    for (std::size_t i = k > 0 ? k - 1 : 0; i <= std::min(k + 1, along.size() - 1); ++i) about[i] = true;
+  }
+  return about;
+}
+
 std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& strip) {
   std::vector<double> parameters;
   for (int i = 0; i <= stretch.samples; ++i) parameters.push_back(static_cast<double>(i) / stretch.samples);
@@ -45,6 +58,10 @@ std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& st
       foam.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
     }
     const elastica::PartPlaces points = elastica::sample_places(blades, foam, kFeedPoints);
+    std::vector<elastica::Part> whole(blades.size());
+    for (std::size_t i = 0; i < blades.size(); ++i)
+      if (foam[i].last > foam[i].first) whole[i] = {0, blades[i].length};
+    const elastica::PartPlaces all_along = elastica::sample_places(blades, whole, kAlongPoints);
     for (std::size_t i = from; i < to; ++i) {
       PathSample& sample = samples[i];
       sample.a = all.pairs[i].a;
@@ -55,6 +72,12 @@ std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& st
         const Eigen::Vector2d q = points.at(i - from, k);
         sample.in_foam.push_back(all.frames[i].point(q.x(), q.y()));
       }
+      sample.along.reserve(kAlongPoints);
+      for (std::size_t k = 0; k < kAlongPoints; ++k) {
+        const Eigen::Vector2d q = all_along.at(i - from, k);
+        sample.along.push_back(all.frames[i].point(q.x(), q.y()));
+      }
+      sample.in_block = about_block(sample.along, strip.block);
     }
   });
   return samples;

@@ -154,6 +154,38 @@ TEST(FanPlan, TheOuterEndMovesAtTheFeedAndTheInnerOneSlower) {
   }
 }
 
+// Beside the design there is foam as well, where a block is wider than the ribs.
+TEST(FanPlan, NoPointInTheBlockIsFasterThanTheFeed) {
+  const surface::DesignSurface design = grid_design("annulus", 60, 16, [](double u, double v) -> Vector3d {
+    const double angle = 1.74 * (u - 0.5), r = 300 + 150 * v;
+    return {r * std::cos(angle), r * std::sin(angle), 20 * std::sin(std::numbers::pi * v)};
+  });
+  const PlanResult result = plan(design, back_kept(), {});
+  ASSERT_EQ(result.program.verification.status, VerificationStatus::kPassed);
+  const double feed = MotionSettings{}.feed_mm_s;
+  double fastest = 0, of_design = 0;
+  for (const Strip& strip : result.program.strips) {
+    for (std::size_t i = 1; i < strip.poses.size(); ++i) {
+      const BladePose &p = strip.poses[i - 1], &q = strip.poses[i];
+      if (p.phase != StripPhase::kCut || q.phase != StripPhase::kCut) continue;
+      for (int k = 0; k <= 60; ++k) {
+        const double s = q.blade.length * k / 60;
+        const auto at = [&](const BladePose& pose) {
+          const elastica::CurvePoint c = elastica::point_at(pose.blade, s);
+          return pose.frame.point(c.x, c.y);
+        };
+        if (!strip.block.contains(at(q))) continue;
+        const double speed = (at(q) - at(p)).norm() / (q.t - p.t);
+        fastest = std::max(fastest, speed);
+        if (q.foam && s > (*q.foam)[0] && s < (*q.foam)[1]) of_design = std::max(of_design, speed);
+      }
+    }
+  }
+  EXPECT_LT(fastest, 1.01 * feed);
+  EXPECT_GT(fastest, 0.95 * feed);
+  EXPECT_LT(of_design, 0.97 * feed) << "the block is no wider than the ribs: this tests nothing";
+}
+
 TEST(FanPlan, BlocksHoldTheDesignAndLieWithTheirMiddlePlaneLevel) {
   for (const Strip& strip : swept_fan().program.strips) {
     const Eigen::Quaterniond& q = strip.design_to_cell.q;
