@@ -37,7 +37,7 @@ Limit LimitChecker::next(const Waypoint& w) {
   }
   if (w.t_us <= last_.t_us) return Limit::kTime;
   // Both times are rounded, so a step of exactly the minimum may come out 1 us short.
-  if (w.t_us - last_.t_us + 1 < limits_.min_dt_us) return Limit::kMinDt;
+  if (std::uint64_t{w.t_us - last_.t_us} + 1 < limits_.min_dt_us) return Limit::kMinDt;
   const double dt = (w.t_us - last_.t_us) * kTimeStep_s;
   const ClampRates va = rates_between(last_.a, w.a, dt), vb = rates_between(last_.b, w.b, dt);
   const double dt0 = last_dt_ > 0 ? last_dt_ : dt;

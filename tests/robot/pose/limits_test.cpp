@@ -120,6 +120,16 @@ TEST(LimitChecker, EveryLimitIsNamed) {
   }
 }
 
+TEST(LimitChecker, TheLongestStepIsNoShortOne) {
+  for (const std::uint32_t t_us : {0xFFFFFFFEu, 0xFFFFFFFFu}) {
+    LimitChecker checker(MotionLimits{}, kBladeLength_mm);
+    Waypoint w = sample_waypoints(200)[0];
+    ASSERT_EQ(checker.next(w), Limit::kNone);
+    w.t_us = t_us;
+    EXPECT_EQ(checker.next(w), Limit::kNone) << t_us;
+  }
+}
+
 TEST(LimitChecker, ARefusedWaypointIsNotPartOfTheStream) {
   LimitChecker checker(MotionLimits{}, kBladeLength_mm);
   const auto waypoints = sample_waypoints(200);
