@@ -103,7 +103,9 @@ Result Controller::command(const protocol::DecodedCommand& decoded, Connection f
     if (last_command_result_ == Result::kOk && loaded_ && (owns(c.token) || c.op == Op::kOpen)) feed(from);
     return last_result_ = last_command_result_;
   }
-  const Result result = dispatch(c, from);
+  Result result = dispatch(c, from);
+  record_changes();
+  if (result == Result::kOk && fault_ == Fault::kLog) result = Result::kState;
   any_command_ = true;
   last_command_ = c;
   last_command_result_ = result;
@@ -224,9 +226,9 @@ Result Controller::start() {
     return Result::kState;
   if (arms_unknown()) return Result::kState;
   state_ = State::kRunning;
-  path_.start_at_full_rate();
   stop_reason_ = StopReason::kNone;
-  report("start");
+  if (!on_record("start")) return Result::kState;
+  path_.start_at_full_rate();
   return Result::kOk;
 }
 
@@ -247,7 +249,7 @@ Result Controller::resume() {
   fault_ = Fault::kNone;
   stop_reason_ = StopReason::kNone;
   withdrawing_ = false;
-  report("resume");
+  if (!on_record("resume")) return Result::kState;
   go_on_from_held();
   return Result::kOk;
 }
@@ -261,12 +263,18 @@ Result Controller::abort() {
 Result Controller::reset() {
   if (state_ != State::kFault && state_ != State::kEstop) return Result::kState;
   if (!path_.at_rest()) return Result::kState;
+  const char* const stands = state_ == State::kEstop ? "estop" : "fault";
   if (!record()) {
     fault_ = Fault::kLog;  // in ESTOP, too, it says why
     return Result::kState;
   }
   report("reset");
-  left_in_cut_ = in_cut();
+  if (!record()) {
+    fault_ = Fault::kLog;
+    report(stands);  // the line before counts no more, once both are written
+    return Result::kState;
+  }
+  if (loaded_) left_in_cut_ = in_cut();
   state_ = State::kIdle;
   fault_ = Fault::kNone;
   fault_detail_ = 0;
@@ -371,17 +379,32 @@ Result Controller::limit(const Breach& breach, std::uint32_t sequence) {
 }
 
 void Controller::report(const char* what) {
-  uncommitted_ = true;
+  uncommitted_ = changed_ = true;
   if (sink_ == nullptr) return;
   sink_->event({what, job_.id, job_.run, token_, job_.executed, job_.count, motion_us(), fault_,
                 fault_detail_, fault_sequence_, job_.blade, job_.arms, fault_arms_});
 }
 
+// Before anything begins to move that no restart would know of.
+bool Controller::on_record(const char* what) {
+  report(what);
+  commit();
+  return fault_ != Fault::kLog;
+}
+
+void Controller::record_changes() {
+  if (changed_) commit();
+}
+
 void Controller::commit() {
   if (!uncommitted_) return;
-  uncommitted_ = false;
-  if (!record() && loaded_ && state_ != State::kEstop && fault_ != Fault::kLog)
+  uncommitted_ = changed_ = false;
+  if (record() || fault_ == Fault::kLog) return;
+  if (state_ == State::kEstop) {
+    fault_ = Fault::kLog;
+  } else {
     fail(Fault::kLog, {}, job_.executed);
+  }
 }
 
 // What is not on record has not been executed, for anybody who asks.

@@ -81,6 +81,9 @@ class Controller {
   void tick(std::uint64_t now_us);
   // Makes the log durable and publishes `executed`; to be called after a turn of work.
   void commit();
+  // Commits where the state has changed since the last time: to be called before anybody is answered, so that
+  // a restart knows whatever was said. What the change stops stands by then, or brakes.
+  void record_changes();
   // Returns whether so little room is left that a commit is worth its time at once: `free` counts what is
   // published.
   [[nodiscard]] bool commit_due() const {
@@ -178,6 +181,7 @@ class Controller {
   void replay(const ControllerJournal& journal);
   [[nodiscard]] bool agrees_with_held_pose(const Waypoint& from, const Waypoint& to) const;
   void report(const char* what);
+  bool on_record(const char* what);
   bool record();
   [[nodiscard]] std::uint64_t motion_us() const;
 
@@ -196,7 +200,7 @@ class Controller {
   ArmCheck trial_arms_;  // of a window; kept, so that a copy finds its room
   Chain chain_{0};
   std::uint32_t published_executed_ = 0, published_crc_ = 0;
-  bool uncommitted_ = false;
+  bool uncommitted_ = false, changed_ = false;  // lines of the log; among them changes of state
 
   std::uint32_t token_ = 0;
   Connection owner_ = kNobody, newest_ = kNobody;  // of those that showed the token: the last, the youngest

@@ -153,7 +153,7 @@ class JournalReader {
     }
     if (ev == "release") journal_.left = false;
     if (ev == "close" || ev == "reset" || ev == "withdrawn") {
-      journal_.left = ev == "reset";
+      journal_.left = ev == "reset" && (journal_.loaded || journal_.left);
       journal_.state = State::kIdle;
       journal_.fault = Fault::kNone;
       journal_.fault_detail = 0;

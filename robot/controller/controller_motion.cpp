@@ -245,7 +245,7 @@ void Controller::come_to_rest() {
   phase_ = Phase::kProgram;
   lag_s_ = 0;
   if (stop_reason_ == StopReason::kFault || state_ == State::kFault) {
-    write_pose();
+    if (loaded_) write_pose();
     return;
   }
   if (stop_reason_ == StopReason::kWatchdog) fault_ = Fault::kWatchdog;

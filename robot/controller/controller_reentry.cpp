@@ -72,11 +72,11 @@ protocol::Result Controller::withdraw() {
   state_ = State::kRunning;
   fault_ = Fault::kNone;
   stop_reason_ = StopReason::kNone;
+  if (!on_record("withdraw")) return protocol::Result::kState;
   heat_off_ = true;
   withdrawing_ = true;
   boundary_ = 0;
   phase_ = Phase::kRetract;
-  report("withdraw");
   path_.face(true);
   step_back();
   if (to_boundary_s() <= kRounding_s) {

@@ -74,6 +74,7 @@ Reply RegisterMap::handle(std::span<const std::uint8_t> request, Controller::Con
     pdu.byte(function | 0x80u);
     pdu.byte(exception);
   }
+  controller_.record_changes();
   const std::size_t length = reply.size - kMbapSize + 1;
   reply.bytes[4] = static_cast<std::uint8_t>(length >> 8);
   reply.bytes[5] = static_cast<std::uint8_t>(length & 0xFF);
@@ -96,6 +97,7 @@ std::uint8_t RegisterMap::check_read(std::uint16_t address, std::uint16_t count)
 }
 
 std::uint8_t RegisterMap::fill(Pdu& pdu, std::uint16_t address, std::uint16_t count) {
+  controller_.record_changes();
   pdu.byte(2u * count);
   const auto copy = [&](const auto& block, std::uint16_t base) {
     for (std::size_t i = 0; i < count; ++i) pdu.word(block[address - base + i]);
