@@ -220,7 +220,6 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
 }
 
 Result Controller::start() {
-  if (state_ == State::kRunning) return Result::kOk;
   // Full rate at once needs room to stop in.
   if (state_ != State::kOpen || job_.accepted() == 0 || data_ends_at(path_.full_braking_s()))
     return Result::kState;
@@ -233,7 +232,6 @@ Result Controller::start() {
 }
 
 Result Controller::hold() {
-  if (state_ == State::kHeld) return Result::kOk;
   if (state_ != State::kRunning) return Result::kState;
   report("hold");
   stop(StopReason::kHold);
@@ -241,8 +239,6 @@ Result Controller::hold() {
 }
 
 Result Controller::resume() {
-  if (withdrawing_ && state_ == State::kRunning) return Result::kState;
-  if (state_ == State::kRunning && !path_.stopping()) return Result::kOk;
   // Without the next waypoint nobody knows where the path goes on.
   if (state_ != State::kHeld || job_.accepted() == job_.executed || arms_unknown()) return Result::kState;
   state_ = State::kRunning;

@@ -65,7 +65,6 @@ protocol::Result Controller::take_up_again() {
 // Out of the foam the way the blade came in, and on to where the strip began; cold, so that the kerf is not
 // widened. The job ends there.
 protocol::Result Controller::withdraw() {
-  if (state_ == State::kRunning && withdrawing_) return protocol::Result::kOk;
   // After a restart the path is known to lead through the held pose only when the next waypoint has come.
   if (state_ != State::kHeld || job_.executed == 0 || held_ || arms_unknown())
     return protocol::Result::kState;

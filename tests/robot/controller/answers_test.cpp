@@ -1,4 +1,5 @@
-// What a controller answers is on record: no restart knows less than a client does.
+// What a controller answers: it is on record by then, so that no restart knows less than a client does, and a
+// command that is answered OK was carried out.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -54,7 +55,12 @@ class OnRecord : public ::testing::Test {
     EXPECT_EQ(disk_.pending, 0) << disk_.events.back();
   }
   Result send(Op op, bool reads = true) {
-    protocol::Command c{++nonce_, op, job_.id, 1, controller_.status().token, 0, {}};
+    ++nonce_;
+    return repeat(op, reads);
+  }
+  // The same block again.
+  Result repeat(Op op, bool reads = true) {
+    protocol::Command c{nonce_, op, job_.id, 1, controller_.status().token, 0, {}};
     if (op == Op::kOpen) {
       c.token = 0;
       c.waypoint_count = job_.size();
@@ -199,6 +205,30 @@ TEST_F(OnRecord, AnEstopAfterReleaseLeavesNothingInTheCut) {
   estop();
   EXPECT_EQ(send(Op::kReset), Result::kOk);
   EXPECT_FALSE(controller_.status().left_in_cut);
+}
+
+// But for the block that was sent before: its answer may have been lost.
+TEST_F(OnRecord, ACommandThatWouldDoNothingIsRefused) {
+  start();
+  now_ms_ += 500;
+  EXPECT_EQ(send(Op::kStart), Result::kState) << "it runs";
+  EXPECT_EQ(send(Op::kResume), Result::kState) << "it runs";
+  EXPECT_EQ(send(Op::kHold), Result::kOk);
+  now_ms_ += 100;
+  EXPECT_EQ(repeat(Op::kHold), Result::kOk);
+  EXPECT_EQ(send(Op::kStart), Result::kState) << "it slows down";
+  EXPECT_EQ(send(Op::kResume), Result::kState) << "it slows down";
+  now_ms_ += 1000;
+  read_status();
+  ASSERT_EQ(state(), State::kHeld);
+  EXPECT_EQ(send(Op::kHold), Result::kState) << "it is held";
+  EXPECT_EQ(send(Op::kStart), Result::kState) << "it is held";
+  EXPECT_EQ(send(Op::kWithdraw), Result::kOk);
+  now_ms_ += 100;
+  EXPECT_EQ(repeat(Op::kWithdraw), Result::kOk);
+  for (const Op op : {Op::kWithdraw, Op::kStart, Op::kResume})
+    EXPECT_EQ(send(op), Result::kState) << protocol::name(op) << " on the way back";
+  EXPECT_EQ(state(), State::kRunning);
 }
 
 // As whoever restarts it finds the file at the moment of the answer.
