@@ -200,10 +200,7 @@ void Controller::load(std::uint64_t job, std::uint32_t run, std::uint32_t count,
   const BladeCheck shape(blade, options_.blade);
   job_ = {job, run, count, blade, std::move(raw), 0, checker, 0, 0, checker, shape, shape, {}, {}, {}};
   chain_.restart(job);
-  fault_ = Fault::kNone;
-  fault_detail_ = 0;
-  fault_sequence_ = 0;
-  fault_arms_ = {};
+  clear_fault();
   published_executed_ = 0;
   published_crc_ = 0;
   path_ = PathClock(options_.time_scale == kAsFastAsDataComes);
@@ -242,7 +239,7 @@ Result Controller::resume() {
   // Without the next waypoint nobody knows where the path goes on.
   if (state_ != State::kHeld || job_.accepted() == job_.executed || arms_unknown()) return Result::kState;
   state_ = State::kRunning;
-  fault_ = Fault::kNone;
+  clear_fault();
   stop_reason_ = StopReason::kNone;
   withdrawing_ = false;
   if (!on_record("resume")) return Result::kState;
@@ -272,10 +269,7 @@ Result Controller::reset() {
   }
   if (loaded_) left_in_cut_ = in_cut();
   state_ = State::kIdle;
-  fault_ = Fault::kNone;
-  fault_detail_ = 0;
-  fault_sequence_ = 0;
-  fault_arms_ = {};
+  clear_fault();
   loaded_ = false;
   return Result::kOk;
 }
@@ -321,7 +315,8 @@ Result Controller::judge(const protocol::Window& w, Connection from) {
   const std::uint32_t accepted = job_.accepted();
   if (w.first_sequence > accepted) return Result::kGap;
   const std::uint32_t end = w.first_sequence + w.count;
-  if (end > job_.count || (w.count > 0 && w.last != (end == job_.count))) return limit({Limit::kCount}, end);
+  const bool ends_job = w.count > 0 && end == job_.count;
+  if (end > job_.count || w.last != ends_job || !w.known_flags) return limit({Limit::kCount}, end);
   const std::uint32_t already = std::min<std::uint32_t>(w.count, accepted - w.first_sequence);
   for (std::uint32_t i = 0; i < already; ++i) {
     if (w.raw[i] != job_.raw[w.first_sequence + i]) {
@@ -365,6 +360,13 @@ Result Controller::append(const protocol::Window& w, std::uint32_t already) {
     load_step(step_);
   }
   return Result::kOk;
+}
+
+void Controller::clear_fault() {
+  fault_ = Fault::kNone;
+  fault_detail_ = 0;
+  fault_sequence_ = 0;
+  fault_arms_ = {};
 }
 
 Result Controller::limit(const Breach& breach, std::uint32_t sequence) {

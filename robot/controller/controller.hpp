@@ -136,6 +136,7 @@ class Controller {
   protocol::Result judge(const protocol::Window& window, Connection from);
   protocol::Result append(const protocol::Window& window, std::uint32_t already);
   protocol::Result limit(const Breach& breach, std::uint32_t sequence);
+  void clear_fault();
 
   // The arms that a job declares (controller_arms.cpp).
   protocol::Result judge_arms(const protocol::DecodedArms& decoded, Connection from);

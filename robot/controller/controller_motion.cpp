@@ -250,7 +250,11 @@ void Controller::come_to_rest() {
   }
   if (stop_reason_ == StopReason::kWatchdog) fault_ = Fault::kWatchdog;
   if (stop_reason_ == StopReason::kUnderrun) fault_ = Fault::kUnderrun;
-  if (fault_ != Fault::kNone) fault_sequence_ = job_.executed;
+  if (fault_ != Fault::kNone) {
+    fault_detail_ = 0;  // that of a window that was refused before
+    fault_sequence_ = job_.executed;
+    fault_arms_ = {};
+  }
   state_ = State::kHeld;
   stop_reason_ = StopReason::kNone;
   write_pose();

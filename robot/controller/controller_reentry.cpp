@@ -69,7 +69,7 @@ protocol::Result Controller::withdraw() {
   if (state_ != State::kHeld || job_.executed == 0 || held_ || arms_unknown())
     return protocol::Result::kState;
   state_ = State::kRunning;
-  fault_ = Fault::kNone;
+  clear_fault();
   stop_reason_ = StopReason::kNone;
   if (!on_record("withdraw")) return protocol::Result::kState;
   heat_off_ = true;

@@ -512,7 +512,9 @@ std::optional<Window> decode_window(std::span<const std::uint16_t> registers) {
   window.token = r.u32();
   window.first_sequence = r.u32();
   window.count = r.u16();
-  window.last = (r.u16() & kFlagLast) != 0;
+  const std::uint16_t flags = r.u16();
+  window.last = (flags & kFlagLast) != 0;
+  window.known_flags = (flags & ~kFlagLast) == 0;
   if (window.count > kMaxWaypointsPerWindow ||
       registers.size() != kWindowHeader + window.count * kRegistersPerWaypoint + kWindowTrailer) {
     return std::nullopt;

@@ -270,6 +270,7 @@ struct Window {
   bool last = false;
   bool crc_ok = false;
   std::array<RawWaypoint, kMaxWaypointsPerWindow> raw{};
+  bool known_flags = true;  // no other flag is set than those that are defined
 };
 // Returns nullopt when the number of registers is not the one the window's own count asks for.
 [[nodiscard]] std::optional<Window> decode_window(std::span<const std::uint16_t> registers);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -229,6 +230,40 @@ TEST_F(OnRecord, ACommandThatWouldDoNothingIsRefused) {
   for (const Op op : {Op::kWithdraw, Op::kStart, Op::kResume})
     EXPECT_EQ(send(op), Result::kState) << protocol::name(op) << " on the way back";
   EXPECT_EQ(state(), State::kRunning);
+}
+
+TEST_F(OnRecord, AFaultIsForgottenWithItsWaypointWhenTheMotionGoesOn) {
+  start();
+  now_ms_ += 1000;
+  controller_.tick((now_ms_ += 3000) * 1000);
+  now_ms_ += 1000;
+  read_status();
+  ASSERT_EQ(controller_.status().fault, Fault::kWatchdog);
+  ASSERT_GT(controller_.status().fault_sequence, 0u);
+  EXPECT_EQ(send(Op::kResume), Result::kOk);
+  EXPECT_EQ(controller_.status().fault, Fault::kNone);
+  EXPECT_EQ(controller_.status().fault_sequence, 0u);
+}
+
+TEST_F(OnRecord, FlagsThatAreUnknownOrOutOfPlaceAreRefused) {
+  ASSERT_EQ(send(Op::kOpen), Result::kOk);
+  const auto flagged = [&](std::uint32_t n, std::uint16_t flags) {
+    const auto raw = std::span(job_.raw).first(n);
+    auto window = protocol::encode_window(controller_.status().token, 0, false, raw);
+    window.registers[5] = flags;
+    const std::uint32_t crc = protocol::crc32_registers(std::span(window.registers).first(window.size - 2));
+    window.registers[window.size - 2] = static_cast<std::uint16_t>(crc >> 16);
+    window.registers[window.size - 1] = static_cast<std::uint16_t>(crc & 0xFFFF);
+    ask(write_read_pdu(protocol::kWindowBase, window.span()));
+    return controller_.status().last_result;
+  };
+  EXPECT_EQ(flagged(4, 2), Result::kLimit);
+  EXPECT_EQ(flagged(4, 0x8000), Result::kLimit);
+  EXPECT_EQ(flagged(0, 2), Result::kLimit);
+  EXPECT_EQ(flagged(0, 1), Result::kLimit) << "no window of no waypoints ends with the last";
+  EXPECT_EQ(controller_.status().fault_detail, info(Limit::kCount).code);
+  EXPECT_EQ(flagged(0, 0), Result::kOk);
+  EXPECT_EQ(flagged(4, 0), Result::kOk);
 }
 
 // As whoever restarts it finds the file at the moment of the answer.
