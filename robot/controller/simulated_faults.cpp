@@ -20,12 +20,13 @@ constexpr double kMostLag_s = 0.01;
 constexpr double kLongestStall_s = 1;
 
 template <typename Number>
-Number parse(const std::string& spec, const std::string& text, const char* wanted) {
+Number parse(const std::string& spec, const std::string& text, const char* wanted,
+             const std::string& example) {
   Number value{};
   const char* const end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, value);
   if (parsed.ec != std::errc() || parsed.ptr != end)
-    throw FaultSpecError(spec + ": no number (" + text + ", " + wanted + "): write it as in estop@3.5");
+    throw FaultSpecError(spec + ": no number (" + text + ", " + wanted + "): write it as in " + example);
   return value;
 }
 
@@ -36,9 +37,9 @@ void SimulatedFaults::add(const std::string& spec) {
   const std::string kind = spec.substr(0, at);
   const std::string value = at == std::string::npos ? "" : spec.substr(at + 1);
   const char sign = at == std::string::npos ? '\0' : spec[at];
-  const auto waypoint = [&] { return parse<std::uint32_t>(spec, value, "a waypoint from 0"); };
+  const auto waypoint = [&] { return parse<std::uint32_t>(spec, value, "a waypoint from 0", kind + "@120"); };
   if (kind == "slow" && sign == '=') {
-    slow = parse<double>(spec, value, "above 0 to 1");
+    slow = parse<double>(spec, value, "0.001 to 1", "slow=0.5");
     constexpr double kSlowest = 0.001;  // below that a job of a minute takes a day
     if (!(slow >= kSlowest && slow <= 1))
       throw FaultSpecError(spec + ": out of range (" + value + ", 0.001 to 1): a share of the speed");
@@ -49,7 +50,7 @@ void SimulatedFaults::add(const std::string& spec) {
   } else if (kind == "stall" && sign != '=') {
     stall_at = sign == '@' ? waypoint() : 0;
   } else if (kind == "estop" && sign == '@') {
-    estop_at_s = parse<double>(spec, value, "seconds from 0");
+    estop_at_s = parse<double>(spec, value, "seconds from 0", "estop@3.5");
     if (!(*estop_at_s >= 0 && std::isfinite(*estop_at_s)))
       throw FaultSpecError(spec + ": out of range (" + value + ", from 0): seconds of the motion clock");
   } else {

@@ -30,6 +30,17 @@ TEST(SimulatedFaults, EverySpecIsUnderstood) {
   EXPECT_EQ(faults("estop@3.5").estop_at_s, 3.5);
 }
 
+TEST(SimulatedFaults, ANumberThatIsNoneIsAnsweredWithAnExampleOfItsKind) {
+  for (const std::string right : {"slow=0.5", "fault@120", "stall@120", "reboot@120", "estop@3.5"}) {
+    try {
+      (void)faults(right + "x");
+      ADD_FAILURE() << right;
+    } catch (const FaultSpecError& error) {
+      EXPECT_TRUE(std::string(error.what()).ends_with("write it as in " + right)) << error.what();
+    }
+  }
+}
+
 TEST(SimulatedFaults, ABadSpecIsNamedWithItsRange) {
   const auto message = [](const std::string& spec) -> std::string {
     try {
