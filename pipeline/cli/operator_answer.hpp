@@ -5,8 +5,7 @@
 
 namespace hotblade::pipeline {
 
-// Whether an answer starts a strip: `yes`, or the strip's id, in any case and with blanks around it. An empty
-// line and everything else do not.
+// Returns whether an answer starts a strip: `yes` or the strip's id, to the letter.
 [[nodiscard]] bool agrees_to_start(std::string_view answer, std::string_view strip_id);
 
 }  // namespace hotblade::pipeline

@@ -51,6 +51,7 @@ std::optional<std::string> ask(const std::string& question) {
     line += c;
   }
   line.pop_back();
+  if (line.ends_with('\r')) line.pop_back();  // of a terminal that ends lines with both
   return line;
 }
 
@@ -84,10 +85,6 @@ std::string place_of(const Strip& strip, std::optional<std::uint32_t> waypoint) 
 }
 
 std::optional<Recovery> recovery_named(std::string_view word) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = word.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return std::nullopt;
-  word = word.substr(first, word.find_last_not_of(kBlanks) - first + 1);
   if (word == "withdraw") return Recovery::kWithdraw;
   if (word == "restart") return Recovery::kRestart;
   if (word == "give up" || word == "give-up") return Recovery::kGiveUp;
