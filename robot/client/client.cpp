@@ -122,10 +122,17 @@ bool Streamer::refresh() {
     if (report_.reconnects == reconnects) break;
     if (!identify()) return false;
   }
-  status_ = protocol::decode_status(block);
+  take(block);
   lost_ = false;
-  lost_since_.reset();
   return true;
+}
+
+// What was executed of the job is the last that a controller said of it: one that came back without its log
+// knows nothing of the job, but the block is cut.
+void Streamer::take(std::span<const std::uint16_t, protocol::kStatusSize> block) {
+  status_ = protocol::decode_status(block);
+  lost_since_.reset();
+  if (status_.job_id == job_.id) report_.executed = status_.executed;
 }
 
 // Writes a block and reads STATUS in one transaction. After a lost answer IDENT and STATUS are read afresh,
@@ -136,8 +143,7 @@ bool Streamer::transact(std::uint16_t address, std::span<const std::uint16_t> re
   lost_ = false;
   if (outcome == LinkOutcome::kOk && intact(block)) {
     exceptions_ = 0;
-    lost_since_.reset();
-    status_ = protocol::decode_status(block);
+    take(block);
     return true;
   }
   if (outcome == LinkOutcome::kException) {

@@ -42,7 +42,6 @@ class Streamer {
 
  private:
   StreamReport report_of([[maybe_unused]] bool done) {
-    report_.executed = status_.job_id == job_.id ? status_.executed : 0;
     report_.run = run_;
     report_.token = token_;
     show(true);
@@ -80,6 +79,7 @@ class Streamer {
   bool refused_again(const char* what);
   bool interrupted_without_link();
   bool refresh();
+  void take(std::span<const std::uint16_t, protocol::kStatusSize> block);
   bool transact(std::uint16_t address, std::span<const std::uint16_t> registers);
   bool command(Op op);
   bool cut_to_the_end();

@@ -247,6 +247,21 @@ TEST_F(OperatorAtATerminal, YesOrTheIdStartEachStrip) {
   EXPECT_THAT(terminal.shown(), HasSubstr("S002 400 of 400 waypoints executed"));
 }
 
+// The controller knows nothing of the job any more, but the block is cut as far as it said.
+TEST_F(OperatorAtATerminal, WhatWasExecutedIsSaidWhenTheControllerLostItsLog) {
+  cell_.start({"--time-scale", "5"});
+  auto words = run();
+  words.emplace_back("--yes");
+  Terminal terminal(words);
+  ASSERT_TRUE(cell_.until([](const auto& now) { return now.status.executed > 120; }));
+  cell_.restart();
+  EXPECT_EQ(terminal.wait(), 6) << terminal.shown();
+  const std::string shown = terminal.shown();
+  const auto at = shown.find(" of 400 waypoints executed, run 1");
+  ASSERT_NE(at, std::string::npos) << shown;
+  EXPECT_GT(std::stoi(shown.substr(shown.rfind(' ', at - 1))), 100) << shown;
+}
+
 // A simulator stops in the cut; the next `run --reset` finds the strip half cut.
 class HalfCut : public OperatorAtATerminal {
  protected:
