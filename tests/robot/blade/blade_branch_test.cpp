@@ -177,6 +177,30 @@ TEST(BladeBranch, AStraightBladeIsTakenFreeOfForceAndLeavesToItsClampsSide) {
   }
 }
 
+// What docs/controller-protocol.md says of code 16, for clients that want to know it beforehand.
+TEST(BladeBranch, IsTautFromTheSlackThatTheProtocolGives) {
+  const double l = kBladeLength_mm, start = 0.13;
+  for (const auto& [a, b] : {std::pair{0.13, -0.13}, {0.2, -0.2}, {0.1, 0.1}, {0.2, 0.0}, {0.15, 0.05}}) {
+    const double slack = 0.0114 * (a - b) * (a - b) + 0.0108 * (a + b) * (a + b);
+    BladeBranch branch(l, {std::numeric_limits<double>::infinity(), -1e9, 0.02, 0});
+    const auto move_to = [&](double ta, double tb, double chord) {
+      return branch.move_to(turned({0, 0, 0}, ta), turned({chord, 0, 0}, tb)).limit;
+    };
+    const double flat_chord = l * std::sin(start) / start;
+    for (int i = 0; i <= 100; ++i) {
+      const double s = i / 100.0;
+      ASSERT_EQ(move_to(start + s * (a - start), -start + s * (b + start),
+                        flat_chord + s * (l * (1 - 1.5 * slack) - flat_chord)),
+                Limit::kNone)
+          << a << ' ' << b << ' ' << i;
+    }
+    double reached = 1.5;
+    while (reached > 0.5 && move_to(a, b, l * (1 - reached * slack)) == Limit::kNone) reached -= 1e-3;
+    EXPECT_EQ(move_to(a, b, l), Limit::kBladeReach);
+    EXPECT_NEAR(reached, 1, 0.02) << a << ' ' << b;
+  }
+}
+
 TEST(BladeBranch, AClampThatTurnsOnATautBladeIsOutOfReach) {
   BladeBranch branch(kBladeLength_mm, kLimits);
   const Waypoint w = testing::arc_waypoint(0, {0, 0, 900}, 0.13, 0, false);
