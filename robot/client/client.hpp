@@ -65,7 +65,7 @@ struct StreamReport {
   StreamOutcome outcome = StreamOutcome::kDone;
   std::string message;  // why it is not done: what (value, limit): hint
   std::uint32_t run = 0, token = 0;
-  std::uint32_t executed = 0;
+  std::uint32_t executed = 0;  // as the controller last said of the job
   int reconnects = 0;
   int restarts = 0;                 // of the controller, seen by its boot id
   std::uint64_t windows = 0;        // sent, repeated ones included
