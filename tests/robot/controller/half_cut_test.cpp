@@ -46,6 +46,11 @@ TEST_F(HalfCut, AfterEstopAndResetTheBladeInTheFoamIsInTheWay) {
   EXPECT_FALSE(status().left_in_cut);
   boot();
   EXPECT_FALSE(status().left_in_cut);
+  controller_->estop(now_ms_ * 1000);
+  EXPECT_EQ(send(Op::kReset, 0), Result::kOk);
+  EXPECT_FALSE(status().left_in_cut) << "it was freed";
+  boot();
+  EXPECT_FALSE(status().left_in_cut) << "it was freed";
   run_ = 2;
   start();
   wait(60000);
