@@ -12,6 +12,23 @@ bool speaks_of(const Refusal& refusal, const StripFacts& strip) {
   return refusal.strip == strip.id || refusal.strip.starts_with(strip.id + " ");
 }
 
+// Those that add the most to a budget, where that is what is refused.
+std::vector<bool> over_budget(const PlanResult& result) {
+  // A half takes half of its whole's clamps' errors and more: those that add about as much are split as well.
+  constexpr double kAbout = 0.9;
+  const bool binds = std::any_of(result.refusals.begin(), result.refusals.end(),
+                                 [](const Refusal& r) { return r.limit == Limit::kBudget; });
+  std::vector<bool> over(result.strips.size(), false);
+  const auto adds_mm = [](const StripFacts& strip) {
+    return strip.deviation_bound_mm + strip.motion.clamp_error_mm;
+  };
+  double most_mm = 0;
+  for (const StripFacts& strip : result.strips) most_mm = std::max(most_mm, adds_mm(strip));
+  for (std::size_t i = 0; binds && i < over.size(); ++i)
+    over[i] = adds_mm(result.strips[i]) >= kAbout * most_mm;
+  return over;
+}
+
 }  // namespace
 
 std::vector<double> deviations_with_sag_mm(const PlanResult& result) {
@@ -42,11 +59,13 @@ std::vector<bool> too_far_strips(const PlanResult& result) {
 }
 
 std::vector<bool> failed_strips(const PlanResult& result) {
-  std::vector<bool> failed;
-  for (const StripFacts& strip : result.strips) {
+  std::vector<bool> failed = over_budget(result);
+  for (std::size_t i = 0; i < failed.size(); ++i) {
+    const StripFacts& strip = result.strips[i];
     const bool refused = std::any_of(result.refusals.begin(), result.refusals.end(),
                                      [&](const Refusal& r) { return speaks_of(r, strip); });
-    failed.push_back(refused || strip.deviation_bound_mm > result.program.settings.design.tolerance_mm);
+    failed[i] =
+        failed[i] || refused || strip.deviation_bound_mm > result.program.settings.design.tolerance_mm;
   }
   if (std::none_of(failed.begin(), failed.end(), [](bool f) { return f; })) failed.clear();
   return failed;

@@ -130,18 +130,44 @@ PoseErrors pose_errors(const PlanResult& result) {
   return share;
 }
 
+// What the program says of itself, once all is measured.
+void conclude(const surface::DesignSurface& design, PlanResult& result) {
+  Program& program = result.program;
+  const Settings& settings = program.settings;
+  Verification& v = program.verification;
+  v.tolerance_mm = settings.design.tolerance_mm;
+  v.deviation_mm = result.verification.deviation;
+  v.uncut_mm2 = result.verification.uncut_mm2;
+  v.budget_mm = error_budget(design, program, pose_errors(result));
+  v.samples = result.verification.cut_samples + result.verification.design_samples;
+  v.not_checked = not_checked(program.blade);
+  if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
+    for (std::string& item : v.not_checked)
+      if (item == say(Saying::kJerkUnlimited)) item = say(Saying::kJerkOfHolds);
+  }
+  if (!result.verification.within_tolerance && result.refusals.empty()) {
+    throw std::logic_error("a deviation that is not a number must not pass");
+  }
+  v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
+}
+
 // Errors that no measurement of the plan can see may be over the tolerance together with those it can.
-void judge_budget(const Settings& settings, PlanResult& result) {
-  if (result.verification.cut_samples == 0) return;
+void warn_of_budget(const Settings& settings, PlanResult& result) {
+  if (result.verification.cut_samples == 0 || settings.design.over_budget != OverBudget::kWarn) return;
+  const Verdict verdict = verdict_of(result.program);
+  if (verdict.over_budget()) result.warnings.push_back(say(Saying::kOfDesign, {budget_text(verdict)}));
+}
+
+// Where the budget binds, it does so as the other limits do, when a plan is looked at: another may keep it.
+void judge_budget(const surface::DesignSurface& design, const Settings& settings, PlanResult& result) {
+  if (settings.design.over_budget != OverBudget::kRefuse || !result.refusals.empty() ||
+      result.verification.cut_samples == 0)
+    return;
+  conclude(design, result);
   const Verdict verdict = verdict_of(result.program);
   if (!verdict.over_budget()) return;
-  if (settings.design.over_budget == OverBudget::kWarn) {
-    result.warnings.push_back(say(Saying::kOfDesign, {budget_text(verdict)}));
-    return;
-  }
   result.refusals.push_back(
       {"design", "", Limit::kBudget, verdict.budget_mm, verdict.tolerance_mm, needed_text(verdict)});
-  result.program.verification.status = VerificationStatus::kRefused;
 }
 
 // What came of a try.
@@ -211,6 +237,7 @@ class PlanLooks {
     give_back_freed_memory();
     measure_cut(design_, hooks_.backend, result);
     judge(settings_, result);
+    judge_budget(design_, settings_, result);
     watch_.lap("verify");
     return result;
   }
@@ -516,27 +543,6 @@ void try_design(const surface::DesignSurface& design, Settings& settings, const 
   gpu::stop_point();
 }
 
-// What the program says of itself, once all is measured.
-void conclude(const surface::DesignSurface& design, PlanResult& result) {
-  Program& program = result.program;
-  const Settings& settings = program.settings;
-  Verification& v = program.verification;
-  v.tolerance_mm = settings.design.tolerance_mm;
-  v.deviation_mm = result.verification.deviation;
-  v.uncut_mm2 = result.verification.uncut_mm2;
-  v.budget_mm = error_budget(design, program, pose_errors(result));
-  v.samples = result.verification.cut_samples + result.verification.design_samples;
-  v.not_checked = not_checked(program.blade);
-  if (settings.motion.jerk_mm_s3 > 0 && settings.motion.angular_jerk_rad_s3 > 0) {
-    for (std::string& item : v.not_checked)
-      if (item == say(Saying::kJerkUnlimited)) item = say(Saying::kJerkOfHolds);
-  }
-  if (!result.verification.within_tolerance && result.refusals.empty()) {
-    throw std::logic_error("a deviation that is not a number must not pass");
-  }
-  v.status = result.refusals.empty() ? VerificationStatus::kPassed : VerificationStatus::kRefused;
-}
-
 }  // namespace
 
 std::string clamp_coordinate_name(std::size_t coordinate) {
@@ -565,7 +571,7 @@ PlanResult plan(const surface::DesignSurface& design, const Settings& given, con
   result.strips_lower_bound = fewest;
   conclude(design, result);
   warn_of_facets(settings, result);
-  judge_budget(program.settings, result);
+  warn_of_budget(program.settings, result);
   result.foam = foam_to_buy(program, [&] {
     gpu::stop_point();
     progress.looked_at("verify", 1);
@@ -580,12 +586,13 @@ void measure_again(const surface::DesignSurface& design, gpu::Backend backend, P
                 [](const std::string& line) { return line.starts_with("design: error budget"); });
   for (std::size_t i = 0; i < result.strips.size(); ++i)
     set_bands(result.program.strips[i].poses, result.program.settings, result.strips[i]);
-  judge(result.program.settings, result);
   // What was looked at since is no question of times.
   std::vector<std::string> not_checked = std::move(result.program.verification.not_checked);
+  judge(result.program.settings, result);
+  judge_budget(design, result.program.settings, result);
   conclude(design, result);
   result.program.verification.not_checked = std::move(not_checked);
-  judge_budget(result.program.settings, result);
+  warn_of_budget(result.program.settings, result);
 }
 
 }  // namespace hotblade::pipeline

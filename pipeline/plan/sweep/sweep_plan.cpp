@@ -188,7 +188,6 @@ PartPlan PartFitter::steadied(const SweepPart& part, PartPlan plan) const {
       helps = take(std::move(other)) || helps;
       if (near) break;
     }
-    if (!helps && length_mm > own_mm) break;
   }
   const bool longer = best.strip->blade_length_mm > own_mm;
   if (!worth_steadying(*best.held, *plan.held, longer)) return plan;
