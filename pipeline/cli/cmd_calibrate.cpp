@@ -217,11 +217,13 @@ void add_calibrate(CLI::App& app, const Console& console, Action& action) {
   command->add_option("--log", arguments->log, "Execution log of the cut (default: it went as planned)")
       ->type_name("JSONL");
   command->add_option("--units", arguments->units, "Of the scans (default: mm)")
-      ->check(CLI::IsMember({"mm", "cm", "m", "in", "ft"}));
+      ->check(CLI::IsMember({"mm", "cm", "m", "in", "ft"}))
+      ->type_name("mm|cm|m|in|ft");
   command
       ->add_option("--placement", arguments->placement,
                    "Where the scans stand: anywhere, near the design's frame, or in it by the block's marks")
-      ->check(CLI::IsMember({"search", "near", "fixed"}));
+      ->check(CLI::IsMember({"search", "near", "fixed"}))
+      ->type_name("search|near|fixed");
   command->add_option("-o,--output", arguments->output, "The settings found (default: calibration.toml)")
       ->type_name("TOML");
   command->add_flag("--force", arguments->force, "Write over a file that is there");
