@@ -13,6 +13,7 @@
 #include "pipeline/calibrate/registration.hpp"
 #include "pipeline/calibrate/scan_file.hpp"
 #include "pipeline/settings/error.hpp"
+#include "pipeline/settings/settings_fields.hpp"
 #include "pipeline/verify/clamp_error.hpp"
 
 namespace hotblade::pipeline {
@@ -201,6 +202,50 @@ void expect_fit(const Calibration& calibration) {
             calibration.files.front(), e.used, e.noise_mm, kCellErrors));
 }
 
+// A scan that the cell explains is off by noise, each point by its own, and not much of it: what points err
+// by is measured of those within reach of the cut, and past a part of that the reach would decide it.
+void expect_explained(const Calibration& calibration) {
+  const Estimate& e = calibration.estimate;
+  constexpr double kMostNoiseMm = kFarMm / kTukey, kMostAlikeMm = 0.5;
+  const bool noisy = e.noise_mm > kMostNoiseMm;
+  if (!noisy && e.alike_mm <= kMostAlikeMm) return;
+  throw Error(
+      ErrorKind::kBadInput,
+      fmt::format(
+          "{}: does not fit the cut ({}; {:.3f} mm rms as planned, {:.3f} mm as found): is it a scan of "
+          "this strip{}",
+          calibration.files.front(),
+          noisy ? fmt::format("points are off by {:.2f} mm, at most {:.2f}", e.noise_mm, kMostNoiseMm)
+                : fmt::format("neighbouring points are off by {:.2f} mm together, at most {:.2f}", e.alike_mm,
+                              kMostAlikeMm),
+          e.before.rms_mm, e.after.rms_mm,
+          calibration.placement == ScanPlacement::kFixed
+              ? ", in the design's frame? where it stands elsewhere say --placement near"
+              : "? cut away what is not of the block"));
+}
+
+// What settings do not take is no cell: clamps that are held centimetres beside.
+void expect_in_range(const Program& program, const Calibration& calibration) {
+  Settings found = calibrated(program, calibration);
+  for (const SettingField& field : setting_fields()) {
+    const std::vector<std::string>& keys = cell_keys();
+    if (std::find(keys.begin(), keys.end(), full_key(field)) == keys.end()) continue;
+    const SettingPlace place = field.place(found);
+    std::vector<double> values;
+    if (const auto* one = std::get_if<double*>(&place)) values = {**one};
+    if (const auto* three = std::get_if<std::array<double, 3>*>(&place))
+      values.assign((*three)->begin(), (*three)->end());
+    for (const double value : values) {
+      if (value >= field.min && value <= field.max) continue;
+      throw Error(
+          ErrorKind::kBadInput,
+          fmt::format("{}: does not fit the cut: {} would be {:.4g} ({}): is it a scan of this strip, and "
+                      "where --placement says?",
+                      calibration.files.front(), full_key(field), value, range_text(field)));
+    }
+  }
+}
+
 }  // namespace
 
 Calibration calibrate(const Program& executed, const std::vector<MeasuredCut>& scans,
@@ -219,6 +264,8 @@ Calibration calibrate(const Program& executed, const std::vector<MeasuredCut>& s
     throw Error(error.kind, calibration.files.front() + ": " + error.what());
   }
   expect_fit(calibration);
+  expect_explained(calibration);
+  expect_in_range(executed, calibration);
   return calibration;
 }
 

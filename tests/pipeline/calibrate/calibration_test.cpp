@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -105,6 +106,16 @@ TEST(Calibration, SomethingElseDoesNotFit) {
   }
   const std::string said = refusal(testing::panel_program(), ball);
   EXPECT_NE(said.find("fit"), std::string::npos) << said;
+}
+
+// Of a wavy panel: within reach of the cut, and no cell's.
+TEST(Calibration, AScanThatNoCellExplainsIsRefused) {
+  ScanRehearsal how;
+  how.moved = false;
+  MeasuredCut scan = scan_of(testing::panel_program(), planned_errors(testing::panel_program()), how);
+  for (Eigen::Vector3d& p : scan.points) p.z() += 3 * std::sin(p.x() / 20);
+  const std::string said = refusal(testing::panel_program(), scan, ScanPlacement::kFixed);
+  EXPECT_NE(said.find("does not fit the cut"), std::string::npos) << said;
 }
 
 TEST(Calibration, ACutThatLooksTheSameFromTwoSidesIsRefusedWithTheTurn) {

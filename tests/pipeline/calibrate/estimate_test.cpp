@@ -68,6 +68,19 @@ TEST(Estimate, OfAPerfectScanOfAFixedBlockIsTheTruth) {
   EXPECT_NEAR(e.value[at(CellError::kTurnB, 2)], 0.003, 3e-4);
 }
 
+// A scanner of 5 micrometres sees less than the facets of the cut err by: what it cannot tell stays doubted.
+TEST(Estimate, OfAFineScannerIsWithinItsOwnDoubt) {
+  const ErrorVector truth = testing::hidden_errors(testing::panel_program(), 4);
+  ScanRehearsal how;
+  how.noise_mm = 0.005;
+  const Estimate e = estimate_of(truth, how, true);
+  EXPECT_LT(e.after.rms_mm, 0.02);
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kCellErrors); ++i) {
+    if (!(e.expected[i] > 0)) continue;
+    EXPECT_LE(std::abs(e.value[i] - truth[i]), 3.5 * e.sd(static_cast<std::size_t>(i))) << i;
+  }
+}
+
 TEST(Estimate, DownToTheNoiseAndSaysWhatItCannotTell) {
   const ErrorVector truth = testing::hidden_errors(testing::panel_program(), 7);
   ScanRehearsal how;
