@@ -167,25 +167,37 @@ void add_touches(const Strip& planned, const ExecutedStrip& strip, int index, do
   }
 }
 
+BladePose cold(BladePose pose) {
+  pose.heat = false;
+  pose.foam.reset();
+  return pose;
+}
+
 // Poses that form the design, or all that are hot, in the order of the path, without what was gone over again
-// after a retraction. Their times are those of the motion: where it was interrupted, the path's.
+// after a retraction. Their times are those of the motion: where it was interrupted, the path's. A hot blade
+// reaches a pose by way of the one before it in time: where that one is none of them, what lies between on
+// the path was not passed so, and a cold pose stands there.
 enum class Which { kForming, kHot };
+
 std::vector<BladePose> along_path(const ExecutedStrip& strip, Which which) {
   std::vector<BladePose> poses;
   double reached = -1, clock = 0;
-  bool going = false;
+  bool going = false, formed = false;
   for (std::size_t i = 0; i < strip.poses.size(); ++i) {
     const BladePose& pose = strip.poses[i];
-    const bool forms =
-        (which == Which::kHot ? pose.heat : pose.foam.has_value()) && strip.path_s[i] > reached;
-    if (forms) {
-      if (!poses.empty())
+    const bool forms = which == Which::kHot ? pose.heat : pose.foam.has_value();
+    const bool farther = forms && strip.path_s[i] > reached;
+    if (farther) {
+      if (!poses.empty()) {
+        if (!formed) poses.push_back(cold(poses.back()));
         clock += going ? strip.poses[i].t - strip.poses[i - 1].t : strip.path_s[i] - reached;
+      }
       reached = strip.path_s[i];
       poses.push_back(pose);
       poses.back().t = clock;
     }
-    going = forms;
+    going = farther;
+    formed = forms;
   }
   return poses;
 }

@@ -31,7 +31,8 @@ struct ExecutedStrip {
                                                        const std::filesystem::path& log_file);
 
 // Returns the program with the poses that were executed in place of the planned ones: those that form the
-// design, in the order of the path, without what was gone over again after a retraction.
+// design, in the order of the path, without what was gone over again after a retraction. Where the blade was
+// cold or in no foam between two of them, a cold pose stands.
 [[nodiscard]] Program as_executed(const Program& program, const std::vector<ExecutedStrip>& executed);
 
 struct AsCutReport {

@@ -120,21 +120,18 @@ class RowSteps {
   const GridSteps& steps_;
 };
 
-// Poses with foam, and the numbers of those that become rows; first and last included. The last one takes the
-// place of one less than half a finest step before it: the surface's slope is measured between rows, and over
-// a hundredth of a millimetre the registers' micrometre would decide it.
+// The poses of a stretch, and the numbers of those that become rows; first and last included. The last one
+// takes the place of one less than half a finest step before it: the surface's slope is measured between
+// rows, and over a hundredth of a millimetre the registers' micrometre would decide it.
 struct GridRows {
   std::vector<const BladePose*> in_foam;
   std::vector<std::size_t> numbers;
   std::vector<char> slides;  // of each row
 };
 
-GridRows grid_rows(const Strip& strip, const GridSteps& steps) {
+GridRows grid_rows(std::span<const BladePose> stretch, const GridSteps& steps) {
   GridRows rows;
-  for (const BladePose& pose : strip.poses) {
-    if (pose.foam) rows.in_foam.push_back(&pose);
-  }
-  if (rows.in_foam.empty()) return rows;
+  for (const BladePose& pose : stretch) rows.in_foam.push_back(&pose);
   const std::vector<Marks> marks = marks_of(rows.in_foam);
   const RowSteps row_steps(marks, steps);
   std::vector<std::size_t>& numbers = rows.numbers;
@@ -171,30 +168,49 @@ double column_step_mm(std::span<const BladePose* const> rows, const GridSteps& s
   return by_chord < steps.widest_mm ? std::max(by_chord, steps.finest_mm) : steps.widest_mm;
 }
 
-// A strip's rows and where its part of the surface begins.
+// The stretches of a strip's poses that follow each other hot and form the design: only between those has a
+// blade melted the foam. What it passes cold stays, as a gap between two stretches.
+std::vector<std::span<const BladePose>> forming_stretches(const Strip& strip) {
+  std::vector<std::span<const BladePose>> stretches;
+  const std::span<const BladePose> all(strip.poses);
+  const auto forms = [](const BladePose& pose) { return pose.heat && pose.foam; };
+  for (auto first = std::ranges::find_if(all, forms); first != all.end();) {
+    const auto end = std::find_if_not(first, all.end(), forms);
+    stretches.emplace_back(first, end);
+    first = std::find_if(end, all.end(), forms);
+  }
+  return stretches;
+}
+
+// The rows of a stretch and where its part of the surface begins.
 struct StripGrid {
+  std::size_t strip = 0;  // index into program.strips
   std::vector<const BladePose*> rows;
   GridRows found;
   std::size_t columns = 0;
   std::size_t sag_every = 1;  // rows from one whose sag is solved to the next
   std::size_t first_vertex = 0, first_triangle = 0;
+  static constexpr std::size_t kLeastColumns = 3;
 
   [[nodiscard]] std::size_t vertices() const { return rows.size() * columns; }
+  // No steps are so wide that it has fewer.
+  [[nodiscard]] bool least() const { return rows.size() <= 2 && columns <= kLeastColumns; }
   [[nodiscard]] std::size_t triangles() const {
     return rows.size() < 2 ? 0 : 2 * (rows.size() - 1) * (columns - 1);
   }
 };
 
-StripGrid strip_grid(const Strip& strip, const GridSteps& steps) {
+StripGrid strip_grid(std::size_t strip, std::span<const BladePose> stretch, const GridSteps& steps) {
   StripGrid grid;
-  grid.found = grid_rows(strip, steps);
+  grid.strip = strip;
+  grid.found = grid_rows(stretch, steps);
   if (grid.found.numbers.size() > 1) {
     for (const std::size_t n : grid.found.numbers) grid.rows.push_back(grid.found.in_foam[n]);
   }
   double longest = 0;
   for (const BladePose* pose : grid.rows) longest = std::max(longest, (*pose->foam)[1] - (*pose->foam)[0]);
   const double step = grid.rows.empty() ? steps.finest_mm : column_step_mm(grid.rows, steps);
-  grid.columns = static_cast<std::size_t>(std::max(2.0, std::ceil(longest / step))) + 1;
+  grid.columns = std::max(StripGrid::kLeastColumns, static_cast<std::size_t>(std::ceil(longest / step)) + 1);
   // A blade hangs nearly alike over eight finest steps, 20 mm: between two of them its sag is taken as
   // linear.
   constexpr double kFinestSteps = 8;
@@ -439,10 +455,10 @@ unsigned char sides_at(const StripGrid& grid, std::size_t row, std::size_t colum
   return static_cast<unsigned char>(bits);
 }
 
-void add_strip(const Program& program, std::size_t index, const StripGrid& grid, const GridSteps& steps,
-               SweptSurface& out) {
+void add_stretch(const Program& program, const StripGrid& grid, const WidthPasses& passes,
+                 const GridSteps& steps, SweptSurface& out) {
   if (grid.rows.empty()) return;
-  const Strip& strip = program.strips[index];
+  const Strip& strip = program.strips[grid.strip];
   for_rows(grid, [&](std::size_t from, std::size_t to) { place_rows(program, strip, grid, from, to, out); });
   std::vector<std::optional<RowWay>> ways(grid.rows.size());
   for_rows(grid, [&](std::size_t from, std::size_t to) {
@@ -460,8 +476,8 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
         const std::size_t v = grid.first_vertex + i * grid.columns + j;
         out.normals[v] = grid_normal(grid, points, i, j, way_of(i), out.normals[v]);
         out.speeds_mm_s[v] = grid_speed(grid, points, i, j);
-        out.strip_of_vertex[v] = static_cast<int>(index);
-        out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - program.strips[index].poses.data());
+        out.strip_of_vertex[v] = static_cast<int>(grid.strip);
+        out.pose_of_vertex[v] = static_cast<int>(grid.rows[i] - strip.poses.data());
         out.sides_of_vertex[v] = sides_at(grid, i, j);
       }
     }
@@ -473,7 +489,6 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
             -bend_across_per_mm(grid, i, j, way_of(i), out);
     }
   });
-  const WidthPasses passes(strip.poses, program.blade.width_mm);
   for_rows(grid, [&](std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i)
       place_half_bands(program, strip, grid, i, passes, steps.by_every_pose, out);
@@ -491,11 +506,11 @@ void add_strip(const Program& program, std::size_t index, const StripGrid& grid,
   });
 }
 
-// How much of a surface strips are.
+// How much of a surface stretches are.
 struct Counts {
   std::size_t vertices = 0, triangles = 0;
 
-  // Gives the strip its place behind what was counted.
+  // Gives the stretch its place behind what was counted.
   void add(StripGrid& grid) {
     grid.first_vertex = std::exchange(vertices, vertices + grid.vertices());
     grid.first_triangle = std::exchange(triangles, triangles + grid.triangles());
@@ -542,22 +557,31 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
   if (!(given.finest_mm > 0) || !(given.widest_mm >= given.finest_mm) || !(given.chord_mm >= 0))
     throw std::logic_error("swept_surface: steps must be positive, the widest no less than the finest");
   GridSteps steps = given;
-  std::vector<StripGrid> grids(program.strips.size());
+  std::vector<std::pair<std::size_t, std::span<const BladePose>>> stretches;
+  for (std::size_t i = 0; i < program.strips.size(); ++i) {
+    for (const auto& stretch : forming_stretches(program.strips[i])) stretches.emplace_back(i, stretch);
+  }
+  std::vector<StripGrid> grids(stretches.size());
   Counts counts;
   for (bool fits = false; !fits;) {
     tbb::parallel_for(std::size_t{0}, grids.size(), [&](std::size_t i) {
       gpu::stop_point();
-      grids[i] = strip_grid(program.strips[i], steps);
+      grids[i] = strip_grid(stretches[i].first, stretches[i].second, steps);
     });
     gpu::stop_point();
     counts = {};
     for (StripGrid& grid : grids) counts.add(grid);
-    fits = counts.vertices <= steps.most_vertices;
+    fits = counts.vertices <= steps.most_vertices || std::ranges::all_of(grids, &StripGrid::least);
     if (!fits) steps = coarser(steps, counts.vertices);
   }
   SweptSurface surface = surface_of(counts);
-  tbb::parallel_for(std::size_t{0}, grids.size(),
-                    [&](std::size_t i) { add_strip(program, i, grids[i], steps, surface); });
+  tbb::parallel_for(std::size_t{0}, program.strips.size(), [&](std::size_t i) {
+    const auto own = std::ranges::equal_range(grids, i, {}, &StripGrid::strip);
+    if (own.empty()) return;
+    const WidthPasses passes(program.strips[i].poses, program.blade.width_mm);
+    tbb::parallel_for(std::size_t{0}, own.size(),
+                      [&](std::size_t k) { add_stretch(program, own[k], passes, steps, surface); });
+  });
   gpu::stop_point();
   return surface;
 }

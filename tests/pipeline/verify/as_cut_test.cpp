@@ -172,6 +172,99 @@ TEST(AsCut, AHotBladeBesideTheCutCountsOnTheKeptSideOnly) {
   }
 }
 
+// What an executed strip goes through between two of its poses, in its own order of time.
+class Interruption {
+ public:
+  explicit Interruption(const ExecutedStrip& whole) : whole_(whole), t_(0) {}
+
+  void poses(std::size_t from, std::size_t to, bool hot) {
+    for (std::size_t i = from;; i += from < to ? 1 : static_cast<std::size_t>(-1)) {
+      BladePose pose = whole_.poses[i];
+      pose.t = t_ += 0.01;
+      pose.heat = hot && pose.heat;
+      if (!pose.heat) pose.foam.reset();
+      out_.poses.push_back(pose);
+      out_.after.push_back(whole_.after[i]);
+      out_.path_s.push_back(whole_.path_s[i]);
+      if (i == to) break;
+    }
+  }
+  [[nodiscard]] const ExecutedStrip& strip() const { return out_; }
+
+ private:
+  const ExecutedStrip& whole_;
+  ExecutedStrip out_;
+  double t_;
+};
+
+struct Places {
+  std::size_t first = 0, middle = 0, last = 0;  // hot poses in foam, and the one half-way
+};
+Places forming(const ExecutedStrip& strip) {
+  Places places;
+  while (!strip.poses[places.first].foam) ++places.first;
+  places.last = strip.poses.size() - 1;
+  while (!strip.poses[places.last].foam) --places.last;
+  places.middle = (places.first + places.last) / 2;
+  return places;
+}
+
+TEST(AsCut, FoamThatABladePassesColdIsUncut) {
+  const auto whole = read_executed(cylinder().work, cylinder().log);
+  const auto [first, middle, last] = forming(whole[0]);
+  const std::size_t tenth = (last - first) / 10;
+  const auto passed = [&](std::size_t from, std::size_t to, bool only_foam) {
+    auto strips = whole;
+    for (std::size_t i = from; i < to; ++i) {
+      if (!only_foam) strips[0].poses[i].heat = false;
+      strips[0].poses[i].foam.reset();
+    }
+    return measured(cylinder(), strips);
+  };
+  const auto expect_tenth_uncut = [](const AsCutReport& report) {
+    EXPECT_FALSE(report.cut.within_tolerance);
+    EXPECT_GT(report.cut.uncut_share(), 0.07);
+    EXPECT_LT(report.cut.uncut_share(), 0.13);
+  };
+  expect_tenth_uncut(passed(middle, middle + tenth, false));
+  expect_tenth_uncut(passed(middle, middle + tenth, true));
+  expect_tenth_uncut(passed(first, first + tenth, false));
+  // So is what a job that ends half-way does not reach.
+  EXPECT_GT(passed(middle, last + 1, false).cut.uncut_share(), 0.4);
+}
+
+TEST(AsCut, ABladeThatGoesThroughItsKerfAgainCutsAsIfNothingHadBeen) {
+  const auto whole = read_executed(cylinder().work, cylinder().log);
+  const ExecutedStrip& strip = whole[0];
+  const auto [first, middle, last] = forming(strip);
+  std::size_t hot = first;
+  while (strip.poses[hot - 1].heat) --hot;
+  const double planned_mm = measured(cylinder(), whole).cut.deviation.max;
+  // Held and gone cold, or stopped by ESTOP and cold at once, a little farther on: out of the kerf cold, hot
+  // where the heat came on, in again and on.
+  for (const std::size_t run_on : {std::size_t{0}, std::size_t{30}}) {
+    Interruption held(strip);
+    held.poses(0, middle, true);
+    held.poses(middle, middle + run_on, false);
+    held.poses(middle + run_on, hot, false);
+    held.poses(hot, strip.poses.size() - 1, true);
+    const AsCutReport report = measured(cylinder(), {held.strip()});
+    EXPECT_TRUE(report.cut.within_tolerance);
+    EXPECT_EQ(report.cut.uncut_mm2, measured(cylinder(), whole).cut.uncut_mm2);
+    EXPECT_NEAR(report.cut.deviation.max, planned_mm, 0.005);
+  }
+  // Drawn out as far, but cold until it is where it was held farther on: that part stays.
+  Interruption cold(strip);
+  const std::size_t tenth = (last - first) / 10;
+  cold.poses(0, middle, true);
+  cold.poses(middle, hot, false);
+  cold.poses(hot, middle + tenth, false);
+  cold.poses(middle + tenth + 1, strip.poses.size() - 1, true);
+  const AsCutReport report = measured(cylinder(), {cold.strip()});
+  EXPECT_FALSE(report.cut.within_tolerance);
+  EXPECT_GT(report.cut.uncut_share(), 0.07);
+}
+
 TEST(AsCut, IsNowhereFartherOffThanAPlanOfNearlyStraightBladesSays) {
   // Standing waves: their ribs become straight between a crest and a hollow, and a micrometre moves them by
   // tenths of a millimetre there.

@@ -172,10 +172,14 @@ Program executed(const Path& path, double jitter_mm) {
   return program;
 }
 
-// The same without a width that passes: slopes and bends tell the edge.
-Program cold(Program program) {
-  for (BladePose& pose : program.strips.front().poses) pose.heat = false;
-  return program;
+// The same surface without a width that passes: slopes and bends tell the edge.
+SweptSurface told_by_slopes(const Program& program, SweptSurface cut) {
+  for (std::size_t v = 0; v < cut.vertices.size(); ++v) {
+    const double half_mm = half_band_mm(program.blade, cut.normals[v], cut.plane_normals[v],
+                                        cut.speeds_mm_s[v], cut.width_bends_per_mm[v]);
+    cut.vertices[v] += (cut.half_bands_mm[v] - half_mm) * cut.normals[v];
+  }
+  return cut;
 }
 
 // How far a surface lies off the edge of what a smooth motion along the path melts, on the kept side of it
@@ -184,22 +188,30 @@ struct Off {
   double kept_mm = 0, waste_mm = 0;
 };
 
-Off off_smooth_mm(const Path& path, const Program& program, bool by_every_pose, double ends_mm) {
-  GridSteps steps;
-  steps.by_every_pose = by_every_pose;
-  const SweptSurface cut = swept_surface(program, steps);
+Off off_smooth_mm(const Path& path, const SweptSurface& cut, double width_mm, double ends_mm) {
   const auto [low, high] = std::minmax({path.at(-kHalfTurn_rad).x(), path.at(kHalfTurn_rad).x()});
   Off off;
   int seen = 0;
   for (const Vector3d& p : cut.vertices) {
     if (p.x() < low + ends_mm || p.x() > high - ends_mm) continue;
     ++seen;
-    const double deeper = distance_mm(path, program.blade.width_mm, p) - 0.5;
+    const double deeper = distance_mm(path, width_mm, p) - 0.5;
     off.kept_mm = std::max(off.kept_mm, deeper);
     off.waste_mm = std::max(off.waste_mm, -deeper);
   }
   EXPECT_GT(seen, 100);
   return off;
+}
+
+Off off_smooth_mm(const Path& path, const Program& program, bool by_every_pose, double ends_mm) {
+  GridSteps steps;
+  steps.by_every_pose = by_every_pose;
+  return off_smooth_mm(path, swept_surface(program, steps), program.blade.width_mm, ends_mm);
+}
+
+Off off_by_slopes_mm(const Path& path, const Program& program, double ends_mm) {
+  const SweptSurface cut = told_by_slopes(program, swept_surface(program, GridSteps{}));
+  return off_smooth_mm(path, cut, program.blade.width_mm, ends_mm);
 }
 
 TEST(SweptSurface, ByEveryPoseIsTheSameOfASmoothMotion) {
@@ -224,7 +236,7 @@ TEST(SweptSurface, IsTheEdgeWhereAMotionTurnsWithinAWidth) {
     const Off planned = off_smooth_mm(path, program, false, ends_mm);
     EXPECT_LT(planned.kept_mm, 0.005);
     EXPECT_LT(planned.waste_mm, 0.005);
-    const Off by_slope = off_smooth_mm(path, cold(program), false, ends_mm);
+    const Off by_slope = off_by_slopes_mm(path, program, ends_mm);
     EXPECT_GT(std::max(by_slope.kept_mm, by_slope.waste_mm), 0.01);
   }
 }
@@ -238,7 +250,7 @@ TEST(SweptSurface, ByEveryPoseIsOffByNoMoreThanPosesAre) {
     EXPECT_LT(one.kept_mm, kJitter_mm + 0.005);
     EXPECT_GT(one.kept_mm, 0.7 * kJitter_mm);
     // The slopes between poses are none that the width has.
-    EXPECT_GT(off_smooth_mm(path, cold(program), false, ends_mm).kept_mm, 1.2 * kJitter_mm);
+    EXPECT_GT(off_by_slopes_mm(path, program, ends_mm).kept_mm, 1.2 * kJitter_mm);
   }
 }
 
@@ -267,12 +279,60 @@ TEST(SweptSurface, HasAtItsEndsWhatPosesBeyondThemMelt) {
 
 TEST(SweptSurface, GoesBySlopesWhereNoHotPosesReachAcross) {
   const Path path{142, false, 0.2, 0};
-  const Program program = cold(executed(path, 0.05));
+  Program program = executed(path, 0.05);
+  // Less than half the width of motion.
+  program.strips.front().poses.resize(15);
   GridSteps every;
+  every.finest_mm = every.widest_mm = 0.5;
   every.by_every_pose = true;
-  const SweptSurface by_slope = swept_surface(program, GridSteps{}), asked = swept_surface(program, every);
-  ASSERT_EQ(by_slope.vertices.size(), asked.vertices.size());
-  for (std::size_t v = 0; v < asked.vertices.size(); ++v) EXPECT_EQ(by_slope.vertices[v], asked.vertices[v]);
+  const SweptSurface cut = swept_surface(program, every), by_slope = told_by_slopes(program, cut);
+  ASSERT_GT(cut.vertices.size(), 100u);
+  for (std::size_t v = 0; v < cut.vertices.size(); ++v)
+    EXPECT_LT((by_slope.vertices[v] - cut.vertices[v]).norm(), 1e-12);
+}
+
+// A blade that is cold, or forms nothing, for a part of its way leaves that part of the design uncut.
+TEST(SweptSurface, HasAGapWhereTheBladeIsColdOrFormsNothing) {
+  const Path path{500, true, 0, 0};
+  for (const bool is_cold : {true, false}) {
+    Program program = swept(path);
+    std::vector<BladePose>& poses = program.strips.front().poses;
+    const std::size_t first = poses.size() / 2, count = 200;
+    for (std::size_t i = first; i < first + count; ++i) {
+      if (is_cold) poses[i].heat = false;
+      if (!is_cold) poses[i].foam.reset();
+    }
+    const auto x_of = [&](std::size_t pose) { return poses[pose].frame.origin.x(); };
+    ASSERT_GT(x_of(first + count) - x_of(first - 1), 30);
+    const SweptSurface cut = swept_surface(program, 2.5);
+    int at_gap = 0;
+    for (std::size_t v = 0; v < cut.vertices.size(); ++v) {
+      const auto pose = static_cast<std::size_t>(cut.pose_of_vertex[v]);
+      EXPECT_TRUE(pose < first || pose >= first + count);
+      if (pose + 1 != first && pose != first + count) continue;
+      ++at_gap;
+      EXPECT_NE(cut.sides_of_vertex[v] & 3, 0) << "not an edge beside the gap";
+    }
+    EXPECT_GT(at_gap, 100);
+    for (const auto& t : cut.triangles) {
+      const auto [low, high] = std::minmax({cut.pose_of_vertex[static_cast<std::size_t>(t[0])],
+                                            cut.pose_of_vertex[static_cast<std::size_t>(t[1])],
+                                            cut.pose_of_vertex[static_cast<std::size_t>(t[2])]});
+      EXPECT_EQ(static_cast<std::size_t>(low) < first, static_cast<std::size_t>(high) < first)
+          << "a facet over the gap";
+    }
+  }
+}
+
+// However many stretches there are, each has its least grid, and steps do not grow for ever.
+TEST(SweptSurface, OfMoreStretchesThanItHasRoomForHasTheLeastOfEach) {
+  Program program = swept({500, true, 0, 0});
+  std::vector<BladePose>& poses = program.strips.front().poses;
+  for (std::size_t i = 0; i < poses.size(); i += 3) poses[i].heat = false;
+  GridSteps steps;
+  steps.most_vertices = 100;
+  const SweptSurface cut = swept_surface(program, steps);
+  EXPECT_EQ(cut.vertices.size(), 6 * (poses.size() / 3));
 }
 
 }  // namespace
