@@ -247,7 +247,7 @@ void check_plan(const Plan& plan) {
 }
 
 struct Check {
-  std::string json, over;
+  std::string json, over, motion;  // of the motion the first that does not hold; empty: all does
   bool within_tolerance = false, joints_hold = true, ribs_hold = false, held = false, passed = false;
   double deviation_mm = 0, tolerance_mm = 0;
 };
@@ -284,6 +284,7 @@ std::shared_ptr<Check> verify(const py::object& program, const py::object& read_
     check->over = over_text(report, options);
     check->ribs_hold = report.ribs.mismatches.empty() && report.ribs.far.empty();
     check->held = report.holds();
+    if (!report.motion.empty()) check->motion = report.motion.front().text;
     check->passed = data.verification.status == pipeline::VerificationStatus::kPassed;
     check->deviation_mm = report.deviation.max;
     check->tolerance_mm = options.tolerance_mm;
@@ -299,6 +300,7 @@ void check_cut(const Check& check) {
   if (!check.ribs_hold)
     throw Error(ErrorKind::kDeviation, "ribs: measured again they are not as the program says");
   if (!check.held) throw Error(ErrorKind::kNotCuttable, "the clamps do not hold the blade in its shapes");
+  if (!check.motion.empty()) throw Error(ErrorKind::kNotCuttable, check.motion);
   if (!check.passed) throw Error(ErrorKind::kNotCuttable, "the plan's status is refused: not to be run");
 }
 

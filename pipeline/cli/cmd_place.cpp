@@ -18,6 +18,7 @@
 #include "pipeline/plan/placed_plan.hpp"
 #include "pipeline/program/design_file.hpp"
 #include "pipeline/report/emit.hpp"
+#include "pipeline/verify/motion_check.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -32,6 +33,13 @@ void expect_passed(const Program& program, const std::string& file) {
   if (program.verification.status == VerificationStatus::kPassed) return;
   throw Error(ErrorKind::kNotCuttable, file + ": the plan's status is " + name(program.verification.status) +
                                            ": plan again before arms are looked for");
+}
+
+// Arms are found for a motion that can be cut: they follow its clamps wherever these go.
+bool motion_holds(const Program& program, const Console& console) {
+  const std::vector<MotionBreach> breaches = check_motion(program);
+  for (const MotionBreach& breach : breaches) console.warn("refused: " + breach.text);
+  return breaches.empty();
 }
 
 // What was told of the program before and cannot be made without its plan.
@@ -69,6 +77,7 @@ Exit place(const PlaceArguments& arguments, const Console& console) {
   if (arguments.how == "search") cell.place.how = robot::Placing::kSearch;
   const Program program = read_program(arguments.program);
   expect_passed(program, arguments.program);
+  if (!motion_holds(program, console)) return Exit::kNotCuttable;
   // A directory that is not there yet is made for a result alone.
   OutputSet output(directory, arguments.force);
   const EndsOnSignal ends(console, "interrupted: nothing was written",

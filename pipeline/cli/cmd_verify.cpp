@@ -75,6 +75,13 @@ void print_ribs(const RibCheck& check) {
                            check.mismatches.size());
 }
 
+// What the motion asks of machine, heat and block.
+void print_motion(const std::vector<MotionBreach>& breaches) {
+  for (const MotionBreach& breach : breaches) std::cout << breach.text << "\n";
+  if (breaches.empty())
+    std::cout << "motion: within the machine's limits, hot in foam, all foam in its block\n";
+}
+
 // A cut within tolerance is not enough when the plan was refused for another limit.
 Exit expect_passed(const Program& program, const Console& console) {
   if (program.verification.status == VerificationStatus::kPassed) return Exit::kOk;
@@ -88,7 +95,7 @@ Exit judged(const VerifyReport& report, const std::optional<JointCheck>& joints)
   if (joints && !joints->breaches.empty()) return Exit::kDeviation;
   if (!report.within_tolerance || !report.ribs.mismatches.empty() || !report.ribs.far.empty())
     return Exit::kDeviation;
-  return report.holds() ? Exit::kOk : Exit::kNotCuttable;
+  return report.holds() && report.motion.empty() ? Exit::kOk : Exit::kNotCuttable;
 }
 
 // The colour that the program's own status and budget amount to, where what was measured leaves them
@@ -148,6 +155,7 @@ void print_report(const Program& program, const VerifyReport& report, const Veri
                            100 * report.uncut_share(), 100 * options.max_uncut_share);
   print_branches(program, report);
   print_ribs(report.ribs);
+  print_motion(report.motion);
   for (const std::string& item : program.verification.not_checked)
     std::cout << "not checked: " << item << "\n";
   if (report.clamp_mismatch_mm > kClampMismatchMm) {
@@ -233,7 +241,7 @@ void add_verify(CLI::App& app, const Console& console, Action& action) {
       "not "
       "those that the program states, or its Beziers lie farther from its elastica than a tenth of the "
       "tolerance, 4 when the blade would "
-      "snap, yield or leave the planned shapes, or the plan was "
+      "snap, yield or leave the planned shapes, the motion does not hold, or the plan was "
       "refused, 3 when the log of --as-cut is another program's, incomplete or without shapes.\n"
       "Example: hotblade verify vault_cut/program.json --design vault.obj");
   command->callback([arguments, &console, &action] {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "pipeline/program/forming_gap.hpp"
 #include "pipeline/program/program_text.hpp"
 #include "pipeline/settings/error.hpp"
 
@@ -22,6 +23,16 @@ void require_passed(const std::filesystem::path& file, const Program& program, b
   throw Error(ErrorKind::kNotCuttable, file.string() + ": verification.status: the program did not pass (" +
                                            name(program.verification.status) +
                                            ", passed): plan it again, or take the risk with --override");
+}
+
+// Cold, the blade would be forced through the foam.
+void require_hot(const std::filesystem::path& file, const Program& program, bool overridden) {
+  for (const Strip& strip : program.strips) {
+    const auto gap = forming_gap(strip);
+    if (!gap || overridden) continue;
+    throw Error(ErrorKind::kNotCuttable, file.string() + ": " + describe(strip, *gap) +
+                                             ": plan it again, or take the risk with --override");
+  }
 }
 
 robot::JobArms arms_of(const ProgramCell& cell, const Strip& strip) {
@@ -50,6 +61,7 @@ StripJobs read_strip_jobs(const std::filesystem::path& program_file, bool overri
     result.program = parse_program(text, program_file.string());
   }
   require_passed(program_file, result.program, overridden);
+  require_hot(program_file, result.program, overridden);
   for (const Strip& strip : result.program.strips) {
     try {
       const robot::ClampedBlade blade{result.program.blade, strip.blade_length_mm};

@@ -53,9 +53,9 @@ struct GridSteps {
 
 // Returns grids over the poses that form the design: hot ones with a foam interval, a grid of each stretch of
 // them. Where a strip has others between, its surface has a gap, and both its sides are edges. Rows follow
-// the poses: each is as far from the one before as its steps allow, by the chord of five points of every pose between.
-// Columns are even along the blade, as far apart as its curvature allows. Waste is on the left of the blade,
-// A to B, in its frame (docs/program.md). Throws std::logic_error for steps that are not positive.
+// the poses: each is as far from the one before as its steps allow, by the chord of five points of every pose
+// between. Columns are even along the blade, as far apart as its curvature allows. Waste is on the left of
+// the blade, A to B, in its frame (docs/program.md). Throws std::logic_error for steps that are not positive.
 [[nodiscard]] SweptSurface swept_surface(const Program& program, const GridSteps& steps);
 // The same about `sample_mm` apart everywhere, however many vertices that takes.
 [[nodiscard]] SweptSurface swept_surface(const Program& program, double sample_mm = 2.5);

@@ -15,7 +15,6 @@
 
 #include "gpu/backend/stop.hpp"
 #include "gpu/mesh/mesh_distance.hpp"
-#include "pipeline/program/clamps.hpp"
 #include "pipeline/sayings/saying.hpp"
 #include "pipeline/verify/cut_search.hpp"
 #include "pipeline/verify/design_border.hpp"
@@ -30,41 +29,6 @@
 namespace hotblade::pipeline {
 
 namespace {
-
-// Largest distance between a clamp and the blade's end it holds, mm, tangents a radian counted as 1000 mm.
-double clamp_mismatch_mm(const Program& program) {
-  constexpr double kMmPerRad = 1000;
-  constexpr std::size_t kPosesAtOnce = 1024;
-  const robot::ClampOffsets& offsets = program.settings.machine.clamps;
-  std::vector<double> worst(program.strips.size(), 0);
-  tbb::parallel_for(std::size_t{0}, worst.size(), [&](std::size_t i) {
-    const std::span<const BladePose> all(program.strips[i].poses);
-    for (std::size_t first = 0; first < all.size(); first += kPosesAtOnce) {
-      gpu::stop_point();
-      const auto poses = all.subspan(first, std::min(kPosesAtOnce, all.size() - first));
-      std::vector<elastica::Elastica> blades;
-      std::vector<Frame> frames;
-      for (const BladePose& pose : poses) {
-        blades.push_back(pose.blade);
-        frames.push_back(pose.frame);
-      }
-      const std::vector<ClampPoses> planned = clamps(blades, frames);
-      for (std::size_t k = 0; k < poses.size(); ++k) {
-        for (const auto clamp : {&ClampPoses::a, &ClampPoses::b}) {
-          const bool is_a = clamp == &ClampPoses::a;
-          const Pose is = robot::held(is_a ? poses[k].a : poses[k].b, is_a ? offsets.a : offsets.b),
-                     &should = planned[k].*clamp;
-          const double off = std::max((is.p - should.p).norm(), kMmPerRad * is.q.angularDistance(should.q));
-          if (!(off <= worst[i])) worst[i] = off;
-        }
-      }
-    }
-  });
-  gpu::stop_point();
-  return worst.empty() ? 0 : *std::max_element(worst.begin(), worst.end(), [](double p, double q) {
-    return p < q || std::isnan(q);
-  });
-}
 
 std::vector<BranchReport> follow_branches(const Program& program, double min_margin) {
   const double sharpest = robot::max_curvature_per_mm(program.blade);
@@ -566,15 +530,18 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   std::vector<BranchReport> branches;
   double mismatch_mm = 0;
   RibCheck ribs;
+  std::vector<MotionBreach> motion;
   VerifyReport report;
   // Side by side: a strip's branch is followed by one thread.
   tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
                        [&] { mismatch_mm = clamp_mismatch_mm(program); },
                        [&] { ribs = check_ribs(program, options.tolerance_mm, options.backend); },
+                       [&] { motion = check_motion(program); },
                        [&] { report = measure(program, {}, design, options); });
   gpu::stop_point();
   report.branches = std::move(branches);
   report.ribs = std::move(ribs);
+  report.motion = std::move(motion);
   report.clamp_mismatch_mm = mismatch_mm;
   for (std::size_t i = 0; i < report.branches.size(); ++i) {
     add_told(report, i, program.strips[i], report.branches[i], program.blade.width_mm);

@@ -15,7 +15,8 @@
 // The cut is measured on the program's shapes. That the clamps lead the blade to just these, on one stable
 // branch from the flat arc and within yield, is found by solving its equilibrium again from the clamp poses
 // alone (pipeline/verify/branch.hpp). What the program says of its ribs is measured again, all ribs at once
-// (pipeline/verify/rib_measures.hpp).
+// (pipeline/verify/rib_measures.hpp). So is what its motion asks of machine, heat and block
+// (pipeline/verify/motion_check.hpp).
 #pragma once
 
 #include <vector>
@@ -23,7 +24,9 @@
 #include "gpu/backend/backend.hpp"
 #include "pipeline/program/program.hpp"
 #include "pipeline/verify/branch.hpp"
+#include "pipeline/verify/clamp_mismatch.hpp"
 #include "pipeline/verify/deviation_statistics.hpp"
+#include "pipeline/verify/motion_check.hpp"
 #include "pipeline/verify/rib_measures.hpp"
 #include "pipeline/verify/row_bounds.hpp"
 #include "pipeline/verify/swept_surface.hpp"
@@ -37,8 +40,8 @@ struct VerifyOptions {
   double sample_mm = 2.5;      // spacing of samples on both surfaces, where they lie close
   double widest = 4;           // times that: where nothing asks for close ones; 1: a dense grid everywhere
   double reach = 3, far = 20;  // tolerances
-  double edge_mm = 0.1;        // samples of the cut farther past the design's edge are left out: a border counts as
-                               // the design, whose every place is compared with the cut
+  double edge_mm = 0.1;  // samples of the cut farther past the design's edge are left out: a border counts as
+                         // the design, whose every place is compared with the cut
   gpu::Backend backend = gpu::Backend::kCpu;  // no value of the report depends on it
   double min_margin = 0;                      // smallest accepted stability margin
   // Only what is cut against the design, of which no more than the corners of large facets are asked for:
@@ -85,6 +88,7 @@ struct VerifyReport {
   gpu::BackendUse to_design, to_cut;   // what computed the distances each way
   std::vector<BranchReport> branches;  // by strip
   RibCheck ribs;                       // what the program says of its ribs, measured again
+  std::vector<MotionBreach> motion;    // what its motion asks for beside that and must not; empty: nothing
   // Returns whether every strip's blade takes the program's shapes and is led by its clamps.
   [[nodiscard]] bool holds() const;
   [[nodiscard]] double uncut_share() const { return area_mm2 > 0 ? uncut_mm2 / area_mm2 : 0; }
@@ -93,9 +97,6 @@ struct VerifyReport {
 // Adds to a strip's bound what its branch says of the registers' micrometres, where they move the blade.
 void add_told(VerifyReport& report, std::size_t index, const Strip& strip, const BranchReport& branch,
               double width_mm);
-
-// More is a program whose clamps and blade do not belong together; less is rounding.
-inline constexpr double kClampMismatchMm = 1e-3;
 
 // Measures what a program cuts against the design: everything of verify() but the shapes and the clamps. A
 // touch counts, by the edge of its melted band, where it reaches into the kept side of what its own strip

@@ -40,6 +40,10 @@ std::string verify_json(const Program& program, const VerifyReport& report, cons
     }
     json["far_beziers"].push_back(far);
   }
+  json["motion_breaches"] = nlohmann::ordered_json::array();
+  for (const MotionBreach& b : report.motion)
+    json["motion_breaches"].push_back(
+        {{"strip", b.strip}, {"pose", b.pose}, {"t_s", b.t_s}, {"text", b.text}});
   json["strips"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < program.strips.size(); ++i)
     json["strips"].push_back({{"id", program.strips[i].id},
