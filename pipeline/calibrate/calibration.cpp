@@ -202,26 +202,20 @@ void expect_fit(const Calibration& calibration) {
             calibration.files.front(), e.used, e.noise_mm, kCellErrors));
 }
 
-// A scan that the cell explains is off by noise, each point by its own, and not much of it: what points err
-// by is measured of those within reach of the cut, and past a part of that the reach would decide it.
+// A scan that the cell explains is off by noise. Of points within reach of the cut that cannot be told from
+// what lies anywhere there: past a part of the reach, it would decide the noise.
 void expect_explained(const Calibration& calibration) {
   const Estimate& e = calibration.estimate;
-  constexpr double kMostNoiseMm = kFarMm / kTukey, kMostAlikeMm = 0.5;
-  const bool noisy = e.noise_mm > kMostNoiseMm;
-  if (!noisy && e.alike_mm <= kMostAlikeMm) return;
+  constexpr double kMostNoiseMm = kFarMm / kTukey;
+  if (e.noise_mm <= kMostNoiseMm) return;
   throw Error(
       ErrorKind::kBadInput,
-      fmt::format(
-          "{}: does not fit the cut ({}; {:.3f} mm rms as planned, {:.3f} mm as found): is it a scan of "
-          "this strip{}",
-          calibration.files.front(),
-          noisy ? fmt::format("points are off by {:.2f} mm, at most {:.2f}", e.noise_mm, kMostNoiseMm)
-                : fmt::format("neighbouring points are off by {:.2f} mm together, at most {:.2f}", e.alike_mm,
-                              kMostAlikeMm),
-          e.before.rms_mm, e.after.rms_mm,
-          calibration.placement == ScanPlacement::kFixed
-              ? ", in the design's frame? where it stands elsewhere say --placement near"
-              : "? cut away what is not of the block"));
+      fmt::format("{}: does not fit the cut (points are off by {:.2f} mm each, at most {:.2f}; {:.3f} mm "
+                  "rms as planned, {:.3f} as found): is it a scan of this strip{}",
+                  calibration.files.front(), e.noise_mm, kMostNoiseMm, e.before.rms_mm, e.after.rms_mm,
+                  calibration.placement == ScanPlacement::kFixed
+                      ? ", in the design's frame? where it stands elsewhere say --placement near"
+                      : "? cut away what is not of the block"));
 }
 
 // What settings do not take is no cell: clamps that are held centimetres beside.

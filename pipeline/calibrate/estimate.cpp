@@ -10,7 +10,6 @@
 #include <optional>
 #include <tuple>
 
-#include "pipeline/calibrate/cut_rises.hpp"
 #include "pipeline/calibrate/registration.hpp"
 #include "pipeline/settings/error.hpp"
 
@@ -20,15 +19,60 @@ namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using UnknownMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-using Mixed = Eigen::Matrix<double, kUnknowns, 6>;
+using Mixed = Eigen::Matrix<double, kCellErrors, 6>;
+
+constexpr auto kSlowingIndex = static_cast<std::size_t>(CellError::kSlowing);
+
+// Steps of the differences: small against what the numbers are off by, large against the 1e-9 of the
+// equilibria.
+double difference_step(std::size_t error) {
+  constexpr double kShare = 0.05;
+  return kShare * info_of(error).expected;
+}
+
+// How the vertices of a cut move with each of the numbers, near some of them.
+struct CutMoves {
+  ErrorVector at = ErrorVector::Zero();
+  std::vector<std::vector<Eigen::Vector3d>> moves;  // by number; empty where one was not asked for
+
+  CutMoves(const StripScan& scan, const ErrorVector& errors, const ErrorVector& expected)
+      : at(errors), moves(kCellErrors) {
+    tbb::parallel_for(std::size_t{0}, kCellErrors, [&](std::size_t k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      if (!(expected[i] > 0)) return;
+      const double step = difference_step(k);
+      ErrorVector more = errors, less = errors;
+      more[i] += step;
+      // The band's slowing has an end at 0: there, one side tells.
+      if (k != kSlowingIndex || errors[i] >= step) less[i] -= step;
+      const SweptSurface up = cut_with(scan.program, more, scan.sample_mm),
+                         down = cut_with(scan.program, less, scan.sample_mm);
+      moves[k].resize(up.vertices.size());
+      for (std::size_t v = 0; v < up.vertices.size(); ++v)
+        moves[k][v] = (up.vertices[v] - down.vertices[v]) / (more[i] - less[i]);
+    });
+  }
+
+  // By how much the surface rises under a point with each of the numbers.
+  [[nodiscard]] ErrorVector rise(const Foot& foot) const {
+    ErrorVector rise = ErrorVector::Zero();
+    for (std::size_t k = 0; k < kCellErrors; ++k) {
+      if (moves[k].empty()) continue;
+      Eigen::Vector3d move = Eigen::Vector3d::Zero();
+      for (std::size_t c = 0; c < 3; ++c)
+        move += foot.weights[c] * moves[k][static_cast<std::size_t>(foot.corners[c])];
+      rise[static_cast<Eigen::Index>(k)] = foot.normal.dot(move);
+    }
+    return rise;
+  }
+};
 
 // A point with a say.
 struct Row {
-  std::size_t point = 0;                          // of its scan
-  Eigen::Vector3d place{0, 0, 0};                 // design frame
-  double height_mm = 0, left_mm = 0, weight = 0;  // left by what blends do alike to both sides
-  Unknowns rise = Unknowns::Zero();
+  std::size_t point = 0;           // of its scan
+  Eigen::Vector3d place{0, 0, 0};  // design frame
+  double height_mm = 0, weight = 0;
+  ErrorVector rise = ErrorVector::Zero();
   Vector6 drift = Vector6::Zero();  // of the height with the scan's own motion
 };
 
@@ -46,20 +90,21 @@ double median_of(std::vector<double> values) {
 
 // Of a normal distribution the middle distance from 0, times this, is the standard deviation.
 constexpr double kSdOfMedian = 1.4826;
-// A scanner is no better than this; a noise of nothing would let rounding speak.
-constexpr double kLeastNoiseMm = 0.005;
+// What a better scanner sees of a cut is how its model errs, its facets and derivatives, which the steps
+// would take for clamps: of 0.02 mm numbers came out up to 9 standard deviations off, and of 0.05 within 3.
+constexpr double kLeastNoiseMm = 0.05;
 
 double noise_of(const std::vector<Rows>& all) {
   std::vector<double> sizes;
   for (const Rows& scan : all)
-    for (const Row& row : scan.rows) sizes.push_back(std::abs(row.left_mm));
+    for (const Row& row : scan.rows) sizes.push_back(std::abs(row.height_mm));
   return sizes.empty() ? 0 : std::max(kLeastNoiseMm, kSdOfMedian * median_of(std::move(sizes)));
 }
 
 // A point has a say that lies on the cut and not far off, or, where says are given, that has one. Without
-// rises the cut stands as it is.
-Rows rows_of(const CutMesh& cut, const Rises* rises, const StripScan& scan, const Eigen::Isometry3d& place,
-             double reach_mm, const std::vector<double>* says, const ErrorVector& alike) {
+// moves nothing rises: the cut stands as it is.
+Rows rows_of(const CutMesh& cut, const CutMoves* moves, const StripScan& scan, const Eigen::Isometry3d& place,
+             double reach_mm, const std::vector<double>* says) {
   std::vector<Eigen::Vector3d> points;
   for (const Eigen::Vector3d& p : scan.points) points.push_back(place * p);
   const std::vector<Foot> feet = cut.feet(points);
@@ -70,10 +115,8 @@ Rows rows_of(const CutMesh& cut, const Rises* rises, const StripScan& scan, cons
     } else if (!says && std::abs(feet[i].height_mm) > reach_mm) {
       ++out.far;
     } else {
-      const Unknowns rise = rises ? rises->of_point[i] : Unknowns::Zero();
-      const double left = feet[i].height_mm - rise.tail<kCellErrors>().dot(alike);
-      out.rows.push_back(
-          {i, points[i], feet[i].height_mm, left, says ? (*says)[i] : 1, rise, Vector6::Zero()});
+      out.rows.push_back({i, points[i], feet[i].height_mm, says ? (*says)[i] : 1,
+                          moves ? moves->rise(feet[i]) : ErrorVector::Zero(), Vector6::Zero()});
       out.rows.back().drift.tail<3>() = feet[i].normal;
       out.centre += points[i];
     }
@@ -86,27 +129,27 @@ Rows rows_of(const CutMesh& cut, const Rises* rises, const StripScan& scan, cons
 void weigh(std::vector<Rows>& all, double noise_mm) {
   for (Rows& scan : all) {
     for (Row& row : scan.rows) {
-      const double u = row.left_mm / (kTukey * noise_mm);
+      const double u = row.height_mm / (kTukey * noise_mm);
       row.weight = std::abs(u) < 1 ? (1 - u * u) * (1 - u * u) : 0;
     }
   }
 }
 
-// The normal equations of points that are each worth `variance_mm2`.
+// The normal equations, over the noise's square.
 struct Information {
-  UnknownMatrix errors = UnknownMatrix::Zero();
-  Unknowns right = Unknowns::Zero();
+  ErrorMatrix errors = ErrorMatrix::Zero();
+  ErrorVector right = ErrorVector::Zero();
   std::vector<Mixed> mixed;
   std::vector<Matrix6> places;
   std::vector<Vector6> place_right;
 
-  Information(const std::vector<Rows>& all, double variance_mm2) {
+  Information(const std::vector<Rows>& all, double noise_mm) {
     for (const Rows& scan : all) {
       Mixed mix = Mixed::Zero();
       Matrix6 place = Matrix6::Zero();
       Vector6 place_side = Vector6::Zero();
       for (const Row& row : scan.rows) {
-        const double w = row.weight / variance_mm2;
+        const double w = row.weight / (noise_mm * noise_mm);
         errors += w * row.rise * row.rise.transpose();
         right += w * row.height_mm * row.rise;
         // A rise of the surface lowers the height, a drift of the scan adds to it.
@@ -128,76 +171,40 @@ struct Information {
   void eliminate_places() {
     for (std::size_t s = 0; s < places.size(); ++s) {
       const auto solver = places[s].ldlt();
-      const Eigen::Matrix<double, 6, kUnknowns> by = solver.solve(mixed[s].transpose());
+      const Eigen::Matrix<double, 6, kCellErrors> by = solver.solve(mixed[s].transpose());
       errors -= mixed[s] * by;
       right -= by.transpose() * place_right[s];
     }
     errors = 0.5 * (errors + errors.transpose()).eval();
-  }
-
-  // What is said of the numbers, whatever their blends do alike to both sides.
-  [[nodiscard]] ErrorMatrix of_numbers() const {
-    const ErrorMatrix alike = errors.bottomRightCorner<kCellErrors, kCellErrors>() + ErrorMatrix::Identity(),
-                      mix = errors.bottomLeftCorner<kCellErrors, kCellErrors>();
-    const ErrorMatrix told =
-        errors.topLeftCorner<kCellErrors, kCellErrors>() - mix.transpose() * alike.ldlt().solve(mix);
-    return 0.5 * (told + told.transpose());
   }
 };
 
 // So many neighbouring points say as much as one: what is left of the model's own errors is alike in a patch,
 // and there the mean does not fall as the root of the count. The largest over sizes of patches, 1 for plain
 // noise.
-struct Alike {
-  double times = 1;  // so many neighbouring points say as much as one
-  double mm = 0;     // what neighbours err by together, standard deviation
-};
-
-Alike alike_of(const std::vector<Rows>& all) {
+double correlation_of(const std::vector<Rows>& all) {
   constexpr std::size_t kLeastPatches = 20;
-  Alike most;
+  double most = 1;
   for (const double size_mm : {10.0, 20.0, 40.0, 80.0}) {
-    struct Patch {
-      double sum = 0, squares = 0, count = 0;
-    };
-    std::map<std::tuple<std::size_t, long, long, long>, Patch> patches;
+    std::map<std::tuple<std::size_t, long, long, long>, std::pair<double, double>>
+        patches;  // sum, and of squares
     for (std::size_t s = 0; s < all.size(); ++s) {
       for (const Row& row : all[s].rows) {
         const auto cell = [&](int k) { return std::lround(row.place[k] / size_mm); };
-        Patch& patch = patches[{s, cell(0), cell(1), cell(2)}];
-        const double r = row.weight * row.left_mm;
-        patch.sum += r;
-        patch.squares += r * r;
-        patch.count += row.weight;
+        auto& [sum, squares] = patches[{s, cell(0), cell(1), cell(2)}];
+        const double r = row.weight * row.height_mm;
+        sum += r;
+        squares += r * r;
       }
     }
-    double of_sums = 0, of_points = 0, pairs = 0;
+    double of_sums = 0, of_points = 0;
     for (const auto& [place, patch] : patches) {
-      of_sums += patch.sum * patch.sum;
-      of_points += patch.squares;
-      pairs += patch.count * patch.count;
+      of_sums += patch.first * patch.first;
+      of_points += patch.second;
     }
-    if (patches.size() < kLeastPatches || !(of_points > 0)) continue;
-    most.times = std::max(most.times, of_sums / of_points);
-    most.mm = std::max(most.mm, std::sqrt(std::max(0.0, of_sums - of_points) / pairs));
+    if (patches.size() >= kLeastPatches && of_points > 0) most = std::max(most, of_sums / of_points);
   }
   return most;
-}
-
-// What the facets of a cut err by, rms: a third of how far it lies off one of facets twice as large, as the
-// error grows with the square of their size.
-double mesh_error_mm(const StripScan& scan) {
-  const double coarse_mm = 2 * scan.sample_mm;
-  const ErrorVector planned = planned_errors(scan.program);
-  const SweptSurface fine = cut_with(scan.program, planned, scan.sample_mm);
-  const CutMesh coarse(cut_with(thinned_to(scan.program, 0, coarse_mm), planned, coarse_mm));
-  double squares = 0, count = 0;
-  for (const Foot& foot : coarse.feet(fine.vertices)) {
-    if (foot.beside) continue;
-    squares += foot.height_mm * foot.height_mm;
-    count += 1;
-  }
-  return count > 0 ? std::sqrt(squares / count) / 3 : 0;
 }
 
 Misfit misfit_of(const std::vector<Rows>& all, double reach_mm) {
@@ -249,7 +256,7 @@ void find_blends(const ErrorMatrix& told, Estimate& out) {
 class Estimator {
  public:
   Estimator(const std::vector<StripScan>& scans, const EstimateOptions& options)
-      : scans_(scans), options_(options), rises_(scans.size()) {
+      : scans_(scans), options_(options), moves_(scans.size()) {
     out_.planned = out_.value = planned_errors(scans.front().program);
     for (std::size_t i = 0; i < kCellErrors; ++i)
       out_.expected[static_cast<Eigen::Index>(i)] = info_of(i).expected;
@@ -257,9 +264,7 @@ class Estimator {
     for (const StripScan& scan : scans) {
       out_.scan_to_design.push_back(scan.scan_to_design);
       out_.points += scan.points.size();
-      mesh_mm_ = std::max(mesh_mm_, mesh_error_mm(scan));
     }
-    expect_nothing_told();
   }
 
   Estimate run() {
@@ -281,9 +286,8 @@ class Estimator {
     const auto i = static_cast<Eigen::Index>(error);
     out_.expected[i] = 0;
     out_.value[i] = out_.planned[i];
-    expect_nothing_told();
-    for (std::optional<Rises>& rises : rises_)
-      if (rises) rises->leave_out(error);
+    for (std::optional<CutMoves>& moves : moves_)
+      if (moves) moves->moves[error].clear();
   }
 
   // From here on every point keeps the say that it has: points that come and go at the edges of a cut that
@@ -295,46 +299,17 @@ class Estimator {
     }
   }
 
-  // Before anything is told cuts are compared a part of what is expected apart, one number by one: bent ones
-  // farther off are other shapes.
-  void expect_nothing_told() {
-    constexpr double kPart = 0.3;
-    told_.reset();
-    blends_.clear();
-    for (const Eigen::Index i : asked_of(out_.expected))
-      blends_.emplace_back(kPart * out_.expected[i] * ErrorVector::Unit(i));
-  }
-
-  // Compares cuts by what is doubted now. What was told before counts half, or doubts would swing where a
-  // blend raises the cut in other ways far off than near.
-  void doubt_anew(const ErrorMatrix& told) {
-    told_ = told_ ? ErrorMatrix(0.5 * (*told_ + told)) : told;
-    blends_ = doubted_blends(*told_, out_.expected);
-    for (std::optional<Rises>& rises : rises_) rises.reset();
-    alike_.setZero();
-  }
-
-  // How far the numbers have gone from where a scan's rises were found, and the scan by them, each in parts
-  // of what stales them.
-  [[nodiscard]] double gone_since(std::size_t s) const {
-    constexpr double kStale = 0.3, kStaleMm = 3;
-    const Rises& rises = *rises_[s];
-    double gone = 0;
-    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kCellErrors); ++i)
-      if (out_.expected[i] > 0)
-        gone = std::max(gone, std::abs(out_.value[i] - rises.at[i]) / (kStale * out_.expected[i]));
-    for (const Eigen::Vector3d& p : {scans_[s].points.front(), scans_[s].points.back()})
-      gone = std::max(gone, (out_.scan_to_design[s] * p - rises.place * p).norm() / kStaleMm);
-    return gone;
-  }
-
-  // The rises under a scan, found anew where the numbers have gone far: each number's take two cuts, and
-  // change slowly.
-  const Rises* rises_near(std::size_t s) {
+  // The moves of a cut, found anew where the numbers have gone a part of what they are expected to be off by:
+  // each number's take two cuts, and change slowly.
+  const CutMoves* moves_near(std::size_t s) {
+    constexpr double kStale = 0.3;
     if (!(out_.expected.maxCoeff() > 0)) return nullptr;
-    if (!rises_[s] || gone_since(s) > 1)
-      rises_[s].emplace(scans_[s], out_.scan_to_design[s], out_.value, blends_, out_.expected);
-    return &*rises_[s];
+    double gone = 0;
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kCellErrors) && moves_[s]; ++i)
+      if (out_.expected[i] > 0)
+        gone = std::max(gone, std::abs(out_.value[i] - moves_[s]->at[i]) / out_.expected[i]);
+    if (!moves_[s] || gone > kStale) moves_[s].emplace(scans_[s], out_.value, out_.expected);
+    return &*moves_[s];
   }
 
   void look(double reach_mm) {
@@ -342,17 +317,13 @@ class Estimator {
     if (says_.empty()) out_.far = out_.beside = 0;
     for (std::size_t s = 0; s < scans_.size(); ++s) {
       const CutMesh cut(cut_with(scans_[s].program, out_.value, scans_[s].sample_mm));
-      all_.push_back(rows_of(cut, rises_near(s), scans_[s], out_.scan_to_design[s], reach_mm,
-                             says_.empty() ? nullptr : &says_[s], alike_));
+      all_.push_back(rows_of(cut, moves_near(s), scans_[s], out_.scan_to_design[s], reach_mm,
+                             says_.empty() ? nullptr : &says_[s]));
       if (!says_.empty()) continue;
       out_.far += all_.back().far;
       out_.beside += all_.back().beside;
     }
-    if (says_.empty()) count_noise();
-    count_alike();
-  }
-
-  void count_noise() {
+    if (!says_.empty()) return;
     out_.used = 0;
     for (const Rows& scan : all_) out_.used += scan.rows.size();
     constexpr std::size_t kLeastPoints = 100;
@@ -365,21 +336,6 @@ class Estimator {
     out_.noise_mm = noise_of(all_);
     weigh(all_, out_.noise_mm);
   }
-
-  // So many points say as much as one. What the facets of the cut err by is alike in the numbers that fit it
-  // best: no number of points tells a blend that moves the cut by less.
-  void count_alike() {
-    std::size_t most = 0;
-    for (const Rows& scan : all_) most = std::max(most, scan.rows.size());
-    const double mesh = mesh_mm_ / out_.noise_mm;
-    const Alike alike = alike_of(all_);
-    out_.alike_mm = alike.mm;
-    out_.correlation = alike.times + static_cast<double>(most) * mesh * mesh;
-  }
-
-  // What a point is worth against what the numbers are expected to be off by: in steps and uncertainties
-  // alike.
-  [[nodiscard]] double variance_mm2() const { return out_.correlation * out_.noise_mm * out_.noise_mm; }
 
   void move_place(std::size_t s, const Vector6& step) {
     out_.scan_to_design[s] = step_about(all_[s].centre, step) * out_.scan_to_design[s];
@@ -414,7 +370,7 @@ class Estimator {
     for (int round = 0; round < kRounds; ++round) {
       look(kFarMm);
       if (options_.fixed) break;
-      const Information info(all_, variance_mm2());
+      const Information info(all_, out_.noise_mm);
       double most = 0;
       for (std::size_t s = 0; s < scans_.size(); ++s) {
         const Vector6 step = held(info.places[s], 1).ldlt().solve(info.place_right[s]);
@@ -429,11 +385,14 @@ class Estimator {
     out_.expected = expected;
   }
 
-  [[nodiscard]] double reach() const { return kTukey * out_.noise_mm; }
+  [[nodiscard]] double reach() const {
+    constexpr double kNoises = 4.685;
+    return kNoises * out_.noise_mm;
+  }
 
   // What the points say of the numbers, the scans' places left out.
   [[nodiscard]] Information told() const {
-    Information info(all_, variance_mm2());
+    Information info(all_, out_.noise_mm);
     if (!options_.fixed) info.eliminate_places();
     return info;
   }
@@ -448,50 +407,43 @@ class Estimator {
     return prior;
   }
 
-  // Until the numbers move by a part of what is doubted of them. Points are looked at from far
+  // Until no number moves by a hundredth of what it is expected to be off by. Points are looked at from far
   // off first: the cut may be millimetres off.
   void iterate() {
-    constexpr double kStill = 0.15, kLessBack = 0.5, kCloser = 0.7;
-    constexpr int kComparisons = 2;  // by what is doubted by then
-    int compared = 0;
-    double back = 1, noise_before_mm = 1e9, stride = 1, went = 1e9;
+    constexpr double kStill = 0.01, kLessBack = 0.5;
+    double back = 1, noise_before_mm = 1e9;
     says_.clear();
     for (int round = 0; round < options_.most_rounds; ++round) {
       look(kFarMm);
       ++out_.rounds;
-      Information all(all_, variance_mm2());
+      Information all(all_, out_.noise_mm);
       for (Matrix6& place : all.places) place = held(place, back);
       back *= kLessBack;
       Information info = all;
       if (!options_.fixed) info.eliminate_places();
-      const Unknowns all_step = step_by(info);
-      ErrorVector step = all_step.head<kCellErrors>();
-      step = within_ends(out_.value + step, scans_.front().program) - out_.value;
-      const ErrorMatrix known = info.of_numbers() + prior();
-      // Where a cut rises to both sides of some numbers steps would go to and fro over them: they grow
-      // shorter.
-      const double doubts = std::sqrt(step.dot(known * step));
-      if (!says_.empty() && stride * doubts > kCloser * went) stride *= 0.5;
-      went = stride * doubts;
-      alike_ = all_step.tail<kCellErrors>();
-      const Unknowns to = (Unknowns() << step, alike_).finished();
-      double most = step.cwiseQuotient(out_.expected.cwiseMax(1e-300)).lpNorm<Eigen::Infinity>();
+      const ErrorMatrix hold = prior();
+      ErrorVector step = (info.errors + hold).ldlt().solve(info.right - hold * (out_.value - out_.planned));
+      // Slowing ends at 0, and no band is narrower than the blade.
+      const auto end_at = [&](std::size_t error, double least) {
+        const auto i = static_cast<Eigen::Index>(error);
+        step[i] = std::max(step[i], std::min(0.0, least - out_.value[i]));
+      };
+      end_at(kSlowingIndex, 0);
+      end_at(static_cast<std::size_t>(CellError::kBand), scans_.front().program.blade.thickness_mm);
+      double most = 0;
+      for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(kCellErrors); ++i)
+        if (out_.expected[i] > 0) most = std::max(most, std::abs(step[i]) / out_.expected[i]);
       constexpr double kLongest = 2;
       std::vector<Vector6> drifts;
-      double share = std::min(stride, kLongest / most);
+      double share = std::min(1.0, kLongest / most);
       for (std::size_t s = 0; s < scans_.size() && !options_.fixed; ++s) {
-        drifts.push_back(all.places[s].ldlt().solve(all.place_right[s] - all.mixed[s].transpose() * to));
+        drifts.push_back(all.places[s].ldlt().solve(all.place_right[s] - all.mixed[s].transpose() * step));
         share = std::min(share, kLongestMm / moved_mm(s, drifts.back()));
       }
       step *= share;
       out_.value += step;
       for (std::size_t s = 0; s < drifts.size(); ++s) move_place(s, share * drifts[s]);
-      if (!says_.empty() && went < kStill) {
-        if (++compared > kComparisons) break;
-        doubt_anew(info.of_numbers());
-        stride = 1;
-        went = 1e9;
-      }
+      if (most < kStill && !says_.empty()) break;
       // The heights are down to noise: now the points may keep their says.
       constexpr double kSettled = 0.98;
       constexpr int kLatest = 18;
@@ -500,43 +452,28 @@ class Estimator {
     }
   }
 
-  // What the points and what was expected say together of all unknowns.
-  [[nodiscard]] Unknowns step_by(const Information& info) const {
-    const ErrorMatrix hold = prior();
-    UnknownMatrix all = info.errors;
-    all.topLeftCorner<kCellErrors, kCellErrors>() += hold;
-    all.bottomRightCorner<kCellErrors, kCellErrors>() += ErrorMatrix::Identity();
-    Unknowns right = info.right;
-    right.head<kCellErrors>() -= hold * (out_.value - out_.planned);
-    return all.ldlt().solve(right);
+  [[nodiscard]] ErrorMatrix covariance(double correlation) const {
+    return (told().errors / correlation + prior()).inverse();
   }
-
-  [[nodiscard]] ErrorMatrix covariance() const { return (told().of_numbers() + prior()).inverse(); }
 
   [[nodiscard]] bool slowing_told() const {
     const auto i = static_cast<Eigen::Index>(kSlowingIndex);
-    return std::sqrt(covariance()(i, i)) <= 0.5 * out_.expected[i];
+    return std::sqrt(covariance(correlation_of(all_))(i, i)) <= 0.5 * out_.expected[i];
   }
 
   void conclude() {
     says_.clear();
-    for (std::optional<Rises>& rises : rises_) rises.reset();
-    alike_.setZero();
-    look(kFarMm);
-    alike_ = step_by(told()).tail<kCellErrors>();
+    for (std::optional<CutMoves>& moves : moves_) moves.reset();
     look(kFarMm);
     out_.after = misfit_of(all_, reach());
-    out_.covariance = covariance();
-    find_blends(told().of_numbers(), out_);
+    out_.correlation = correlation_of(all_);
+    out_.covariance = covariance(out_.correlation);
+    find_blends(told().errors / out_.correlation, out_);
   }
 
   const std::vector<StripScan>& scans_;
   EstimateOptions options_;
-  double mesh_mm_ = 0;                       // of the scans' cuts, the largest
-  std::vector<std::optional<Rises>> rises_;  // by scan
-  std::optional<ErrorMatrix> told_;          // what the scans said so far, and what they left in doubt
-  std::vector<ErrorVector> blends_;
-  ErrorVector alike_ = ErrorVector::Zero();  // by blend: what it does alike to both sides, as found last
+  std::vector<std::optional<CutMoves>> moves_;  // by scan
   std::vector<Rows> all_;
   std::vector<std::vector<double>> says_;  // by scan and point, once they are kept
   Estimate out_;

@@ -4,7 +4,7 @@
 // the cut of a cell with these numbers passes through it; points that stray far have no say (Tukey's
 // biweight). Before any point is looked at the numbers are expected at the settings, each within what a cell
 // set up by hand may be off by: so where the scan says nothing they stay there, and the answer's uncertainty
-// is that expectation. Gauss and Newton, with differences of the cut over as much as the numbers are doubted.
+// is that expectation. Gauss and Newton, with derivatives of the cut surface by differences.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,9 +31,6 @@ struct StripScan {
   Eigen::Isometry3d scan_to_design = Eigen::Isometry3d::Identity();  // a placement near its own
   double sample_mm = kCutSampleMm;
 };
-
-// Points have no say from so many times the noise on (Tukey's biweight).
-inline constexpr double kTukey = 4.685;
 
 // So many points of a scan are looked at; more say nothing new at this sample.
 inline constexpr std::size_t kMostScanPoints = 8000;
@@ -67,8 +64,7 @@ struct Estimate {
   std::vector<Eigen::Isometry3d> scan_to_design;  // by scan
   Misfit before, after;                           // against the cut as planned, and as estimated
   double noise_mm = 0;                            // of a point: of the heights that are left
-  double alike_mm = 0;                            // of it what neighbouring points err by together
-  double correlation = 1;                         // so many points say as much as one
+  double correlation = 1;                         // so many neighbouring points say as much as one
   std::size_t points = 0, used = 0, far = 0, beside = 0;
   std::vector<Blend> untold;  // least told first
   std::size_t told = 0;       // independent blends that the scan tells

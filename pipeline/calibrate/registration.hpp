@@ -21,6 +21,8 @@ struct Placement {
 
 // A distance that counts no more than this: what is not of the cut.
 inline constexpr double kFarMm = 5;
+// Points farther off than so many times the noise have no say (Tukey's biweight).
+inline constexpr double kTukey = 4.685;
 
 // Draws a scan from a placement near its own to the surface, in at most `rounds` rounds.
 [[nodiscard]] Placement drawn_to(const CutMesh& cut, std::span<const Eigen::Vector3d> points,
