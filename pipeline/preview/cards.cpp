@@ -3,21 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "elastica/curve/elastica.hpp"
 #include "pipeline/preview/view_model.hpp"
 #include "robot/blade/blade_section.hpp"
 
 namespace hotblade::pipeline::preview {
 namespace {
 
-// A curve's tightest place lies within this share of it, and curvature is smooth.
-constexpr int kCurvaturePoints = 129;
-
 double largest_curvature(const elastica::Elastica& curve) {
-  double most = 0;
-  for (const auto& point : elastica::sample(curve, kCurvaturePoints))
-    most = std::max(most, std::abs(point.kappa));
-  return most;
+  return elastica::ElasticaCurve(curve).max_abs_curvature();
 }
 
 std::string radius_line(double curvature, const robot::Blade& blade) {
@@ -49,35 +45,25 @@ void add_deviation(const ViewModel& model, const Belongs& belongs, Card& card) {
                            : "deviation: nothing is cut here");
 }
 
-void add_worst(Card& card, const std::vector<const BladePose*>& poses, const robot::Blade& blade) {
-  double curvature = 0, margin = poses.front()->margin;
+void add_worst(Card& card, std::span<const BladePose> poses, const robot::Blade& blade) {
+  double curvature = 0, margin = poses.front().margin;
   float stress = 0, force = 0;
   bool loads = false;
   std::optional<double> margin_mm;
-  for (const BladePose* pose : poses) {
-    curvature = std::max(curvature, largest_curvature(pose->blade));
-    margin = std::min(margin, pose->margin);
-    if (pose->margin_mm) margin_mm = std::min(margin_mm.value_or(*pose->margin_mm), *pose->margin_mm);
-    if (!pose->loads) continue;
+  for (const BladePose& pose : poses) {
+    curvature = std::max(curvature, largest_curvature(pose.blade));
+    margin = std::min(margin, pose.margin);
+    if (pose.margin_mm) margin_mm = std::min(margin_mm.value_or(*pose.margin_mm), *pose.margin_mm);
+    if (!pose.loads) continue;
     loads = true;
-    stress = std::max(stress, pose->loads->stress_mpa);
-    force = std::max(force, pose->loads->force_n);
+    stress = std::max(stress, pose.loads->stress_mpa);
+    force = std::max(force, pose.loads->force_n);
   }
   card.lines.push_back(radius_line(curvature, blade));
   card.lines.push_back(loads ? fmt::format("force {:.2f} N, stress {:.0f} MPa", force, stress)
                              : "load not computed");
   card.lines.push_back(fmt::format("stability margin {:.1f}", margin) +
-                       (margin_mm ? fmt::format(", {:.1f} mm", *margin_mm) : ""));
-}
-
-// Every pose costs a walk along its blade; a few hundred show a strip's extremes, as the blade changes
-// slowly.
-std::vector<const BladePose*> spread_poses(const Strip& strip) {
-  constexpr std::size_t kMost = 256;
-  const std::size_t step = std::max<std::size_t>(1, strip.poses.size() / kMost);
-  std::vector<const BladePose*> poses;
-  for (std::size_t i = 0; i < strip.poses.size(); i += step) poses.push_back(&strip.poses[i]);
-  return poses;
+                       (margin_mm ? fmt::format(", {:.2f} mm", *margin_mm) : ""));
 }
 
 std::string degrees(double rad) {
@@ -123,7 +109,7 @@ Card strip_card(const ViewModel& model, const Selection& selection) {
   card.lines.push_back(fmt::format("blade {:g} mm, {} ribs", strip.blade_length_mm, strip.ribs.size()));
   add_deviation(
       model, [&](std::size_t i) { return model.scene.cut.strip_of_vertex[i] == selection.strip; }, card);
-  add_worst(card, spread_poses(strip), model.program.blade);
+  add_worst(card, strip.poses, model.program.blade);
   card.lines.push_back(
       fmt::format("{:.1f} s, {} poses", strip.poses.back().t - strip.poses.front().t, strip.poses.size()));
   add_arms(strip, card);
@@ -145,7 +131,7 @@ Card rib_card(const ViewModel& model, const Selection& selection) {
     card.lines.emplace_back("no pose is at this rib");
     return card;
   }
-  add_worst(card, {&*at}, model.program.blade);
+  add_worst(card, {&*at, 1}, model.program.blade);
   card.lines.push_back(fmt::format("at {:.2f} s", at->t - strip.poses.front().t));
   return card;
 }
@@ -166,7 +152,7 @@ Card pose_card(const ViewModel& model, const Selection& selection) {
     return cut.strip_of_vertex[i] == selection.strip && cut.pose_of_vertex[i] == row;
   };
   add_deviation(model, belongs, card);
-  add_worst(card, {&pose}, model.program.blade);
+  add_worst(card, {&pose, 1}, model.program.blade);
   if (pose.loads) {
     card.lines.push_back(
         fmt::format("moments {:.0f}, {:.0f} N mm", pose.loads->moment_a_n_mm, pose.loads->moment_b_n_mm));

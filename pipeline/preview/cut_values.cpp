@@ -1,7 +1,9 @@
 #include "pipeline/preview/cut_values.hpp"
+#include "elastica/blade/blade_batch.hpp"
 #include "robot/blade/blade_section.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -85,24 +87,24 @@ std::vector<Row> rows_of(const CutSurface& surface) {
   return rows;
 }
 
-// Way between the rows over the time between their poses; a strip's first row takes the second one's.
+// Speeds of the blade's own points over the step that ends at a row's pose; at the first pose in foam, over
+// the step behind it. Where foam ends elsewhere along the blade the vertices of a row are other points than
+// those of the row before: the same arc lengths are looked at in both poses.
 std::vector<double> feeds(const Program& program, const CutSurface& surface) {
   std::vector<double> values(surface.vertices.size(), 0);
-  const std::vector<Row> rows = rows_of(surface);
-  const auto time = [&](const Row& row) {
-    const Strip& strip = program.strips[static_cast<std::size_t>(surface.strip_of_vertex[row.first])];
-    return strip.poses[static_cast<std::size_t>(surface.pose_of_vertex[row.first])].t;
-  };
-  const auto joined = [&](std::size_t r) {
-    return r > 0 && surface.strip_of_vertex[rows[r].first] == surface.strip_of_vertex[rows[r - 1].first];
-  };
-  for (std::size_t r = 1; r < rows.size(); ++r) {
-    if (!joined(r)) continue;
-    const Row &row = rows[r], &before = rows[r - 1];
-    for (std::size_t i = row.first; i < row.last; ++i) {
-      const std::size_t j = before.first + (i - row.first);
-      values[i] = (surface.vertices[i] - surface.vertices[j]).norm() / (time(row) - time(before));
-      if (!joined(r - 1)) values[j] = values[i];
+  for (const Row& row : rows_of(surface)) {
+    const auto& poses = program.strips[static_cast<std::size_t>(surface.strip_of_vertex[row.first])].poses;
+    const auto at = static_cast<std::size_t>(surface.pose_of_vertex[row.first]);
+    const std::size_t to = at > 0 && poses[at - 1].foam ? at : at + 1;
+    const BladePose &before = poses[to - 1], &then = poses[to];
+    const auto& [first, last] = *poses[at].foam;
+    const std::array<elastica::Elastica, 2> blades{before.blade, then.blade};
+    const std::array<elastica::Part, 2> parts{{{first, last}, {first, last}}};
+    const elastica::PartPlaces points = elastica::sample_places(blades, parts, row.last - row.first);
+    for (std::size_t k = 0; k < row.last - row.first; ++k) {
+      const Eigen::Vector2d p = points.at(0, k), q = points.at(1, k);
+      const Eigen::Vector3d moved = then.frame.point(q.x(), q.y()) - before.frame.point(p.x(), p.y());
+      values[row.first + k] = moved.norm() / (then.t - before.t);
     }
   }
   return values;

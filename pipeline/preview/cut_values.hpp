@@ -13,8 +13,9 @@ struct Coloring {
   std::optional<ColorScale> scale;  // absent: by strip
 };
 
-// The colours of the cut by feed in mm/s between the rows of the surface, curvature in per cent of the
-// curvature at yield, stability margin of the pose, or signed deviation (mm), which the surface must have.
+// The colours of the cut by feed in mm/s of the blade's own points between poses, curvature in per cent of
+// the curvature at yield, stability margin of the pose, or signed deviation (mm), which the surface must
+// have.
 [[nodiscard]] Coloring coloring_of(Color color, const Program& program, const CutSurface& surface);
 
 }  // namespace hotblade::pipeline::preview

@@ -210,6 +210,17 @@ TEST(SceneOf, MeasuresFeedAndCurvature) {
   const double step_mm = (pipeline::testing::kVaultStripWidth + 60) / 39;  // 40 poses, 0.05 s apart
   EXPECT_THAT(scene_of(program, nullptr, options).cut.values,
               Each(::testing::DoubleNear(step_mm / 0.05, 1e-6)));
+  // The foam's ends run along the blade, towards A and back: its points go no faster for it.
+  Program other = program;
+  double sign = 1;
+  for (BladePose& pose : other.strips[0].poses) {
+    if (!pose.foam) continue;
+    (*pose.foam)[0] += 4 * sign;
+    (*pose.foam)[1] -= 15 * (1 + sign);
+    sign = -sign;
+  }
+  EXPECT_THAT(scene_of(other, nullptr, options).cut.values,
+              Each(::testing::DoubleNear(step_mm / 0.05, 1e-6)));
   options.color = Color::kCurvature;
   constexpr double kYieldsAt_per_mm = 2 * 1010 / (190000 * 0.5);  // of the fixture's spring steel
   EXPECT_THAT(scene_of(program, nullptr, options).cut.values,

@@ -1,14 +1,17 @@
 // What the window knows of a program: moments, cards, picking, and the pictures of a state.
 #include "pipeline/preview/view_model.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
 
 #include <Eigen/Geometry>
 
+#include "pipeline/plan/plan.hpp"
 #include "pipeline/preview/drawing/picking.hpp"
 #include "pipeline/preview/drawing/stage.hpp"
+#include "tests/pipeline/plan_design.hpp"
 #include "tests/pipeline/vault_design.hpp"
 
 namespace hotblade::pipeline::preview {
@@ -71,7 +74,7 @@ TEST(CardOf, SaysWhatTheVaultIs) {
   EXPECT_EQ(strip.title, "strip S001");
   EXPECT_THAT(strip.lines, Contains(HasSubstr("deviation -1.4")));
   EXPECT_THAT(strip.lines, Contains(HasSubstr("smallest radius 399 mm")));  // 400.5 less the bulge
-  EXPECT_THAT(strip.lines, Contains(HasSubstr("margin 39.5, 12.5 mm")));
+  EXPECT_THAT(strip.lines, Contains(HasSubstr("margin 39.5, 12.50 mm")));
   EXPECT_THAT(strip.lines, Contains("10.0 s, 201 poses"));
   EXPECT_THAT(strip.lines, Contains("load not computed"));
   const Card rib = card_of(model, {Part::kRib, 0, 1});
@@ -83,6 +86,31 @@ TEST(CardOf, SaysWhatTheVaultIs) {
   EXPECT_THAT(pose.lines, Contains("at 5.00 s, cut"));
   EXPECT_THAT(pose.lines, Contains(HasSubstr("deviation -1.4")));
   EXPECT_EQ(card_of(model, {}).title, "");
+}
+
+TEST(CardOf, SaysOfAStripWhatItsPlanMeasured) {
+  Settings settings = along_x();
+  settings.motion.waypoint_s = 0.05;  // many poses, of which each counts
+  const PlanResult planned = plan(cylinder_design(), settings, {});
+  ASSERT_EQ(planned.program.strips.size(), 1u);
+  ASSERT_GT(planned.program.strips[0].poses.size(), 1000u);
+  const MotionFacts& facts = planned.strips[0].motion;
+  const auto expect_as_planned = [&](const Program& program, double margin_mm) {
+    const Card card = card_of(view_model(program, nullptr, {}), {Part::kStrip, 0, -1});
+    EXPECT_THAT(
+        card.lines,
+        Contains(HasSubstr(fmt::format("margin {:.1f}, {:.2f} mm", facts.smallest_margin, margin_mm))));
+    EXPECT_THAT(card.lines,
+                Contains(HasSubstr(fmt::format("radius {:.0f} mm", 1 / facts.largest_curvature_per_mm))));
+    EXPECT_THAT(card.lines, Contains(fmt::format("force {:.2f} N, stress {:.0f} MPa", facts.largest_force_n,
+                                                 facts.largest_stress_mpa)));
+  };
+  expect_as_planned(planned.program, facts.smallest_margin_mm());
+  for (std::size_t pose = 500; pose < 516; ++pose) {
+    Program program = planned.program;
+    program.strips[0].poses[pose].margin_mm = 0.25;
+    expect_as_planned(program, 0.25);
+  }
 }
 
 TEST(CardOf, GivesTheLoadsOfAPose) {
