@@ -138,10 +138,15 @@ constexpr std::pair<std::string_view, std::string_view> kSentences[] = {
      "wide",
      "die Klinge dreht sich dort mit ihren Ebenen, ihr schnellster Punkt fährt {:.3g} mm/s, und sie würde "
      "zu breit schmelzen"},
+    {"the blade turns there, its fastest point in foam, in the waste beside the design, goes at {:.3g} mm/s, "
+     "and it would melt too wide: the smallest feed takes motion.feed_mm_s of {} mm/s",
+     "die Klinge dreht sich dort, ihr schnellster Punkt im Schaum, im Abfall neben dem Entwurf, fährt "
+     "{:.3g} mm/s, und sie würde zu breit schmelzen: der kleinste Vorschub braucht motion.feed_mm_s von {} "
+     "mm/s"},
     {"the clamps' {} holds the blade back there, and it would melt too wide: the smallest feed takes {} of "
-     "{:.2g} {}",
+     "{} {}",
      "dort hält die Klemmen ihre {} zurück, und die Klinge würde zu breit schmelzen: der kleinste "
-     "Vorschub braucht {} von {:.2g} {}"},
+     "Vorschub braucht {} von {} {}"},
     {"motion.lead_mm ends nearer behind the block", "motion.lead_mm endet näher hinter dem Block"},
     {"design.keep = \"{}\" says nothing about an upright surface",
      "design.keep = \"{}\" sagt nichts über eine aufrechte Fläche"},

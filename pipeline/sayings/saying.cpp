@@ -23,9 +23,12 @@ constexpr auto kSayings = std::to_array<SayingInfo>({
     {Saying::kTurnsWithPlanes,
      "the blade turns there with its planes, its fastest point goes at {:.3g} mm/s, and it would melt too "
      "wide"},
+    {Saying::kFasterInWaste,
+     "the blade turns there, its fastest point in foam, in the waste beside the design, goes at {:.3g} mm/s, "
+     "and it would melt too wide: the smallest feed takes motion.feed_mm_s of {} mm/s"},
     {Saying::kHeldBack,
      "the clamps' {} holds the blade back there, and it would melt too wide: the smallest feed takes {} of "
-     "{:.2g} {}"},
+     "{} {}"},
     {Saying::kLeadEndsNear, "motion.lead_mm ends nearer behind the block"},
     {Saying::kUpright, "design.keep = \"{}\" says nothing about an upright surface"},
     {Saying::kClosed,

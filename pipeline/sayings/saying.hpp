@@ -27,6 +27,7 @@ enum class Saying : std::uint8_t {
   kTenthForBezier,
   kTurnsThere,
   kTurnsWithPlanes,
+  kFasterInWaste,
   kHeldBack,
   kLeadEndsNear,
   kUpright,

@@ -33,8 +33,9 @@ StripPhase cut_phase(double offset_mm, const SweepMarks& marks) {
 }
 
 // Everything but the margins, which find_margins gives to all poses together.
-void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedStretch& timed,
-            const SweepMarks& marks) {
+// `in_block` has what of each blade may lie in its block, waste included.
+void append(std::vector<BladePose>& poses, std::vector<elastica::Part>& in_block, const Stretch& stretch,
+            const TimedStretch& timed, const SweepMarks& marks) {
   const bool cutting = stretch.phase == StripPhase::kCut;
   const double t0 = poses.empty() ? 0 : poses.back().t;
   if (!poses.empty() && !(timed.law.duration_s > 0)) return;  // a stretch that does not move
@@ -51,6 +52,7 @@ void append(std::vector<BladePose>& poses, const Stretch& stretch, const TimedSt
     if (pose.phase == StripPhase::kCut) pose.foam = {{shape.foam0, shape.foam1}};
     pose.a = timed.at.pairs[k].a;
     pose.b = timed.at.pairs[k].b;
+    in_block.push_back(shape.in_foam ? elastica::Part{shape.rib0, shape.rib1} : elastica::Part{});
   }
 }
 
@@ -228,9 +230,11 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook
   if (look == MotionLook::kCoarse && !strip.planes.turns()) settings.motion.waypoint_s *= kCoarser;
   BladeMotion motion;
   const BladePath path = make_path(strip, settings);
+  std::vector<elastica::Part> in_block;
   for (const Stretch& stretch : path.stretches) {
-    append(motion.poses, stretch, timed(stretch, strip, settings), path.marks);
+    append(motion.poses, in_block, stretch, timed(stretch, strip, settings), path.marks);
     if (stretch.phase == StripPhase::kForm) append_preheat(motion.poses, settings.motion);
+    in_block.resize(motion.poses.size());
   }
   find_margins(motion.poses);
   if (strip.planes.turns()) motion.facts.off_plane_mm = off_plane_mm(motion.poses);
@@ -253,7 +257,8 @@ BladeMotion move_blade(const StripPlan& strip, const Settings& given, MotionLook
         i == 0 ? 1 : (without_jerk[i] - without_jerk[i - 1]) / (motion.poses[i].t - motion.poses[i - 1].t);
     Refuser refuse(strip, motion);
     refuse(i, Limit::kSlowestFeed, slow.slowest_mm_s, settings.motion.min_feed_mm_s,
-           why_slow(slow, motion.poses, strip.planes.turns(), settings.motion, jerk_share));
+           why_slow(slow, motion.poses, strip.planes.turns(), settings.motion, jerk_share,
+                    fastest_in_block_mm_s(motion.poses, in_block, i)));
   }
   check_blade(strip, settings, look, motion);
   round_judgement(motion.poses);

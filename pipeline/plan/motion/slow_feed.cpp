@@ -1,5 +1,7 @@
 #include "pipeline/plan/motion/slow_feed.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +13,7 @@
 #include "pipeline/plan/motion/slower.hpp"
 #include "pipeline/plan/motion/timed_stretch.hpp"
 #include "pipeline/sayings/saying.hpp"
+#include "pipeline/settings/settings_fields.hpp"
 #include "robot/pose/rates.hpp"
 
 namespace hotblade::pipeline {
@@ -106,6 +109,14 @@ void weigh_steps(const std::vector<BladePose>& poses, std::size_t from, std::siz
   }
 }
 
+// A number of two digits to set a limit to, no less than the one needed.
+double settable(double needed) {
+  constexpr double kRounding = 1e-9;
+  const double step = std::pow(10, std::floor(std::log10(needed)) - 1);
+  const double up = std::ceil(needed / step * (1 - kRounding)) * step;
+  return std::stod(fmt::format("{:.2g}", up));  // the decimal, without what its product is off
+}
+
 }  // namespace
 
 std::vector<StepFeed> step_feeds(const std::vector<BladePose>& poses, bool same_points) {
@@ -127,20 +138,36 @@ SlowFeed slowest_feed(const std::vector<BladePose>& poses, bool same_points) {
   return std::isfinite(slow.slowest_mm_s) ? slow : SlowFeed{};
 }
 
+double fastest_in_block_mm_s(const std::vector<BladePose>& poses, const std::vector<elastica::Part>& in_block,
+                             std::size_t pose) {
+  if (pose == 0) return 0;
+  std::vector<BladePose> step{poses[pose - 1], poses[pose]};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const elastica::Part& part = in_block[pose - 1 + i];
+    step[i].foam.reset();
+    if (part.last > part.first) step[i].foam = {{part.first, part.last}};
+  }
+  return step_feeds(step, false)[1].fastest_mm_s;
+}
+
 std::string why_slow(const SlowFeed& slow, const std::vector<BladePose>& poses, bool planes_turn,
-                     const MotionSettings& motion, double jerk_share) {
-  // The fastest point has the feed there, or else the clamps hold the blade back.
+                     const MotionSettings& motion, double jerk_share, double in_block_mm_s) {
+  // The fastest point has the feed there, or one in the waste beside the design, or else the clamps hold the
+  // blade back.
   constexpr double kAtFeed = 0.9;
   const bool by_jerk = slow.slowest_mm_s >= jerk_share * motion.min_feed_mm_s;
   if ((!by_jerk && slow.fastest_mm_s >= kAtFeed * motion.feed_mm_s) || !(slow.slowest_mm_s > 0)) {
     return say(planes_turn ? Saying::kTurnsWithPlanes : Saying::kTurnsThere, {slow.fastest_mm_s});
   }
-  const Held held = by_jerk ? most_used_jerk(poses, motion) : most_used(poses, slow.pose, motion);
   // A tenth more, as the law leaves a little of each limit.
   constexpr double kMore = 1.1;
-  const double needed = kMore * held.limit *
-                        std::pow(motion.min_feed_mm_s / slow.slowest_mm_s, static_cast<double>(held.power));
-  return say(Saying::kHeldBack, {held.name, held.key, needed, held.unit});
+  const double slower = motion.min_feed_mm_s / slow.slowest_mm_s;
+  if (!by_jerk && in_block_mm_s >= kAtFeed * motion.feed_mm_s)
+    return say(Saying::kFasterInWaste,
+               {in_block_mm_s, number_text(settable(kMore * motion.feed_mm_s * slower))});
+  const Held held = by_jerk ? most_used_jerk(poses, motion) : most_used(poses, slow.pose, motion);
+  const double needed = kMore * held.limit * std::pow(slower, static_cast<double>(held.power));
+  return say(Saying::kHeldBack, {held.name, held.key, number_text(settable(needed)), held.unit});
 }
 
 }  // namespace hotblade::pipeline

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -13,6 +14,7 @@
 #include "surface/read/design_surface.hpp"
 #include "tests/paths.hpp"
 #include "tests/pipeline/clamp_motion.hpp"
+#include "tests/pipeline/plan_design.hpp"
 
 namespace hotblade::pipeline {
 namespace {
@@ -46,7 +48,8 @@ PlanResult plan_sample(const std::string& name, const MotionSettings& motion) {
 const PlanResult& usual(const std::string& name) {
   static std::map<std::string, PlanResult> plans;
   const auto at = plans.find(name);
-  return at != plans.end() ? at->second : plans.emplace(name, plan_sample(name, MotionSettings{})).first->second;
+  return at != plans.end() ? at->second
+                           : plans.emplace(name, plan_sample(name, MotionSettings{})).first->second;
 }
 
 // How much slower the usual motion would have to run as a whole to keep to other limits.
@@ -100,6 +103,31 @@ const Refusal* slowest_feed(const PlanResult& result) {
   const auto at = std::find_if(result.refusals.begin(), result.refusals.end(),
                                [](const Refusal& r) { return r.limit == Limit::kSlowestFeed; });
   return at == result.refusals.end() ? nullptr : &*at;
+}
+
+// A wave cut askew: planes stand across a corner of it at first, so that the blade lies in waste for the most
+// of its block, turns, and goes the fastest there.
+TEST(ClampLimitsRefusal, NamesTheFeedWhereAPointInTheWasteBesideTheDesignHasIt) {
+  const surface::DesignSurface wave = grid_design("wave", 70, 30, [](double u, double v) {
+    return Eigen::Vector3d(700 * u, 300 * v, 50 * std::sin(2 * std::numbers::pi * u));
+  });
+  Settings settings = back_kept();
+  settings.slice.direction = {{0.7166, 0.6975, -0.0049}};
+  settings.motion.min_feed_mm_s = settings.motion.feed_mm_s;
+  const PlanResult refused = plan(wave, settings, {});
+  const Refusal* const slow = slowest_feed(refused);
+  ASSERT_NE(slow, nullptr);
+  EXPECT_LT(slow->value, 0.9 * settings.motion.feed_mm_s);
+  EXPECT_NE(slow->note.find("in the waste beside the design"), std::string::npos) << slow->note;
+  const std::string key = "motion.feed_mm_s of ";
+  const std::size_t named = slow->note.find(key);
+  ASSERT_NE(named, std::string::npos) << slow->note;
+  EXPECT_EQ(slow->note.find("e+"), std::string::npos) << "as settings are written: " << slow->note;
+  // What the refusal says would help, does.
+  settings.motion.feed_mm_s = std::stod(slow->note.substr(named + key.size()));
+  EXPECT_LT(settings.motion.feed_mm_s, 2 * settings.motion.min_feed_mm_s);
+  const PlanResult helped = plan(wave, settings, {});
+  EXPECT_EQ(slowest_feed(helped), nullptr) << describe(*slowest_feed(helped));
 }
 
 TEST(ClampLimitsRefusal, NamesTheRibWhereFoamWouldMeltTooWideAndTheLimitThatHoldsTheBladeBack) {

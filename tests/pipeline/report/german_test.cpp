@@ -148,14 +148,14 @@ TEST(German, GoesIntoWhatStandsInASentence) {
 
 TEST(German, OfARefusalHasItsPlaceAmountAndReason) {
   Refusal refusal{"S001", "", Limit::kSlowestFeed,
-                  0.5,    1,  say(Saying::kHeldBack, {"speed", "motion.travel_mm_s", 250.0, "mm/s"})};
+                  0.5,    1,  say(Saying::kHeldBack, {"speed", "motion.travel_mm_s", "250", "mm/s"})};
   refusal.place = say(Saying::kAt, {1.0, 2.0, 3.0});
   refusal.when = say(Saying::kInPhase, {"cut", 12.0});
   EXPECT_EQ(
       describe(refusal, kGermanWords),
       "S001 bei (1.0, 2.0, 3.0): Vorschub des langsamsten Punkts der Klinge 0.5 mm/s (Grenze 1 mm/s) in "
       "der Phase Schnitt bei 12.00 s: dort hält die Klemmen ihre Geschwindigkeit zurück, und die Klinge "
-      "würde zu breit schmelzen: der kleinste Vorschub braucht motion.travel_mm_s von 2.5e+02 mm/s");
+      "würde zu breit schmelzen: der kleinste Vorschub braucht motion.travel_mm_s von 250 mm/s");
   EXPECT_EQ(describe(refusal, Words("en")), describe(refusal));
 }
 
