@@ -117,13 +117,14 @@ struct StageTime {
 struct PlanResult {
   Program program;  // strips that could be planned; verification says passed or refused
   std::vector<StripFacts> strips;
-  std::vector<PlanesTried> ranking;  // in the order of what the Beziers of their sections say
+  // In the order of what the Beziers of their sections say, or of the strips that their rows of blocks take.
+  std::vector<PlanesTried> ranking;
   std::vector<Refusal> refusals;
   std::vector<std::string> warnings;
   VerifyReport verification;
   double spacing_mm = 0;  // largest between the ribs of a strip
   std::vector<Decision> decisions;
-  std::vector<FacePlanned> faces;      // that lie apart or meet in creases, in the order of the strips; or none
+  std::vector<FacePlanned> faces;  // that lie apart or meet in creases, in the order of the strips; or none
   std::size_t strips_lower_bound = 1;  // by the design's size and area: fewer strips cannot cut it
   std::vector<TriedRemedy> remedies;   // what was tried and passed
   std::optional<Nesting> foam;         // what to buy, where settings say what is sold

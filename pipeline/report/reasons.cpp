@@ -76,22 +76,27 @@ bool is_other(const PlanesTried& tried, const Decision& decision) {
 }
 
 std::size_t parts(const PlanesTried& tried) {
-  return tried.along_sweep * tried.along_ribs;
+  if (tried.strips_in_rows > 0) return tried.strips_in_rows;
+  return tried.of_rows() ? static_cast<std::size_t>(std::ceil(tried.blocks))
+                         : tried.along_sweep * tried.along_ribs;
 }
 
 // What a ranked family came to: its cheap fit, or what its sections' Beziers say that elastica miss.
 std::string came_to(const PlanesTried& tried, const Words& w) {
+  if (tried.of_rows()) return rows_text(tried, w);
   std::string text = parts(tried) == 1 ? w("one part") : w.format("{} parts", parts(tried));
   if (tried.fit_mm) return text + ", " + w.format("its cheap fit is off by {:.2f} mm", *tried.fit_mm);
   if (!std::isfinite(tried.missed_mm)) return text + ", " + w("no elastica follow its sections");
   return text + ", " + w.format("elastica miss its sections by {:.2f} mm", tried.missed_mm);
 }
 
-// Of those that `counts`: fitted ones first, then fewer parts, then what is less off. Null: none.
+// Of those that `counts`: fitted ones first, and rows that were laid, then fewer parts, then what is less
+// off. Null: none.
 template <typename Counts>
 const PlanesTried* best(const Choice& choice, const Counts& counts) {
   const auto rank = [](const PlanesTried& d) {
-    return std::tuple(!d.fit_mm, parts(d), d.fit_mm ? *d.fit_mm : d.missed_mm);
+    const bool only_weighed = d.of_rows() && d.strips_in_rows == 0;
+    return std::tuple(!d.fit_mm, only_weighed, parts(d), d.fit_mm ? *d.fit_mm : d.missed_mm);
   };
   const PlanesTried* found = nullptr;
   for (const PlanesTried& d : choice.ranking) {
@@ -115,7 +120,11 @@ std::string direction_text(const Choice& choice, const SliceSettings& given, con
   const auto other = [&](const PlanesTried& d) { return is_other(d, decision); };
   const PlanesTried* own = best(choice, [&](const PlanesTried& d) { return !other(d); });
   const PlanesTried* next = best(choice, other);
-  if (own != nullptr)
+  if (own != nullptr && own->of_rows()) {
+    text = w.format(
+        "{} ways to lay planes were ranked by the strips that their rows of blocks take; of these: {}.",
+        choice.ranking.size(), came_to(*own, w));
+  } else if (own != nullptr)
     text =
         w.format("{} ways to lay planes were ranked; of these: {}.", choice.ranking.size(), came_to(*own, w));
   if (next != nullptr)
@@ -152,6 +161,10 @@ std::string split_text(const Choice& choice, const Words& w) {
   } else {
     text = w.format("By its area and size {} would be the least.", choice.strips_lower_bound) + " ";
     const PlanesTried* fewer = best(choice, [&](const PlanesTried& d) { return parts(d) < count; });
+    const PlanesTried* rows = best(choice, [](const PlanesTried& d) { return d.of_rows(); });
+    if (rows != nullptr)
+      return text + w.format("Its rows of blocks come to about {} strips; what fails in one is split again.",
+                             parts(*rows));
     text += fewer != nullptr && fewer->fit_mm
                 ? w.format("The best cheap fit of fewer parts: {}.", came_to(*fewer, w))
                 : w.format("Of fewer than {} parts no layout had a cheap fit of them all.", count);
@@ -203,6 +216,12 @@ std::string faces_table(const PlanResult& result, const Words& w) {
 }
 
 }  // namespace
+
+std::string rows_text(const PlanesTried& tried, const Words& w) {
+  if (tried.strips_in_rows == 0)
+    return w.format("{:.1f} blocks or more, if none were wasted at the border", tried.blocks);
+  return w.format("about {} strips", tried.strips_in_rows);
+}
 
 std::string direction_reason(const PlanResult& result, const Words& w) {
   return direction_text(choice_of(result), result.program.settings.slice, w);

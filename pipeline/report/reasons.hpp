@@ -22,6 +22,10 @@ namespace hotblade::pipeline {
 // take; empty where it has none.
 [[nodiscard]] std::string creases_reason(const PlanResult& result, const Words& w);
 
+// Returns what planes that were ranked by rows of blocks come to: strips, or the blocks that they fill at
+// least.
+[[nodiscard]] std::string rows_text(const PlanesTried& tried, const Words& w);
+
 // Returns a blade of another length in words: what stops it, or what weight moves the cut with it.
 [[nodiscard]] std::string blade_text(const BladeTrial& trial, const Words& w);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "pipeline/advice/advice.hpp"
@@ -304,9 +305,10 @@ std::string ranking_section(const PlanResult& result, const Words& w) {
   const std::vector<std::size_t> shown = shown_of_ranking(result);
   for (const std::size_t i : shown) {
     const PlanesTried& d = result.ranking[i];
-    html += fmt::format("<tr><td class=\"l\">{}</td><td>{} x {}</td><td>{:.2f}</td><td>{}</td></tr>\n",
+    html += fmt::format("<tr><td class=\"l\">{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                         of_face(face_of(result, &FacePlanned::ranking, i), planes_text(d.planes, w), w),
-                        d.along_sweep, d.along_ribs, d.missed_mm,
+                        d.of_rows() ? rows_text(d, w) : fmt::format("{} x {}", d.along_sweep, d.along_ribs),
+                        std::isfinite(d.missed_mm) ? fmt::format("{:.2f}", d.missed_mm) : "-",
                         d.fit_mm ? fmt::format("{:.2f}", *d.fit_mm) : w("none"));
   }
   html +=

@@ -284,7 +284,8 @@ double SweepLayouts::blocks_in(const surface::PlaneFamily& planes) const {
   return blocks;
 }
 
-Layout SweepLayouts::in_rows() const {
+Layout SweepLayouts::in_rows(std::vector<PlanesTried>& tried) const {
+  constexpr double kNotMissed = std::numeric_limits<double>::infinity();  // no section is looked at
   std::vector<std::pair<double, std::size_t>> estimated;
   // A fan's rows are as deep as a block at one end only: it is for a strip, unless there is nothing else.
   const bool fans = std::all_of(planes_.begin(), planes_.end(),
@@ -300,6 +301,7 @@ Layout SweepLayouts::in_rows() const {
   for (const auto& [blocks, i] : estimated) {
     if (blocks >= fewest) break;
     laid.push_back(even_rows(whole_[i]));
+    laid.back().blocks = blocks;
     fewest = std::min(fewest, static_cast<double>(laid.back().needs));
   }
   std::stable_sort(laid.begin(), laid.end(), [](const Rows& a, const Rows& b) { return a.needs < b.needs; });
@@ -309,6 +311,20 @@ Layout SweepLayouts::in_rows() const {
     if (rows.rows.empty() || (best && rows.needs >= best->needs)) break;
     fit_rows(rows);
     if (!best || rows.needs < best->needs) best = &rows;
+  }
+  for (const Rows& rows : laid) {
+    std::size_t widest = 1;
+    for (const std::vector<FittedPart>& row : rows.rows) widest = std::max(widest, row.size());
+    const PlanesTried of_rows{rows.axes.planes, rows.shares.size(), widest,    kNotMissed,
+                              std::nullopt,     rows.blocks,        rows.needs};
+    tried.insert(&rows == best ? tried.begin() : tried.end(), of_rows);
+  }
+  std::stable_sort(tried.begin() + (best ? 1 : 0), tried.end(),
+                   [](const auto& a, const auto& b) { return a.strips_in_rows < b.strips_in_rows; });
+  for (std::size_t n = laid.size(); n < estimated.size(); ++n) {
+    const auto& [blocks, i] = estimated[n];
+    const SweepGrid& least = whole_[i].least;
+    tried.push_back({planes_[i], least.along_sweep, least.along_ribs, kNotMissed, std::nullopt, blocks, 0});
   }
   Layout layout{planes_.front(), 0, {}};
   if (!best) {

@@ -34,6 +34,11 @@ struct PlanesTried {
   std::size_t along_sweep = 1, along_ribs = 1;  // parts
   double missed_mm = 0;                         // by elastica, as the Beziers of the sections say
   std::optional<double> fit_mm{};  // of cheap fits of all parts; none: not fitted, or a part has no fit
+  // Of planes that were ranked by rows of blocks: the blocks that the design fills if none is wasted at its
+  // border, and the strips that the rows take, 0 where these were not laid. No blocks: it is not of rows.
+  double blocks = 0;
+  std::size_t strips_in_rows = 0;
+  [[nodiscard]] bool of_rows() const { return blocks > 0; }
 };
 
 // Planes for the whole design and a way to split it evenly.
@@ -90,7 +95,9 @@ class SweepLayouts {
   // A design of many parts, in the planes whose rows take the fewest: rows of one depth, each cut into parts
   // of one arc length, with axes of their own.
   // Without any, and with the grid that they would be about, where that is more than are ever planned.
-  [[nodiscard]] Layout in_rows() const;
+  // `tried` gets all planes that were weighed, the chosen ones first, then by the strips that their rows
+  // take, then by the blocks that they fill at least.
+  [[nodiscard]] Layout in_rows(std::vector<PlanesTried>& tried) const;
 
   // All parts of a grid fitted, from those of `start` where there are any.
   [[nodiscard]] Layout fitted(const surface::PlaneFamily& planes, std::size_t named, const SweepGrid& grid,
@@ -132,6 +139,7 @@ class SweepLayouts {
     std::vector<std::vector<FittedPart>> rows;
     std::vector<double> over;  // what of a row is too large for a block, times what that holds; 1: nothing
     std::size_t needs = 0;     // parts, those that are too large counted twice
+    double blocks = 0;         // PlanesTried
     [[nodiscard]] double worst() const { return *std::max_element(over.begin(), over.end()); }
   };
   // As deep as blocks are, all alike.

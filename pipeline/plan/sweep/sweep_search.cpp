@@ -51,10 +51,10 @@ class Search {
   static constexpr double kNear = 4;  // tolerances that a cheap fit comes down by at most
 
   // A design of many parts, in rows of blocks.
-  void run_rows() const {
+  void run_rows() {
     // A round that ends at strips by themselves takes a tenth of the time of one that fits and measures all.
     constexpr int kMostRounds = 16;
-    Tried laid = first_try(layouts_.in_rows(), SweepWay::kRows);
+    Tried laid = first_try(layouts_.in_rows(tried_planes_), SweepWay::kRows);
     if (laid.layout.parts.empty()) return refuse_so_many(laid, laid.layout.grid.count());
     auto [tried, coarse] = coarsest_first(std::move(laid));
     if (coarse) return refuse(tried, *coarse);

@@ -122,6 +122,10 @@ Json ranking_json(const std::vector<PlanesTried>& ranking) {
                     {"parts_along_ribs", d.along_ribs},
                     {"missed_mm", std::isfinite(d.missed_mm) ? Json(d.missed_mm) : Json()},
                     {"fit_mm", fit}});
+    if (d.of_rows()) {
+      list.back()["rows"] = {{"blocks_at_least", d.blocks},
+                             {"strips", d.strips_in_rows > 0 ? Json(d.strips_in_rows) : Json()}};
+    }
   }
   return list;
 }

@@ -55,6 +55,31 @@ TEST(Reasons, TellWhatTheNextDirectionWouldTake) {
   EXPECT_THAT(text, Not(HasSubstr("(0, 1, 0)"))) << "it was not fitted";
 }
 
+// Of a design of many parts planes are weighed by their rows of blocks.
+TEST(Reasons, TellWhatRowsInOtherDirectionsWouldTake) {
+  PlanResult result = searched();
+  const auto in_rows = [](const Eigen::Vector3d& normal, double blocks, std::size_t strips) {
+    PlanesTried tried = ranked(normal, 2, {});
+    tried.blocks = blocks;
+    tried.strips_in_rows = strips;
+    return tried;
+  };
+  result.ranking = {in_rows({1, 0, 0}, 5.5, 8), in_rows({0, 1, 0}, 6, 9), in_rows({0, 0, 1}, 8.25, 0)};
+  EXPECT_EQ(
+      direction_reason(result, kEnglish),
+      "3 ways to lay planes were ranked by the strips that their rows of blocks take; of these: about 8 "
+      "strips. The best of the other directions, planes with the normal (0, 1, 0): about 9 strips.");
+  result.ranking.erase(result.ranking.begin() + 1);
+  EXPECT_THAT(direction_reason(result, kEnglish),
+              HasSubstr("(0, 0, 1): 8.2 blocks or more, if none were wasted at the border."));
+  const Words german("de");
+  EXPECT_THAT(direction_reason(result, german),
+              AllOf(HasSubstr("mit diesen: etwa 8 Streifen."), HasSubstr("8.2 Blöcke oder mehr")));
+  result.strips_lower_bound = 1;
+  result.decisions.resize(1, result.decisions.back());
+  EXPECT_THAT(split_reason(result, kEnglish), HasSubstr("rows of blocks come to about 8 strips"));
+}
+
 TEST(Reasons, TellByWhatAnotherDirectionFailedThatWasTriedInFull) {
   PlanResult result = searched();
   Decision other = result.decisions.back();

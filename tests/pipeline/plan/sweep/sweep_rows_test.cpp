@@ -16,13 +16,27 @@ namespace {
 using Eigen::Vector3d;
 
 // What blocks are not large enough for counts twice, as it takes one more at least.
-std::size_t strips_in_rows(const surface::DesignSurface& design, std::vector<surface::PlaneFamily> planes) {
+std::size_t strips_in_rows(const surface::DesignSurface& design,
+                           const std::vector<surface::PlaneFamily>& planes) {
   const Settings settings;
   const WatchSweeps watch = [] {};
   const PartFitter fitter(settings, watch);
-  const SweepLayouts layouts(design.mesh, waste_surface(design.mesh, 1), std::move(planes), settings, fitter);
-  const Layout rows = layouts.in_rows();
-  std::size_t strips = 0;
+  const SweepLayouts layouts(design.mesh, waste_surface(design.mesh, 1), planes, settings, fitter);
+  std::vector<PlanesTried> tried;
+  const Layout rows = layouts.in_rows(tried);
+  // The planes that were weighed are told, the chosen ones first.
+  EXPECT_FALSE(tried.empty());
+  EXPECT_EQ(tried.front().planes.normal(0), rows.planes.normal(0));
+  std::size_t strips = 0, parallel = 0;
+  for (const surface::PlaneFamily& one : planes) parallel += one.turns() ? 0 : 1;
+  EXPECT_LE(tried.size(), parallel);
+  for (const PlanesTried& other : tried) {
+    EXPECT_TRUE(other.of_rows());
+    if (other.strips_in_rows > 0)
+      EXPECT_GE(other.strips_in_rows, tried.front().strips_in_rows);
+    else
+      EXPECT_GE(other.blocks, static_cast<double>(tried.front().strips_in_rows)) << "it might take fewer";
+  }
   for (const PartFit& fit : rows.fits) strips += fit.holds() ? 1 : 2;
   return strips;
 }
@@ -56,9 +70,10 @@ Layout rows_of(const surface::DesignSurface& design, double blade_mm) {
   settings.blade.free_lengths_mm = {blade_mm};
   const WatchSweeps watch = [] {};
   const PartFitter fitter(settings, watch);
+  std::vector<PlanesTried> tried;
   return SweepLayouts(design.mesh, waste_surface(design.mesh, 1), sweep_planes(design.mesh, {}), settings,
                       fitter)
-      .in_rows();
+      .in_rows(tried);
 }
 
 // Rows were cut at samples 40 mm apart, and then made narrower by as much as their parts were too long.
