@@ -1,6 +1,8 @@
 #include "pipeline/plan/nearest_plan.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 
 namespace hotblade::pipeline {
@@ -27,6 +29,13 @@ std::vector<bool> over_budget(const PlanResult& result) {
   for (std::size_t i = 0; binds && i < over.size(); ++i)
     over[i] = adds_mm(result.strips[i]) >= kAbout * most_mm;
   return over;
+}
+
+// An amount over its limit, or under a least one, by this share of it; of a limit of 0 the amount itself.
+double share_over(const Refusal& refusal) {
+  const double over = std::abs(refusal.value - refusal.bound), of = std::abs(refusal.bound);
+  if (!std::isfinite(over)) return std::numeric_limits<double>::infinity();
+  return of > 0 ? over / of : over;
 }
 
 }  // namespace
@@ -74,8 +83,17 @@ std::vector<bool> failed_strips(const PlanResult& result) {
 Nearness nearness(const SweptPlan& swept, const PlanResult* verified) {
   const std::vector<bool> failed = verified ? failed_strips(*verified) : std::vector<bool>{};
   std::set<Limit> limits;
-  for (const Refusal& r : verified ? verified->refusals : swept.refusals) limits.insert(r.limit);
-  return {verified == nullptr, limits.size(),
+  bool off_design = false;
+  double over = 0;
+  for (const Refusal& r : verified ? verified->refusals : swept.refusals) {
+    limits.insert(r.limit);
+    off_design = off_design || r.limit == Limit::kDeviation || r.limit == Limit::kDeviationWithSag;
+    over = std::max(over, share_over(r));
+  }
+  return {verified == nullptr,
+          limits.size(),
+          off_design,
+          over,
           swept.refusals.size() + static_cast<std::size_t>(std::count(failed.begin(), failed.end(), true)),
           swept.strips.size()};
 }

@@ -12,11 +12,16 @@ namespace hotblade::pipeline {
 
 // How far a refused plan is from one that passes; the smaller, the nearer. What was verified says more than a
 // plan with a part that has no strip; then the fewer kinds of limits are broken the better, as each takes a
-// change of its own; then the fewer strips fail, then the fewer there are.
+// change of its own; then one that keeps the tolerance is nearer than one that does not, as its blades fit
+// the design; then the smaller the largest amount over a limit, as a share of it; then the fewer strips fail,
+// then the fewer there are.
 struct Nearness {
   bool unverified = true;
-  std::size_t limits = 0, failing = 0, strips = 0;
-  friend std::strong_ordering operator<=>(const Nearness&, const Nearness&) = default;
+  std::size_t limits = 0;
+  bool off_design = false;
+  double over = 0;
+  std::size_t failing = 0, strips = 0;
+  friend std::partial_ordering operator<=>(const Nearness&, const Nearness&) = default;
 };
 
 // Returns it of a swept plan, with what its verification found where it came to that.

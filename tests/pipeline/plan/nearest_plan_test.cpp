@@ -40,6 +40,27 @@ TEST(NearestPlan, BreaksTheFewestKindsOfLimitsBeforeTheFewestStripsFail) {
             nearness(swept(1, {Limit::kDeviation, Limit::kDeviation}), nullptr));
 }
 
+Refusal over(Limit limit, double value, double bound) {
+  return {"S001", "", limit, value, bound};
+}
+
+TEST(NearestPlan, KeepsTheToleranceOrIsTheLeastOverTheSameLimit) {
+  const auto unplanned = [](const std::vector<Refusal>& refusals) {
+    SweptPlan plan;
+    plan.refusals = refusals;
+    return nearness(plan, nullptr);
+  };
+  // A blade that would snap too early fits the design; one that leaves it may be split for that.
+  const Refusal off = over(Limit::kDeviation, 1.484, 1), margin = over(Limit::kPlannedMargin, 42.75, 100);
+  EXPECT_LT(unplanned({margin, margin, margin}), unplanned({off}));
+  EXPECT_LT(unplanned({over(Limit::kPlannedMargin, 61.25, 100)}), unplanned({margin}));
+  EXPECT_LT(unplanned({margin, margin}), unplanned({margin, over(Limit::kPlannedMargin, 39.86, 100)}));
+  PlanResult three = verified(3, {}), four = verified(4, {});
+  three.refusals = {over(Limit::kDeviation, 0.1286, 0.05)};
+  four.refusals = {over(Limit::kDeviation, 0.0564, 0.05)};
+  EXPECT_LT(nearness(swept(4), &four), nearness(swept(3), &three));
+}
+
 TEST(NearestPlan, NamesTheStripsThatFail) {
   PlanResult result = verified(3, {{"S002 lead_in", Limit::kClampClearance}});
   EXPECT_THAT(failed_strips(result), ::testing::ElementsAre(false, true, false));
