@@ -77,7 +77,7 @@ const auto kColumns = std::to_array<StripColumn>({
     {kCut, "ribs", "", [](const StripRow& r) { return fmt::format("{}", r.facts.ribs); }},
     {kCut, "deviation", "mm", fixed<&F::deviation_max_mm, 3>},
     {kCut, "nowhere over", "mm", fixed<&F::deviation_bound_mm, 3>},
-    {kCut, "rib fit", "mm", fixed<&F::worst_fit_mm, 3>},
+    {kCut, "rib fit at samples", "mm", fixed<&F::worst_fit_mm, 3>},
     {kCut, "kink at seam", "deg",
      [](const StripRow& r) { return fmt::format("{:.2f}", r.facts.seam.kink_deg); }},
     {kCut, "block", "mm", block},

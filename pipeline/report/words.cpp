@@ -244,7 +244,7 @@ constexpr std::pair<std::string_view, std::string_view> kGerman[] = {
     // its tables
     {"Strips", "Streifen"},
     {"nowhere over", "nirgends über"},
-    {"rib fit", "Anpassung der Rippen"},
+    {"rib fit at samples", "Anpassung der Rippen an Proben"},
     {"kink at seam", "Knick an der Naht"},
     {"plinth", "Sockel"},
     {"foam kept", "Schaum bleibt"},
