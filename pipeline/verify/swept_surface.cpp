@@ -581,6 +581,7 @@ SweptSurface swept_surface(const Program& program, const GridSteps& given) {
     const WidthPasses passes(program.strips[i].poses, program.blade.width_mm);
     tbb::parallel_for(std::size_t{0}, own.size(),
                       [&](std::size_t k) { add_stretch(program, own[k], passes, steps, surface); });
+    gpu::stop_point();
   });
   gpu::stop_point();
   return surface;
