@@ -20,11 +20,13 @@ inline Program motion_program(int strips, std::size_t poses, double dt_s = 0.05)
     strip.poses.clear();
     strip.blade_length_mm = robot::testing::kBladeLength_mm;
     strip.design_to_cell = {};
+    strip.block.frame.origin.z() = 0;
     robot::BladeBranch blade(strip.blade_length_mm, {1, 0, 1, 0});
     for (const auto& w : robot::testing::sample_waypoints(poses, static_cast<std::uint32_t>(dt_s * 1e6))) {
       BladePose pose = pattern;
       pose.t = w.t_us * 1e-6;
-      pose.phase = StripPhase::kForm;
+      const bool has_been_hot = !strip.poses.empty() && strip.poses.back().phase != StripPhase::kForm;
+      pose.phase = w.heat ? StripPhase::kLeadIn : has_been_hot ? StripPhase::kRetract : StripPhase::kForm;
       pose.foam.reset();
       pose.rib.reset();
       pose.blade.length = strip.blade_length_mm;
