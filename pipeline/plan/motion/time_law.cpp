@@ -52,16 +52,29 @@ std::array<Moving, kTracks> moving_things(const std::vector<PathSample>& samples
   return all;
 }
 
+// The fastest point of the blade where it is in the block before or behind the step.
+double block_step(const PathSample& a, const PathSample& b) {
+  const bool before = a.block_to >= a.block_from, behind = b.block_to >= b.block_from;
+  if ((!before && !behind) || a.along.empty() || b.along.empty()) return 0;
+  const double from = std::min(before ? a.block_from : b.block_from, behind ? b.block_from : a.block_from),
+               to = std::max(before ? a.block_to : b.block_to, behind ? b.block_to : a.block_to);
+  const auto way = [&](double at) {
+    const auto k = std::min(static_cast<std::size_t>(at), a.along.size() - 2);
+    const double t = at - static_cast<double>(k);
+    return ((1 - t) * (b.along[k] - a.along[k]) + t * (b.along[k + 1] - a.along[k + 1])).norm();
+  };
+  double step = std::max(way(from), way(to));
+  for (double at = std::ceil(from); at <= to; ++at) step = std::max(step, way(at));
+  return step;
+}
+
 // The fastest point of the blade in foam.
 double foam_step(const PathSample& a, const PathSample& b) {
   double step = 0;
   for (std::size_t i = 0; i < std::min(a.in_foam.size(), b.in_foam.size()); ++i) {
     step = std::max(step, (b.in_foam[i] - a.in_foam[i]).norm());
   }
-  for (std::size_t i = 0; i < std::min(a.along.size(), b.along.size()); ++i) {
-    if (a.in_block[i] || b.in_block[i]) step = std::max(step, (b.along[i] - a.along[i]).norm());
-  }
-  return step;
+  return std::max(step, block_step(a, b));
 }
 
 // Largest squared path rates (samples a second) that the speeds allow.

@@ -19,10 +19,10 @@ namespace hotblade::pipeline {
 struct PathSample {
   robot::Pose a, b;                      // clamps, mm
   std::vector<Eigen::Vector3d> in_foam;  // points of the rib, whose speed the feed limits; empty in air
-  // Points all along the blade, and which of them are in the block or next to one that is: beside the rib it
-  // cuts what is left of the block there.
+  // Points all along the blade, and from where to where it is in the block, counted in these: beside the rib
+  // it cuts what is left of the block there. Nowhere: the end is before the beginning.
   std::vector<Eigen::Vector3d> along;
-  std::vector<bool> in_block;
+  double block_from = 0, block_to = -1;
 };
 
 // What of both clamps has a limit of acceleration of its own: each clamp's place and each clamp's turn.

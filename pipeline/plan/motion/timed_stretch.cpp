@@ -34,14 +34,30 @@ ClampedShapes clamped(std::vector<BladeShape> shapes, const StripPlan& strip) {
   return all;
 }
 
-// Which of the points along a blade are in the block, or next to one that is.
-std::vector<bool> about_block(const std::vector<Eigen::Vector3d>& along, const Block& block) {
-  std::vector<bool> about(along.size(), false);
-  for (std::size_t k = 0; k < along.size(); ++k) {
-    if (!block.contains(along[k])) continue;
-    for (std::size_t i = k > 0 ? k - 1 : 0; i <= std::min(k + 1, along.size() - 1); ++i) about[i] = true;
+// How far from a point in the block the way to one outside stays in it, as a share of the way.
+double share_inside(const Block& block, const Eigen::Vector3d& in, const Eigen::Vector3d& out) {
+  const Eigen::Vector3d from = block.local(in), to = block.local(out);
+  double share = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (to[axis] < 0) share = std::min(share, from[axis] / (from[axis] - to[axis]));
+    if (to[axis] > block.size_mm[axis])
+      share = std::min(share, (block.size_mm[axis] - from[axis]) / (to[axis] - from[axis]));
   }
-  return about;
+  return share;
+}
+
+// From where to where the points along a blade are in the block.
+void measure_in_block(const Block& block, PathSample& sample) {
+  const std::vector<Eigen::Vector3d>& along = sample.along;
+  const auto in = [&](const Eigen::Vector3d& p) { return block.contains(p); };
+  const auto first = std::ranges::find_if(along, in);
+  if (first == along.end()) return;
+  auto last = along.end() - 1;
+  while (!in(*last)) --last;
+  sample.block_from = static_cast<double>(first - along.begin());
+  sample.block_to = static_cast<double>(last - along.begin());
+  if (first != along.begin()) sample.block_from -= share_inside(block, *first, *(first - 1));
+  if (last + 1 != along.end()) sample.block_to += share_inside(block, *last, *(last + 1));
 }
 
 std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& strip) {
@@ -77,7 +93,7 @@ std::vector<PathSample> path_samples(const Stretch& stretch, const StripPlan& st
         const Eigen::Vector2d q = all_along.at(i - from, k);
         sample.along.push_back(all.frames[i].point(q.x(), q.y()));
       }
-      sample.in_block = about_block(sample.along, strip.block);
+      measure_in_block(strip.block, sample);
     }
   });
   return samples;

@@ -115,8 +115,10 @@ TEST(ClampLimitsRefusal, NamesTheFeedWhereAPointInTheWasteBesideTheDesignHasIt) 
   settings.slice.direction = {{0.7166, 0.6975, -0.0049}};
   settings.motion.min_feed_mm_s = settings.motion.feed_mm_s;
   const PlanResult refused = plan(wave, settings, {});
-  const Refusal* const slow = slowest_feed(refused);
-  ASSERT_NE(slow, nullptr);
+  // That of the whole, before it was split.
+  ASSERT_FALSE(refused.decisions.empty());
+  const std::optional<Refusal>& slow = refused.decisions.front().stopped_by;
+  ASSERT_TRUE(slow && slow->limit == Limit::kSlowestFeed);
   EXPECT_LT(slow->value, 0.9 * settings.motion.feed_mm_s);
   EXPECT_NE(slow->note.find("in the waste beside the design"), std::string::npos) << slow->note;
   const std::string key = "motion.feed_mm_s of ";
