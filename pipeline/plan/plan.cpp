@@ -78,7 +78,9 @@ void take_report(VerifyReport report, PlanResult& result) {
 }
 
 void measure_cut(const surface::DesignSurface& design, gpu::Backend backend, PlanResult& result) {
-  take_report(verify(result.program, design, verify_options(result.program.settings, backend)), result);
+  VerifyOptions options = verify_options(result.program.settings, backend);
+  options.motion = false;
+  take_report(verify(result.program, design, options), result);
 }
 
 // Limits of the whole: the deviation and the area left out.

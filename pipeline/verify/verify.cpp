@@ -536,7 +536,9 @@ VerifyReport verify(const Program& program, const surface::DesignSurface& design
   tbb::parallel_invoke([&] { branches = follow_branches(program, options.min_margin); },
                        [&] { mismatch_mm = clamp_mismatch_mm(program); },
                        [&] { ribs = check_ribs(program, options.tolerance_mm, options.backend); },
-                       [&] { motion = check_motion(program); },
+                       [&] {
+                         if (options.motion) motion = check_motion(program);
+                       },
                        [&] { report = measure(program, {}, design, options); });
   gpu::stop_point();
   report.branches = std::move(branches);

@@ -48,6 +48,7 @@ struct VerifyOptions {
   // nothing is said of what of it is left uncut.
   bool cut_only = false;
   bool by_every_pose = false;  // where the band's edge is: GridSteps
+  bool motion = true;  // with what a program's motion must not; a plan made and measured its own
 };
 
 // Where a hot blade is in foam without forming the design: points of its centre line.
